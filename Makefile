@@ -1,5 +1,5 @@
 # Two commands: `make demo` runs the workbench, `make test` checks it.
-# Everything they need is put into .venv and frontend/node_modules, once.
+# Their dependencies are installed once, into .venv and frontend/node_modules.
 
 PYTHON ?= python3
 PORT ?= 8000
@@ -8,60 +8,60 @@ BIN := $(VENV)/bin
 UV_VERSION := 0.13.8
 DATABASE := sqlite:///var/flexsid.db
 
-# What the installed package is made from, the page included.
+# Sources of the page, which is part of the installed package.
 PAGE := $(shell find frontend -type f \
-	-not -path '*/node_modules/*' -not -path '*/dist/*' -not -name '*.test.*' 2>/dev/null)
+	-not -path '*/node_modules/*' -not -path '*/dist/*' -not -name '*.test.*' -not -name '*.gen.ts' 2>/dev/null)
 
-# One BLAS thread: workers and test processes already use every core.
+# One BLAS thread: workers and test processes already use all cores.
 export OPENBLAS_NUM_THREADS := 1
 export UV_NO_PROGRESS := 1
 export UV_LINK_MODE := copy
-say = @printf '\033[1mflexsid: %s\033[0m\n'
+announce = @printf '\033[1mflexsid: %s\033[0m\n'
 
 .PHONY: help install demo serve docs test test-long lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo     install, fill an empty workbench with the demonstration campaign, serve it'
-	@echo 'make test     install and run every check and test, one walk in a browser included'
+	@echo 'make test     install and run every check and test, including one browser test'
 	@echo 'make test-long    run rare faults and statistics over large matrices (hours)'
 	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
 	@echo 'make docs     build the documentation site into var/site'
-	@echo 'make install  only what the others need first'
-	@echo 'make format   put all source into the one form'
+	@echo 'make install  install the package and its dependencies'
+	@echo 'make format   format all sources'
 	@echo 'make lint, make types, make rules, make page-checks    parts of make test'
-	@echo 'make lock     renew requirements.lock'
-	@echo 'make clean    remove everything that was installed or built; var/ stays'
+	@echo 'make lock     update requirements.lock'
+	@echo 'make clean    remove everything that was installed or built, except var/'
 
 # --- Installing ------------------------------------------------------------
 
 install: $(VENV)/.installed
 
 $(BIN)/python:
-	$(say) 'making $(VENV)'
+	$(announce) 'creating $(VENV)'
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo 'flexsid needs Python 3.11 or newer: make PYTHON=/path/to/python3'; exit 1; }
 	@$(PYTHON) -m venv $(VENV) || \
-		{ echo 'this Python cannot make environments: on Debian install python3-venv'; exit 1; }
+		{ echo 'this Python cannot create virtual environments; on Debian install python3-venv'; exit 1; }
 
-# uv is several times faster than pip, but does not read pip's settings: where
-# it cannot be had or finds no index, pip does the same work. The page's
-# packages are fetched meanwhile; where that fails, building the page says why.
+# uv is several times faster than pip, but does not read the settings of pip. If uv
+# is not available or finds no index, pip is used. The packages of the page are
+# fetched meanwhile; if that fails, building the page reports the reason.
 $(VENV)/.locked: requirements.lock | $(BIN)/python
-	$(say) 'installing the locked packages'
+	$(announce) 'installing the locked packages'
 	@$(BIN)/python hatch_build.py --version >/dev/null 2>&1 & \
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION); \
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock || \
-		{ echo 'uv did not serve; trying pip'; \
+		{ echo 'uv failed; trying pip'; \
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock; } || \
 		exit 1; \
 	wait
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
-	$(say) 'building the page'
+	$(announce) 'building the page'
 	@$(BIN)/python hatch_build.py
-	$(say) 'installing flexsid'
+	$(announce) 'installing flexsid'
 	@$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable . || \
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-deps --no-build-isolation --editable .
@@ -83,51 +83,55 @@ serve: install
 
 docs: install
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
-	$(say) 'the documentation is at var/site/index.html; its search needs a server: python -m http.server -d var/site'
+	$(announce) 'the documentation is at var/site/index.html; its search requires a server: python -m http.server -d var/site'
 
 # --- Checking --------------------------------------------------------------
 
+# One process more than cores: tests of servers and of the browser mostly wait.
+PROCESSES = $(shell $(BIN)/python -c 'import os; print((os.cpu_count() or 1) + 1)')
+
 test: lint types rules page-checks browser database
-	$(say) 'running the tests'
-	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(announce) 'running the tests'
+	@$(BIN)/python -m pytest --numprocesses $(PROCESSES) --dist loadfile
 
 test-long: install browser database
-	$(say) 'running the long tests'
+	$(announce) 'running the long tests'
 	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile -m long
 
 lint: install
-	$(say) 'style and spelling'
+	$(announce) 'style and spelling'
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/codespell
 
 types: install
-	$(say) 'types'
+	$(announce) 'types'
 	@$(BIN)/pyright
 
 rules: install
-	$(say) 'floors'
+	$(announce) 'layers'
 	@$(BIN)/lint-imports
 
 page-checks: install
-	$(say) 'the page: style, types and tests'
+	$(announce) 'the page: style, types and tests'
+	@PYTHON=$(CURDIR)/$(BIN)/python $(BIN)/python hatch_build.py run --silent generate
 	@$(BIN)/python hatch_build.py run lint
 	@$(BIN)/python hatch_build.py run format:check
 	@$(BIN)/python hatch_build.py run typecheck
 	@$(BIN)/python hatch_build.py test
 
-# The walk in a browser uses the system's Chromium; only root can install one.
+# The browser test uses the Chromium of the system; only root can install it.
 browser:
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || \
 		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-			echo 'flexsid: installing Chromium for the walk in a browser'; \
+			echo 'flexsid: installing Chromium for the browser test'; \
 			apt-get update -qq && DEBIAN_FRONTEND=noninteractive \
 			apt-get install -qq -y --no-install-recommends chromium fonts-dejavu-core >/dev/null; \
 		else \
-			echo 'flexsid: no Chromium here; the walk in a browser will be skipped'; \
+			echo 'flexsid: Chromium is not installed; the browser test will be skipped'; \
 		fi
 
-# The suite runs on PostgreSQL too, whose server comes from the system.
+# The tests also run on PostgreSQL, whose server comes from the system.
 database:
 	@ls /usr/lib/postgresql/*/bin/postgres >/dev/null 2>&1 || command -v postgres >/dev/null || \
 		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
@@ -135,7 +139,7 @@ database:
 			apt-get update -qq && DEBIAN_FRONTEND=noninteractive \
 			apt-get install -qq -y --no-install-recommends postgresql >/dev/null; \
 		else \
-			echo 'flexsid: no PostgreSQL here; its part of the tests will be skipped'; \
+			echo 'flexsid: PostgreSQL is not installed; its tests will be skipped'; \
 		fi
 
 format: install

@@ -1,4 +1,4 @@
-"""What the site makes of the program: reference pages, and equations as MathML."""
+"""Hooks of the documentation site: reference pages, and equations as MathML."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _LIBRARY = {
     "The model": ["model"],
     "Preparation": ["preparation"],
     "Estimation": ["estimation"],
-    "Model structure": ["structure"],
+    "Model structure determination": ["structure_determination"],
     "Stability": ["stability"],
     "Simulation": ["simulation"],
 }
@@ -48,7 +48,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_kwargs: Any) -> str:
-    """Show every picture in the theme of the reader."""
+    """Show every picture in the theme of the page."""
     return _PICTURE.sub(r"![\1](\2.png#only-light)\n![\1](\2-dark.png#only-dark)", markdown)
 
 
@@ -66,7 +66,8 @@ def _library() -> str:
     lines = [
         "# Library",
         "",
-        "`flexsid.sysid` is the mathematics: arrays and frozen values, SI units and radians.",
+        "`flexsid.sysid` holds the methods of system identification: arrays and frozen values,",
+        "in SI units and radians.",
         "",
     ]
     for title, folders in _LIBRARY.items():
@@ -85,9 +86,9 @@ def _client() -> str:
             "",
             "::: flexsid.client.workbench.Workbench",
             "",
-            "::: flexsid.client.waiting.RunFailed",
+            "::: flexsid.client.polling.RunFailed",
             "",
-            "::: flexsid.client.connection.Refused",
+            "::: flexsid.client.connection.RequestRefused",
             "",
             "::: flexsid.client.connection.Unreachable",
             "",
@@ -95,11 +96,11 @@ def _client() -> str:
     )
 
 
-def _modules(place: str) -> list[str]:
-    """Public modules at a place of the package, dotted."""
+def _modules(folder: str) -> list[str]:
+    """Return the dotted names of the public modules in a folder of the package."""
     package = BACKEND / "flexsid"
-    single = package / f"{place}.py"
-    found = [single] if single.is_file() else sorted((package / place).glob("*.py"))
+    single = package / f"{folder}.py"
+    found = [single] if single.is_file() else sorted((package / folder).glob("*.py"))
     return [
         ".".join(path.relative_to(BACKEND).with_suffix("").parts)
         for path in found
@@ -128,9 +129,9 @@ def _rest() -> str:
     lines = [
         "# REST",
         "",
-        "Everything that the page shows comes from here. Lists answer",
-        '`{"items": [...], "next": ...}`; what is refused answers `application/problem+json`',
-        "with a stable `code`. The description for machines is at `/api/v1/openapi.json` of a",
+        "The page uses only this interface. Lists return",
+        '`{"items": [...], "next": ...}`; errors return `application/problem+json`',
+        "with a stable `code`. The OpenAPI description is at `/api/v1/openapi.json` of a",
         "running server.",
         "",
     ]
@@ -175,8 +176,8 @@ def _glossary() -> str:
     lines = [
         "# Glossary",
         "",
-        "Names in code, files, addresses and figures. Values are SI and radians; figures show",
-        "the unit that people read.",
+        "Names in code, files, URLs and figures. Values are in SI units and radians; figures use",
+        "the display unit.",
         "",
         "| name | symbol | unit | shown in | meaning |",
         "| --- | --- | --- | --- | --- |",

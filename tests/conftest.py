@@ -1,4 +1,4 @@
-"""What several floors need: a store that has been migrated, and a small aircraft to keep in it."""
+"""Fixtures of several layers: a migrated store, a small aircraft, and a flown campaign."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ CONDITION = Condition(
 
 @pytest.fixture(scope="session")
 def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An empty database, made once and copied for each test."""
+    """An empty migrated database, created once and copied for each test."""
     file = tmp_path_factory.mktemp("database") / "empty.db"
     upgrade(f"sqlite:///{file}")
     return file
@@ -86,8 +86,8 @@ def postgresql() -> Iterator[postgresql_server.Cluster]:
     cluster.remove()
 
 
-# Where statements are written, asked for, or raced: both databases. Elsewhere a test says
-# something of another floor, and the second database only with ``--every-database``.
+# Tests of database statements and concurrency run on both databases; tests of other layers
+# run on the second database only with ``--every-database``.
 _BOTH = (
     *("storage/", "jobs/", "api/test_batches.py", "api/test_resources.py", "api/test_decisions.py"),
     *("api/test_uploads.py", "api/test_model_structures.py", "workflow/test_ingest.py"),
@@ -103,7 +103,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Say on which databases a test runs, unless it says so itself."""
+    """Parametrise a test by its databases, unless it does so itself."""
     if "backend" not in metafunc.fixturenames:
         return
     own = [
@@ -164,7 +164,7 @@ def add_maneuver(store: Store, flight: Flight) -> Callable[..., Maneuver]:
             excitation=Excitation(period_s=1.0, harmonics={"bfs": (2, 4)}),
         )
         with store.transaction():
-            kept = store.maneuvers.add(replace(maneuver, **changes))
+            stored = store.maneuvers.add(replace(maneuver, **changes))
             for name, unit, role in (("bfs", "deg", Role.INPUT), ("q", "deg/s", Role.OUTPUT)):
                 samples = np.sin(np.arange(200) / 10 + len(name)).astype(np.float32)
                 store.channels.add(
@@ -176,10 +176,10 @@ def add_maneuver(store: Store, flight: Flight) -> Callable[..., Maneuver]:
                         start_s=0.0,
                         n_samples=200,
                         array=store.arrays.put(samples, unit),
-                        maneuver_id=kept.id,
+                        maneuver_id=stored.id,
                     )
                 )
-        return kept
+        return stored
 
     return add
 
@@ -207,26 +207,26 @@ def add_run(store: Store, maneuver: Maneuver) -> Callable[..., EstimationRun]:
 
 
 def _fly(url: str) -> None:
-    """Put FLEX-28 into a database, one maneuver that was flown, and an EE run of it."""
+    """Add FLEX-28, one flown maneuver and an EE run of it to a database."""
     from flexsid.demo.campaign import add_aircraft, add_maneuver
     from flexsid.demo.flights import fly
-    from flexsid.jobs.direct import carry_out
-    from flexsid.jobs.steps import estimation_steps
+    from flexsid.jobs.inline import execute_run
+    from flexsid.jobs.pipeline import load_estimation_pipeline
 
     store = Store.open(url)
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
     assert flight.id is not None
-    kept = add_maneuver(store, fly(modes_in_truth=2, label="flown"), flight.id)
-    assert kept.id is not None
-    wanted = EstimationRun(
-        maneuver_id=kept.id,
+    stored = add_maneuver(store, fly(modes_in_truth=2, label="flown"), flight.id)
+    assert stored.id is not None
+    run = EstimationRun(
+        maneuver_id=stored.id,
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    carry_out(store, wanted, estimation_steps(), lambda progress: None)
+    execute_run(store, run, load_estimation_pipeline(), lambda progress: None)
     store.close()
 
 
@@ -257,7 +257,7 @@ def flown_template(postgresql: postgresql_server.Cluster) -> str:
 def live_url(
     flown_file: Path, listening: Listening, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[str]:
-    """Address of a server that listens; maneuver 1 was flown, and run 1, EE, succeeded."""
+    """Address of a running server with one flown maneuver and an EE run of it."""
     file = tmp_path_factory.mktemp("live") / "flown.db"
     shutil.copy(flown_file, file)
     with listening(f"sqlite:///{file}") as url:
@@ -266,7 +266,7 @@ def live_url(
 
 @pytest.fixture(scope="session")
 def listening() -> Listening:
-    """Serve a database on a free port, in this process; to be used in a ``with``."""
+    """Context manager that serves a database on a free port in this process."""
     import uvicorn
 
     from flexsid.api.app import create_app
@@ -291,7 +291,7 @@ def listening() -> Listening:
 
 @pytest.fixture
 def flown_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
-    """A database with FLEX-28, one maneuver that was flown, and an EE run of it."""
+    """URL of a database with FLEX-28, one flown maneuver and an EE run of it."""
     if backend == "sqlite":
         flown: Path = request.getfixturevalue("flown_file")
         file = tmp_path / "flown.db"
@@ -305,7 +305,7 @@ def flown_url(backend: str, request: pytest.FixtureRequest, tmp_path: Path) -> I
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Print what tests recorded as ``digits``: agreement with certified values."""
+    """Print the agreement with certified values that tests recorded as ``digits``."""
     recorded = [
         (report.nodeid.split("::")[-1], value)
         for report in terminalreporter.getreports("passed")

@@ -1,4 +1,4 @@
-"""Names and notes hold what people see; in other formats they stay names."""
+"""Checks and conversions of names and notes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexsid.text import c_identifiers, check_line, check_lines, one_line, spreadsheet_cell
+from flexsid.text import (
+    check_line,
+    check_lines,
+    escape_spreadsheet_cell,
+    make_c_identifiers,
+    one_line,
+)
 
 HOSTILE = [
     "a\x00b",
@@ -21,7 +27,7 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_what_nobody_sees_is_no_part_of_a_name(text: str) -> None:
+def test_invisible_characters_are_refused_in_names(text: str) -> None:
     with pytest.raises(ValueError, match=r"character|blanks"):
         check_line(text)
 
@@ -38,20 +44,20 @@ def test_notes_have_lines_and_names_one_spelling() -> None:
 
 @given(st.text(max_size=60))
 @settings(max_examples=100, deadline=None)
-def test_every_text_is_refused_or_kept_as_one_line(text: str) -> None:
+def test_every_text_is_refused_or_returned_as_one_line(text: str) -> None:
     try:
-        kept = check_line(text)
+        checked = check_line(text)
     except ValueError:
         return
-    assert check_line(kept) == kept
-    assert len(kept.splitlines()) <= 1
-    assert kept.encode().decode() == kept
+    assert check_line(checked) == checked
+    assert len(checked.splitlines()) <= 1
+    assert checked.encode().decode() == checked
 
 
 @given(st.lists(st.text(min_size=1, max_size=80), min_size=1, max_size=5, unique=True))
 @settings(max_examples=100, deadline=None)
 def test_identifiers_are_those_of_c_and_never_shared(names: list[str]) -> None:
-    made = c_identifiers(tuple(names), longest=25)
+    made = make_c_identifiers(tuple(names), longest=25)
     assert len(set(made)) == len(names)
     for own in made:
         assert own.isascii()
@@ -61,8 +67,8 @@ def test_identifiers_are_those_of_c_and_never_shared(names: list[str]) -> None:
 
 @pytest.mark.parametrize("text", ["=cmd|' /C calc'!A0", "+1", "-1", "@x", "\t=1", " =1", "\r=1"])
 def test_no_cell_is_a_formula(text: str) -> None:
-    assert spreadsheet_cell(text).startswith("'")
-    assert spreadsheet_cell("az_nose") == "az_nose"
+    assert escape_spreadsheet_cell(text).startswith("'")
+    assert escape_spreadsheet_cell("az_nose") == "az_nose"
 
 
 def test_old_records_leave_as_one_line() -> None:

@@ -1,4 +1,4 @@
-"""Small flexible aircraft of our own making, flown and recorded in a second.
+"""Small synthetic flexible aircraft, simulated and recorded within a second.
 
 Each is a beam model of the wing and the fuselage with strip aerodynamics, written apart from
 the estimators' model. They have 5 to 16 sensors, as most aircraft do and the demonstration
@@ -31,14 +31,14 @@ from flexsid.records.flight import Flight
 from flexsid.records.maneuver import Condition, Excitation, Maneuver, Role
 from flexsid.records.modal_table import ModalKind, ModalTable
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.multisine import allot_harmonics, design_multisine
+from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import ALPHA, THETA, Airframe, assemble_airframe
-from flexsid.sysid.simulation.recording import pass_instruments
+from flexsid.sysid.simulation.recording import apply_instruments
 
 RATE_HZ = 200.0
 TRIM_S, SETTLE_S = 2.0, 6.0
@@ -156,7 +156,7 @@ class SyntheticAircraft:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """What is wrong with one channel; ``step`` is the size of a digit in SI, none by default."""
+    """Fault of one channel; ``step`` is the size of a digit in SI, none by default."""
 
     delay_s: float = 0.0
     scale: float = 1.0
@@ -165,7 +165,7 @@ class Fault:
 
 @cache
 def build(design: Design) -> SyntheticAircraft:
-    """Solve the beam model and write down what the workbench knows."""
+    """Solve the beam model and return the aircraft with its record."""
     beam = _Beam(design)
     half_span, chord = 0.5 * design.span, design.chord
     edges = np.linspace(0.0, half_span, 4 * (_STATIONS - 1) + 1)
@@ -258,13 +258,13 @@ def build(design: Design) -> SyntheticAircraft:
 
 
 def add(store: Store, aircraft: SyntheticAircraft, has_table: bool = True) -> int:
-    """Keep an aircraft with its modal table and a flight; returns the number of the flight."""
-    kept = store.aircraft.add(aircraft.record)
-    assert kept.id is not None
+    """Store an aircraft with its modal table and a flight; return the id of the flight."""
+    stored = store.aircraft.add(aircraft.record)
+    assert stored.id is not None
     if has_table:
         modes = aircraft.modes
         shape = np.concatenate([modes.translation, modes.rotation], axis=1).transpose(2, 0, 1)
-        # an antisymmetric companion of every mode, which nothing symmetric may use
+        # an antisymmetric copy of every mode, which a symmetric model must not use
         side = np.array([-1.0 if "l" in point else 1.0 for point in modes.points])
         omega = np.concatenate([modes.omega, 1.3 * modes.omega])
         arrays = {
@@ -276,7 +276,7 @@ def add(store: Store, aircraft: SyntheticAircraft, has_table: bool = True) -> in
         }
         store.modal_tables.add(
             ModalTable(
-                aircraft_id=kept.id,
+                aircraft_id=stored.id,
                 name="FEM",
                 kind=ModalKind.FEM,
                 fuel=(0.5,),
@@ -288,13 +288,13 @@ def add(store: Store, aircraft: SyntheticAircraft, has_table: bool = True) -> in
                 arrays={name: store.arrays.put(values) for name, values in arrays.items()},
             )
         )
-    flight = store.flights.add(Flight(aircraft_id=kept.id, number=1))
+    flight = store.flights.add(Flight(aircraft_id=stored.id, number=1))
     assert flight.id is not None
     return flight.id
 
 
-def keep(store: Store, flight_id: int, flown: FlownManeuver) -> Maneuver:
-    """Keep a flown record."""
+def save_maneuver(store: Store, flight_id: int, flown: FlownManeuver) -> Maneuver:
+    """Store a simulated record."""
     return add_maneuver(store, flown, flight_id)
 
 
@@ -332,14 +332,14 @@ def fly(
     gust_deg
         Standard deviation of turbulence in angle of attack, which no model has. [deg]
     is_excitation_known
-        Whether the record says which harmonics a multisine has.
+        Whether the record contains the harmonics of the multisine.
     speed_varies
         With the phugoid, which the models of the workbench leave out.
     """
     rng = np.random.default_rng(seed)
     names = tuple(name for name, _, _ in aircraft.design.surfaces)
     excitation, commands = _commands(names, kind, band_hz or aircraft.design.band_hz, peak_deg)
-    deflections = pass_instruments(commands, _SIMULATED_HZ, [_ACTUATOR] * len(names))
+    deflections = apply_instruments(commands, _SIMULATED_HZ, [_ACTUATOR] * len(names))
     speed = airspeed * aircraft.design.airspeed
     frame = aircraft.airframe_at(speed)
     gust = _gust(commands.shape[0], gust_deg, rng)
@@ -358,7 +358,7 @@ def fly(
         replace(instrument, delay_s=instrument.delay_s + one.delay_s)
         for instrument, one in zip(instruments, fault, strict=True)
     ]
-    seen = pass_instruments(true, _SIMULATED_HZ, late)[:: round(_SIMULATED_HZ / RATE_HZ)]
+    seen = apply_instruments(true, _SIMULATED_HZ, late)[:: round(_SIMULATED_HZ / RATE_HZ)]
     for (name, role, unit, _, std), one, samples in zip(sources, fault, seen.T, strict=True):
         values = one.scale * samples + std * rng.standard_normal(samples.size)
         if one.step:
@@ -522,7 +522,7 @@ def _commands(
         first = max(1, round(band_hz[0] * period_s))
         per_input = int((band_hz[1] * period_s - first + 1) / len(names))
         design = design_multisine(
-            allot_harmonics(names, per_input, first), period_s, {name: peak for name in names}
+            assign_harmonics(names, per_input, first), period_s, {name: peak for name in names}
         )
         time = np.arange(round(period_s * _SIMULATED_HZ)) / _SIMULATED_HZ
         commands[n_trim : n_trim + time.size] = design.sample(time)

@@ -1,4 +1,4 @@
-"""A server in the test's own process, on a database with one maneuver that was flown."""
+"""A server in the process of the test, on a database with one flown maneuver."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 from tests.api.team import Act
 
 from flexsid.api.app import create_app
-from flexsid.jobs import apart
+from flexsid.jobs import dispatcher_process
 from flexsid.settings import Settings
 
 Serve = Callable[[str], AbstractContextManager[TestClient]]
@@ -22,18 +22,18 @@ Serve = Callable[[str], AbstractContextManager[TestClient]]
 
 @pytest.fixture(scope="session")
 def app() -> Iterator[FastAPI]:
-    """The application, made once: its hundred routes take longer than most tests.
+    """Return the application, created once: this takes longer than most tests.
 
-    So does the start of a dispatcher, which therefore is not there before it is asked for.
+    The dispatcher is started by the first request, for the same reason.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(apart, "_SETTLE_S", 10.0)
+        patch.setattr(dispatcher_process, "_SETTLE_S", 10.0)
         yield create_app(Settings())
 
 
 @pytest.fixture
 def serve(app: FastAPI) -> Serve:
-    """Start a server on a database, to be used in a ``with``; one at a time."""
+    """Return a function that starts a server on a database, as a context manager."""
 
     def start(url: str) -> TestClient:
         app.state.settings = Settings(database=url)
@@ -44,7 +44,7 @@ def serve(app: FastAPI) -> Serve:
 
 @pytest.fixture
 def client(serve: Serve, flown_url: str) -> Iterator[TestClient]:
-    """A client of a server whose maneuver 1 was flown, and run 1, EE, succeeded."""
+    """Return a client of a server with the flown maneuver 1 and the succeeded EE run 1."""
     with serve(flown_url) as started:
         yield started
 
@@ -57,7 +57,7 @@ def empty(serve: Serve, database_url: str) -> Iterator[TestClient]:
 
 @pytest.fixture
 def upload_files(tmp_path: Path) -> list[tuple[str, tuple[str, bytes]]]:
-    """A small recording and the mapping that explains it."""
+    """Return a small recording and its mapping."""
     rows = ["t_s,bf,q", *(f"{k / 50:.2f},{k % 3},{-k % 5}" for k in range(20))]
     mapping = """
         [aircraft]
@@ -90,7 +90,7 @@ def upload_files(tmp_path: Path) -> list[tuple[str, tuple[str, bytes]]]:
 
 @pytest.fixture
 def act(client: TestClient) -> Act:
-    """Do something under a name: ``act("Ann", "post", "decisions", {...})``."""
+    """Send a request under a name: ``act("Ann", "post", "decisions", {...})``."""
 
     def do(name: str, method: str, path: str, body: Any = None) -> Any:
         headers = {"X-Flexsid-Analyst": quote(name)}

@@ -1,4 +1,4 @@
-"""What a team does, for the tests of its decisions."""
+"""Requests of a team of analysts, for the tests of decisions."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def proposal(**changes: Any) -> dict[str, Any]:
 
 
 def propose(act: Act, name: str = "Ann", **changes: Any) -> dict[str, Any]:
-    answer = act(name, "post", "decisions", proposal(**changes))
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    response = act(name, "post", "decisions", proposal(**changes))
+    assert response.status_code == 201, response.text
+    return response.json()
 
 
 def vote(act: Act, name: str, decision: dict[str, Any], vote: str = "approve") -> Any:

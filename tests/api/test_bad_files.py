@@ -1,4 +1,4 @@
-"""Files that are damaged, or made to do harm: each is refused in words that name the place."""
+"""Damaged and malicious files are refused with the location of the error."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def bomb(file: h5py.File) -> None:
 
 
 def claiming(gigabytes: int) -> bytes:
-    """An archive whose only member says that it unpacks to this."""
+    """An archive whose only member declares this unpacked size."""
     raw = zipped(q=npy(np.zeros(9)))
     place = raw.rindex(b"PK\x01\x02") + 24
     return raw[:place] + struct.pack("<I", gigabytes * 1024**3) + raw[place + 4 :]
@@ -165,7 +165,7 @@ def changed(raw: bytes, at: float, new: bytes) -> bytes:
 
 
 class Evil:
-    """What a pickle may do when it is loaded."""
+    """A pickle that executes code when it is loaded."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Path.touch, (Path("/tmp/flexsid-was-here"),))
@@ -202,7 +202,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "a number beyond range": ("f.csv", edited(9, "0.14,1e999,1"), "row 9, column 'bf'"),
     "not a number": ("f.csv", edited(9, "0.14,1,nan"), "row 9, column 'q'"),
     "a name twice": ("f.csv", text().replace(b"t,bf,q", b"t,q,q"), "'q'"),
-    "a name left out": ("f.csv", text().replace(b"t,bf,q", b"t,,q"), "column 2"),
+    "a missing name": ("f.csv", text().replace(b"t,bf,q", b"t,,q"), "column 2"),
     "a column missing": ("f.csv", text().replace(b"t,bf,q", b"t,wf,q"), "'bf'"),
     "time backwards": ("f.csv", edited(9, "0.02,1,1"), "row 9, column 't'"),
     "time standing still": ("f.csv", edited(9, "0.12,1,1"), "row 9, column 't'"),
@@ -216,8 +216,8 @@ BAD: dict[str, tuple[str, bytes, str]] = {
         b"  0.0-1.00\n  0.1     \n  0.2-1.00\n",
         "row 2, column '2'",
     ),
-    "a kind nobody reads": ("f.xlsx", b"PK\x03\x04", ".xlsx"),
-    "no suffix": ("flight", text(), "cannot be read"),
+    "an unknown file type": ("f.xlsx", b"PK\x03\x04", ".xlsx"),
+    "no suffix": ("flight", text(), "is not supported"),
     "a time in the wrong unit": (
         "f.csv",
         text({**GOOD, "t": GOOD["t"] * 1e12}),
@@ -258,7 +258,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
         zipped(**{f"a{k}": b"" for k in range(20_000)}),
         "holds 20000 arrays",
     ),
-    "an empty archive": ("f.npz", zipped(), "no plain array"),
+    "an empty archive": ("f.npz", zipped(), "no numeric or text array"),
     "HDF5 cut": ("f.h5", hdf5()[:1500], "damaged"),
     "HDF5 with bits turned": ("f.h5", changed(hdf5(), 0.015, b"\xff" * 64), "f.h5"),
     "HDF5 claiming terabytes": ("f.h5", hdf5(huge), "'more' claims shape"),
@@ -292,18 +292,18 @@ def send(server: TestClient, name: str, content: bytes) -> Any:
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_a_bad_file_is_refused_and_its_place_named(server: TestClient, case: str) -> None:
+def test_bad_file_is_refused_with_location(server: TestClient, case: str) -> None:
     name, content, place = BAD[case]
-    answer = send(server, name, content)
-    assert answer.status_code == 422, answer.text
-    problem = answer.json()
+    response = send(server, name, content)
+    assert response.status_code == 422, response.text
+    problem = response.json()
     assert place in problem["detail"], problem
     assert problem["code"] not in ("internal-error", "too-slow", "reader-ended", "error")
     assert server.get("/api/v1/maneuvers").json()["items"] == []
     assert not Path("/tmp/flexsid-was-here").exists()
 
 
-def test_a_good_file_comes_in_after_all_of_them(database_url: str) -> None:
+def test_good_file_is_imported(database_url: str) -> None:
     app = create_app(Settings(database=database_url))
     with TestClient(app, base_url="http://127.0.0.1:8000") as server:
         for content, name in ((mat(), "f.mat"), (npz(), "f.npz"), (hdf5(), "f.h5")):

@@ -1,4 +1,4 @@
-"""Many runs at once: asked for, followed, cancelled, asked for again, and never computed twice."""
+"""Batches: request, progress, cancellation, retry, and reuse of equal runs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fastapi.testclient import TestClient
 from waiting import wait_until
 
 API = "/api/v1"
-SETTINGS = {"max_iterations": 90}  # other than those of the run that is there
+SETTINGS = {"max_iterations": 90}  # different from the existing run
 RUN = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7, 9]}, "settings": SETTINGS}
 BATCH = {
     "name": "campaign",
@@ -23,13 +23,13 @@ BATCH = {
 
 def _finished(client: TestClient, batch_id: int) -> dict[str, Any]:
     def look() -> dict[str, Any] | None:
-        answer = client.get(f"{API}/batches/{batch_id}").json()
-        return None if answer["states"]["queued"] + answer["states"]["running"] else answer
+        response = client.get(f"{API}/batches/{batch_id}").json()
+        return None if response["states"]["queued"] + response["states"]["running"] else response
 
     return wait_until(look, "the end of the batch")
 
 
-def test_the_same_run_asked_twice_is_one_run_and_says_so(client: TestClient) -> None:
+def test_repeated_request_returns_existing_run(client: TestClient) -> None:
     first = client.post(f"{API}/runs", json=RUN)
     assert (first.status_code, first.json()["repeated"]) == (202, False)
     again = client.post(f"{API}/runs", json=RUN | {"priority": 5})
@@ -41,16 +41,16 @@ def test_the_same_run_asked_twice_is_one_run_and_says_so(client: TestClient) -> 
     assert other.json()["input_hash"] != first.json()["input_hash"]
 
 
-def test_a_failed_or_deleted_run_does_not_stand_for_a_new_one(client: TestClient) -> None:
+def test_cancelled_or_deleted_run_is_not_reused(client: TestClient) -> None:
     first = client.post(f"{API}/runs", json=RUN).json()["id"]
     client.post(f"{API}/jobs/{first}/cancel")
     state = client.get(f"{API}/jobs/{first}").json()["state"]
-    if state == "succeeded":  # it was quicker than we were
+    if state == "succeeded":  # ended before it was cancelled
         client.delete(f"{API}/runs/{first}")
     assert client.post(f"{API}/runs", json=RUN).status_code == 202
 
 
-def test_a_batch_is_carried_out_and_keeps_what_it_rests_on(client: TestClient) -> None:
+def test_batch_runs_all_jobs_and_stores_provenance(client: TestClient) -> None:
     accepted = client.post(f"{API}/batches", json=BATCH)
     assert accepted.status_code == 202, accepted.text
     assert accepted.json() == {"id": 1, "total": 6, "repeated": 0}
@@ -87,12 +87,12 @@ def test_a_batch_is_carried_out_and_keeps_what_it_rests_on(client: TestClient) -
     assert status["ended"] >= 6
 
 
-def test_a_batch_is_cancelled_and_asked_for_again(client: TestClient) -> None:
-    wanted = BATCH | {
+def test_cancelled_batch_is_retried(client: TestClient) -> None:
+    payload = BATCH | {
         "structures": [{"structure": {"modes": [7, 9]}}],
         "settings": {"max_iterations": 99},
     }
-    batch = client.post(f"{API}/batches", json=wanted).json()["id"]
+    batch = client.post(f"{API}/batches", json=payload).json()["id"]
     cancelled = client.post(f"{API}/batches/{batch}/cancel").json()
     assert cancelled["states"]["queued"] + cancelled["states"]["running"] == 0
     assert cancelled["states"]["cancelled"] >= 1
@@ -113,11 +113,11 @@ def test_a_batch_is_cancelled_and_asked_for_again(client: TestClient) -> None:
         ({"priority": True}, 422),
     ],
 )
-def test_what_cannot_be_done_is_refused_whole(
+def test_invalid_batch_queues_nothing(
     client: TestClient, change: dict[str, Any], code: int
 ) -> None:
-    answer = client.post(f"{API}/batches", json=BATCH | change)
-    assert answer.status_code == code, answer.text
-    assert answer.json()["code"]
+    response = client.post(f"{API}/batches", json=BATCH | change)
+    assert response.status_code == code, response.text
+    assert response.json()["code"]
     assert client.get(f"{API}/batches").json()["items"] == []
     assert len(client.get(f"{API}/jobs").json()["items"]) == 1

@@ -1,4 +1,4 @@
-"""What was decided later holds, whatever the clocks of the servers say."""
+"""The order of decisions does not depend on the clocks of the servers."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ HOUR = timedelta(hours=1)
 
 
 class _Slow(datetime):
-    """A clock that is an hour behind, as after a step back or on a second server."""
+    """A clock one hour behind, as on a second server."""
 
     @classmethod
     def now(cls, tz=None) -> datetime:  # type: ignore[override]
         return datetime.now(tz) - HOUR
 
 
-def test_a_baseline_approved_by_a_slow_clock_supersedes_the_earlier_one(
+def test_baseline_approved_with_slow_clock_supersedes_earlier_one(
     act: Act, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     first = propose(act)
@@ -43,7 +43,7 @@ def test_a_baseline_approved_by_a_slow_clock_supersedes_the_earlier_one(
     assert [one["decision_id"] for one in baselines] == [second["id"]]
 
 
-def test_the_later_of_two_overlapping_baselines_is_taken_by_new_runs(
+def test_new_runs_use_later_of_two_overlapping_baselines(
     act: Act, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wide = propose(act, limits={"dynamic_pressure_pa": [0.0, 9000.0]})
@@ -59,7 +59,7 @@ def test_the_later_of_two_overlapping_baselines_is_taken_by_new_runs(
     assert run["structure_version"] == 2
 
 
-def test_changes_are_listed_in_the_order_in_which_they_were_made(
+def test_changes_are_listed_in_order_of_entry(
     act: Act, client: TestClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     decision = propose(act)
@@ -71,7 +71,7 @@ def test_changes_are_listed_in_the_order_in_which_they_were_made(
     assert [change["text"] for change in changes] == ["second", "first"]
 
 
-def test_kinds_of_changes_are_merged_by_time_and_each_keeps_its_order() -> None:
+def test_changes_are_merged_by_time_within_their_order() -> None:
     def change(subject: str, number: int, hour: int) -> tuple[int, notifications.Change]:
         at = datetime(2026, 1, 1, hour, tzinfo=UTC)
         return number, notifications.Change(
@@ -80,7 +80,7 @@ def test_kinds_of_changes_are_merged_by_time_and_each_keeps_its_order() -> None:
 
     decisions = [change("decision", k, hour) for k, hour in ((1, 9), (2, 12), (3, 7))]
     structures = [change("structure", k, hour) for k, hour in ((1, 8), (2, 10))]
-    merged = notifications._newest_first(decisions, structures)
+    merged = notifications._merge(decisions, structures)
     assert [(one.subject[0], one.number) for one in merged] == [
         ("d", 3),
         ("d", 2),
@@ -90,7 +90,7 @@ def test_kinds_of_changes_are_merged_by_time_and_each_keeps_its_order() -> None:
     ]
 
 
-def test_a_clock_behind_the_last_event_is_warned_of(
+def test_clock_behind_last_event_degrades_health(
     act: Act, client: TestClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     propose(act)
@@ -103,6 +103,6 @@ def test_a_clock_behind_the_last_event_is_warned_of(
 
 
 def _clock_of(client: TestClient) -> dict[str, str]:
-    answer = client.get("/api/v1/health")
-    assert answer.status_code == 200
-    return next(part for part in answer.json()["parts"] if part["name"] == "clock")
+    response = client.get("/api/v1/health")
+    assert response.status_code == 200
+    return next(part for part in response.json()["parts"] if part["name"] == "clock")

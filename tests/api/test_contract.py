@@ -1,6 +1,6 @@
-"""Every route keeps what the description of the interface promises, whatever it is sent.
+"""Every route conforms to the OpenAPI description for generated requests.
 
-On both databases, always: what one of them refuses or cannot keep the other may let pass.
+On both databases, since one may refuse values that the other accepts.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ schema = schemathesis.openapi.from_dict(DESCRIBED)
 # Boundaries of every field, one by one, would be most of the time; these are drawn at random.
 schema.config.phases.coverage.enabled = False
 LENIENT = [
-    # What is described as valid may still be refused: there may be no such record.
+    # Valid requests may be refused: the record may not exist.
     schemathesis.checks.positive_data_acceptance,
 ]
 STREAM = "/api/v1/events"  # it has no end
@@ -44,13 +44,13 @@ bounded = settings(
 
 @schema.exclude(method="DELETE").exclude(path=STREAM).parametrize()
 @bounded
-def test_a_route_answers_as_described(case: Any, changed_url: str) -> None:
+def test_route_conforms_to_description(case: Any, changed_url: str) -> None:
     case.call_and_validate(base_url=changed_url, timeout=300, excluded_checks=LENIENT)
 
 
 @schema.include(method="DELETE").parametrize()
 @bounded
-def test_what_is_deleted_is_deleted_as_described(case: Any, doomed_url: str) -> None:
+def test_delete_route_conforms_to_description(case: Any, doomed_url: str) -> None:
     case.call_and_validate(base_url=doomed_url, timeout=300, excluded_checks=LENIENT)
 
 
@@ -58,7 +58,7 @@ def test_what_is_deleted_is_deleted_as_described(case: Any, doomed_url: str) -> 
 def flown(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[[], str]:
-    """Make a database with a maneuver that was flown, on either kind; returns its address."""
+    """Return a function that creates a database with a flown maneuver and returns its URL."""
     if request.param == "sqlite":
         template: Path = request.getfixturevalue("flown_file")
         folder = tmp_path_factory.mktemp("contract")
@@ -70,13 +70,13 @@ def flown(
 
 @pytest.fixture(scope="session")
 def changed_url(flown: Callable[[], str], listening: Listening) -> Iterator[str]:
-    """A server of its own, for what is sent may change anything."""
+    """A separate server, since requests may change any record."""
     with listening(flown()) as url:
         yield url
 
 
 @pytest.fixture(scope="session")
 def doomed_url(flown: Callable[[], str], listening: Listening) -> Iterator[str]:
-    """A server of its own, for what others need would be gone."""
+    """A separate server, since requests delete shared records."""
     with listening(flown()) as url:
         yield url

@@ -1,4 +1,4 @@
-"""A user relies on: controllers come in from text, JSON and MATLAB, or are refused in words."""
+"""Controllers from text, JSON and MATLAB files; invalid ones are refused."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ def posted(client: TestClient, content: object, **changes: Any):
     return client.post(URL, json={"aircraft_id": 1, "name": "pitch", "text": text} | changes)
 
 
-def test_a_controller_is_kept_listed_and_forgotten(client: TestClient):
+def test_controller_is_stored_listed_and_deleted(client: TestClient):
     before = len(client.get(f"{URL}?aircraft_id=1").json()["items"])
-    kept = posted(client, TRANSFER)
-    assert kept.status_code == 201, kept.text
-    (law,) = kept.json()["laws"]
+    stored = posted(client, TRANSFER)
+    assert stored.status_code == 201, stored.text
+    (law,) = stored.json()["laws"]
     gain = np.array(law["D"]) - np.array(law["C"]) @ np.linalg.solve(law["A"], law["B"])
     assert gain[0, 0] == pytest.approx(0.2)
-    where = kept.headers["location"]
-    assert client.get(where).json() == kept.json()
+    where = stored.headers["location"]
+    assert client.get(where).json() == stored.json()
     assert len(client.get(f"{URL}?aircraft_id=1").json()["items"]) == before + 1
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
 
 
-def test_matlab_matrices_are_taken_with_their_names(client: TestClient, tmp_path: Path):
+def test_matlab_matrices_are_imported_with_signal_names(client: TestClient, tmp_path: Path):
     path = tmp_path / "k.mat"
     scipy_io.savemat(
         str(path), {"A": [[-50.0]], "B": [[50.0]], "C": [[0.1], [0.3]], "D": np.zeros((2, 1))}
     )
     form = {"aircraft_id": "1", "name": "lagged", "reads": "q", "drives": "wf1s, wf4s"}
-    kept = client.post(f"{URL}/files", files={"file": ("k.mat", path.read_bytes())}, data=form)
-    assert kept.status_code == 201, kept.text
-    assert kept.json()["laws"][0]["C"] == [[0.1], [0.3]]
+    stored = client.post(f"{URL}/files", files={"file": ("k.mat", path.read_bytes())}, data=form)
+    assert stored.status_code == 201, stored.text
+    assert stored.json()["laws"][0]["C"] == [[0.1], [0.3]]
     wrong = client.post(
         f"{URL}/files", files={"file": ("k.mat", path.read_bytes())}, data=form | {"drives": "wf1s"}
     )
@@ -59,44 +59,44 @@ def test_matlab_matrices_are_taken_with_their_names(client: TestClient, tmp_path
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("no json", "no JSON"),
-        ([1, 2], "no JSON object"),
+        ("no json", "not valid JSON"),
+        ([1, 2], "not a JSON object"),
         ({"reads": ["q"]}, "'drives' must list names"),
-        ({"reads": ["q"], "drives": ["wf4s"]}, "at least D"),
-        ({"reads": ["q"], "drives": ["wf4s"], "D": [["x"]]}, "D is no matrix"),
+        ({"reads": ["q"], "drives": ["wf4s"]}, "no matrix D"),
+        ({"reads": ["q"], "drives": ["wf4s"], "D": [["x"]]}, "D is not a numeric matrix"),
         ({"reads": ["q"], "drives": ["wf4s"], "D": [[1.0, 2.0]]}, "1 by 2"),
         ({"reads": ["q"], "drives": ["rudder"], "D": [[1.0]]}, "rudder"),
-        ({"reads": ["q"], "drives": ["wf4s"], "D": [[1.0]], "delay_s": 5}, "delay of 5 s"),
+        ({"reads": ["q"], "drives": ["wf4s"], "D": [[1.0]], "delay_s": 5}, "the delay is 5 s"),
         (TRANSFER | {"transfer": {"wf4s": {"q": {"num": [1], "den": []}}}}, "denominator"),
         (TRANSFER | {"transfer": {"bfs": {}}}, "'bfs'"),
     ],
 )
-def test_what_is_no_controller_is_refused(client: TestClient, content: object, words: str):
+def test_invalid_controller_is_refused(client: TestClient, content: object, words: str):
     refused = posted(client, content)
     assert refused.status_code == 422, refused.text
     assert words in refused.json()["detail"]
 
 
-def test_a_rehearsal_is_a_task_whose_run_is_queued(client: TestClient):
-    order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
-    job = client.post("/api/v1/runs", json=order).headers["location"]
+def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient):
+    run_body = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
+    job = client.post("/api/v1/runs", json=run_body).headers["location"]
     run = ended(client, job)["run_id"]
-    wish = {
+    specification = {
         "name": "mini", "fta": 500, "duration_s": 12.0, "rate_hz": 100.0, "first_harmonic": 4,
         "peaks": [0.005, 0.01, 0.02], "effort": "quick",
     }  # fmt: skip
-    design = client.post("/api/v1/designs", json=wish).headers["location"]
+    design = client.post("/api/v1/designs", json=specification).headers["location"]
     controller = client.get(f"{URL}?aircraft_id=1").json()["items"][0]["id"]
     body = {"run_id": run, "level": 1, "controller_id": controller}
-    begun = client.post(f"{design}/rehearsals", json=body)
+    begun = client.post(f"{design}/preflight-simulations", json=body)
     assert begun.status_code == 202, begun.text
     assert ended(client, begun.headers["location"])["state"] == "done"
-    (one,) = client.get(f"{design}/rehearsals").json()["items"]
-    assert one["rehearsal"]["controller_id"] == controller
-    ended(client, f"/api/v1/jobs/{one['rehearsal']['run_id']}")
-    (one,) = client.get(f"{design}/rehearsals").json()["items"]
+    (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
+    assert one["simulation"]["controller_id"] == controller
+    ended(client, f"/api/v1/jobs/{one['simulation']['run_id']}")
+    (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
     assert one["state"] == "succeeded"
     assert {"CZ_alpha", "Cm_q"} <= {row["name"] for row in one["derivatives"]}
     assert client.delete(f"{URL}/{controller}").json()["code"] == "controller-used"
-    missing = client.post(f"{design}/rehearsals", json=body | {"controller_id": 999})
+    missing = client.post(f"{design}/preflight-simulations", json=body | {"controller_id": 999})
     assert missing.status_code == 404

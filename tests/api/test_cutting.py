@@ -1,4 +1,4 @@
-"""Cutting over REST: what is found in a recording, and the window that becomes a maneuver."""
+"""Maneuver detection and cutting of a flight recording, over REST."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from tests.api.conftest import Serve
 
-from flexsid.api import answers
+from flexsid.api import responses
 from flexsid.demo.flights import fly
 from flexsid.demo.whole_flight import add_recording, record_flight
 from flexsid.records.flight import Flight
@@ -29,19 +29,19 @@ def recorded(serve: Serve, flown_url: str) -> Iterator[tuple[TestClient, int]]:
         yield client, flight.id
 
 
-def test_a_found_maneuver_is_cut_and_used(recorded: tuple[TestClient, int]):
+def test_detected_maneuver_is_cut(recorded: tuple[TestClient, int]):
     client, flight = recorded
-    answer = client.get(f"{API}/{flight}/found-maneuvers")
-    TypeAdapter(answers.FoundManeuverList).validate_json(answer.content)
-    (found,) = answer.json()["items"]
+    response = client.get(f"{API}/{flight}/found-maneuvers")
+    TypeAdapter(responses.FoundManeuverList).validate_json(response.content)
+    (found,) = response.json()["items"]
     assert found["label"] == "2-01 FTA 506", "the maneuver of flight 1 had the same harmonics"
-    wanted = {key: found[key] for key in ("label", "start_s", "stop_s", "fta")}
-    made = client.post(f"{API}/{flight}/maneuvers", json=wanted)
+    payload = {key: found[key] for key in ("label", "start_s", "stop_s", "fta")}
+    made = client.post(f"{API}/{flight}/maneuvers", json=payload)
     assert made.status_code == 201
-    TypeAdapter(answers.ManeuverDetail).validate_json(made.content)
+    TypeAdapter(responses.ManeuverDetail).validate_json(made.content)
     assert made.json()["excitation"]["harmonics"] == found["excitation"]["harmonics"]
     assert client.get(made.headers["location"]).json() == made.json()
-    again = client.post(f"{API}/{flight}/maneuvers", json=wanted)
+    again = client.post(f"{API}/{flight}/maneuvers", json=payload)
     assert again.status_code == 409
     assert again.json()["code"] == "already-exists"
     (cut,) = client.get(f"{API}/{flight}/found-maneuvers").json()["items"]
@@ -50,7 +50,7 @@ def test_a_found_maneuver_is_cut_and_used(recorded: tuple[TestClient, int]):
     assert figure.json()["data"]
 
 
-def test_what_cannot_be_cut_is_refused_in_words(recorded: tuple[TestClient, int]):
+def test_window_outside_recording_is_refused(recorded: tuple[TestClient, int]):
     client, flight = recorded
     window = {"label": "x", "start_s": 500.0, "stop_s": 600.0}
     refused = client.post(f"{API}/{flight}/maneuvers", json=window)

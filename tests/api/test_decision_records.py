@@ -1,4 +1,4 @@
-"""Decisions are kept so that nothing is edited away, on any database."""
+"""Decision events are append-only, on any database."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.api.team import Act, proposal, propose, set_rules, vote
 from flexsid.storage.store import Store
 
 
-def test_a_later_baseline_of_the_whole_range_supersedes(act: Act) -> None:
+def test_later_baseline_of_whole_range_supersedes(act: Act) -> None:
     first = propose(act)
     vote(act, "Bo", first)
     halves = [
@@ -33,7 +33,7 @@ def test_a_later_baseline_of_the_whole_range_supersedes(act: Act) -> None:
     assert [one["decision_id"] for one in baselines] == [halves[1]["id"], halves[0]["id"]]
 
 
-def test_the_trail_tells_the_whole_story(act: Act) -> None:
+def test_audit_trail_contains_all_events(act: Act) -> None:
     set_rules(act, quorum=1)
     figure = act(
         "Ann", "post", "frozen-figures", {"kind": "fit", "query": "run_id=1", "title": "Fit *1*"}
@@ -46,7 +46,9 @@ def test_the_trail_tells_the_whole_story(act: Act) -> None:
     act("Bo", "put", "model-structures/1", edit)
     vote(act, "Cy", decision, "request-changes")
     changed = proposal(
-        structure={"id": 1, "version": 2}, changes={"id": 1, "version": 1}, reasoning="as Bo says"
+        structure={"id": 1, "version": 2},
+        changes={"id": 1, "version": 1},
+        reasoning="as Bo proposes",
     )
     act("Ann", "post", f"{address}/revisions", {"revision": 1, "proposal": changed})
     vote(act, "Cy", {"id": decision["id"], "revision": 2})
@@ -59,12 +61,12 @@ def test_the_trail_tells_the_whole_story(act: Act) -> None:
     assert audited["whole"] is True
     assert audited["changed_since"] == []
     events = audited["events"]
-    told = [(one["kind"], one["vote"], one["author"], one["text"]) for one in events]
-    assert told == [
+    history = [(one["kind"], one["vote"], one["author"], one["text"]) for one in events]
+    assert history == [
         ("proposed", None, "Ann", "SW1T lies above the band"),
         ("commented", None, "Bo", "# <b>not significant</b>\n| anywhere"),
         ("voted", "request-changes", "Cy", "request-changes it is"),
-        ("revised", None, "Ann", "as Bo says"),
+        ("revised", None, "Ann", "as Bo proposes"),
         ("voted", "approve", "Cy", "approve it is"),
         ("adopted", None, "Cy", "by Cy; quorum 1"),
     ]
@@ -87,44 +89,44 @@ def test_the_trail_tells_the_whole_story(act: Act) -> None:
     for event in events:
         assert event["hash"] in text
         assert event["data_hash"] in text
-    for said in ("CZ_q: free → absent", "Cy (unverified) asked for changes", "as Bo says"):
-        assert said in text
+    for statement in ("CZ_q: free → absent", "Cy (unverified) asked for changes", "as Bo proposes"):
+        assert statement in text
     assert "\\<b\\>not significant" in text
     assert "Fit \\*1\\*" in text
     assert "\n# \\<b" not in text
 
 
-def test_the_database_itself_refuses_to_rewrite_what_was_said(act: Act, flown_url: str) -> None:
+def test_database_refuses_to_change_events(act: Act, flown_url: str) -> None:
     decision = propose(act)
     engine = sa.create_engine(flown_url)
     for statement in (
-        "UPDATE decision_events SET text = 'never said'",
+        "UPDATE decision_events SET text = 'changed'",
         "DELETE FROM decision_events",
-        "UPDATE structure_versions SET note = 'never written'",
+        "UPDATE structure_versions SET note = 'changed'",
         "DELETE FROM structure_versions",
     ):
         with pytest.raises(DBAPIError, match="append-only"), engine.begin() as connection:
             connection.exec_driver_sql(statement)
-    # Whoever goes around that is found out.
+    # A change without the trigger is detected by the hash chain.
     with engine.begin() as connection:
         if engine.dialect.name == "postgresql":
             connection.exec_driver_sql("DROP FUNCTION flexsid_append_only() CASCADE")
         else:
             connection.exec_driver_sql("DROP TRIGGER decision_events_no_update")
-        connection.exec_driver_sql("UPDATE decision_events SET text = 'never said'")
+        connection.exec_driver_sql("UPDATE decision_events SET text = 'changed'")
     engine.dispose()
     (audited,) = act("Di", "get", f"decisions/{decision['id']}/audit").json()["decisions"]
     assert audited["whole"] is False
     text = act("Di", "get", f"decisions/{decision['id']}/audit?format=markdown").text
-    assert "tampered" in text
+    assert "modified after they were written" in text
 
 
-def test_what_a_decision_rests_on_is_watched(act: Act, flown_url: str) -> None:
+def test_changed_evidence_is_reported(act: Act, flown_url: str) -> None:
     decision = propose(act)
-    kept = Store.open(flown_url)
-    run = kept.runs.get(1)
-    kept.runs.replace(replace(run, versions={"flexsid": "0"}))
-    kept.close()
+    stored = Store.open(flown_url)
+    run = stored.runs.get(1)
+    stored.runs.replace(replace(run, versions={"flexsid": "0"}))
+    stored.close()
     (audited,) = act("Di", "get", f"decisions/{decision['id']}/audit").json()["decisions"]
     assert audited["changed_since"] == ["run 1 (changed)"]
     assert audited["whole"] is True

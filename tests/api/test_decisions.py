@@ -1,4 +1,4 @@
-"""A team decides on the model structure: who may do what."""
+"""Review of model structures: proposals, votes, quorum and permissions."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from tests.api.team import Act, proposal, propose, set_rules, vote
 
 API = "/api/v1"
 
-# How decisions are kept, on any database, is told in test_decision_records.
+# The storage of decisions is tested on both databases in test_decision_records.
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 
 
-def test_nobody_decides_on_their_own_proposal(act: Act) -> None:
+def test_author_does_not_vote_on_own_proposal(act: Act) -> None:
     decision = propose(act)
     for name in ("Ann", "ann", " ANN "):
-        for said in ("approve", "reject", "request-changes"):
-            refused = vote(act, name, decision, said)
+        for choice in ("approve", "reject", "request-changes"):
+            refused = vote(act, name, decision, choice)
             assert (refused.status_code, refused.json()["code"]) == (409, "own-proposal")
     assert vote(act, "Bo", decision).json()["state"] == "approved"
 
 
-def test_who_revised_a_proposal_does_not_decide_on_it_either(act: Act) -> None:
+def test_author_of_revision_does_not_vote(act: Act) -> None:
     decision = propose(act)
     body = {"revision": 1, "proposal": proposal(title="narrower")}
     revised = act("Bo", "post", f"decisions/{decision['id']}/revisions", body).json()
@@ -33,12 +33,12 @@ def test_who_revised_a_proposal_does_not_decide_on_it_either(act: Act) -> None:
     assert vote(act, "Cy", revised).json()["state"] == "approved"
 
 
-def test_a_campaign_may_let_one_judge_oneself(act: Act) -> None:
+def test_rules_may_allow_own_votes(act: Act) -> None:
     set_rules(act, quorum=1, own_allowed=True)
     assert vote(act, "Ann", propose(act)).json()["state"] == "approved"
 
 
-def test_the_quorum_decides(act: Act) -> None:
+def test_quorum_decides(act: Act) -> None:
     set_rules(act, quorum=2)
     decision = propose(act)
     first = vote(act, "Bo", decision).json()
@@ -54,7 +54,7 @@ def test_the_quorum_decides(act: Act) -> None:
     assert vote(act, "Cy", other, "reject").json()["state"] == "rejected"
 
 
-def test_asked_for_changes_are_made_and_votes_begin_anew(act: Act) -> None:
+def test_revision_resets_votes(act: Act) -> None:
     set_rules(act, quorum=2)
     decision = propose(act)
     vote(act, "Bo", decision)
@@ -70,7 +70,7 @@ def test_asked_for_changes_are_made_and_votes_begin_anew(act: Act) -> None:
     assert late.json()["current"]["reasoning"] == "with the run of FTA 506"
 
 
-def test_of_two_revisions_the_later_is_told_of_the_first(act: Act) -> None:
+def test_second_of_two_revisions_is_stale(act: Act) -> None:
     decision = propose(act)
     address = f"decisions/{decision['id']}/revisions"
     act("Ann", "post", address, {"revision": 1, "proposal": proposal(title="hers")})
@@ -83,7 +83,7 @@ def test_of_two_revisions_the_later_is_told_of_the_first(act: Act) -> None:
     assert (never.status_code, never.json()["code"]) == (409, "unknown-version")
 
 
-def test_what_was_decided_stays_open_for_words_only(act: Act) -> None:
+def test_closed_decision_accepts_comments_only(act: Act) -> None:
     decision = propose(act)
     vote(act, "Bo", decision)
     address = f"decisions/{decision['id']}"
@@ -93,11 +93,11 @@ def test_what_was_decided_stays_open_for_words_only(act: Act) -> None:
         act("Ann", "post", f"{address}/revisions", {"revision": 1, "proposal": proposal()}),
     ):
         assert (closed.status_code, closed.json()["code"]) == (409, "decision-closed")
-    said = act("Cy", "post", f"{address}/comments", {"text": "good", "derivative": "Cm_q"})
-    assert (said.status_code, said.json()["events"][-1]["derivative"]) == (201, "Cm_q")
+    choice = act("Cy", "post", f"{address}/comments", {"text": "good", "derivative": "Cm_q"})
+    assert (choice.status_code, choice.json()["events"][-1]["derivative"]) == (201, "Cm_q")
 
 
-def test_only_who_proposed_withdraws(act: Act) -> None:
+def test_only_author_withdraws(act: Act) -> None:
     decision = propose(act)
     address = f"decisions/{decision['id']}/withdrawal"
     body = {"revision": 1, "text": "the record was cut wrongly"}
@@ -126,7 +126,7 @@ def test_only_who_proposed_withdraws(act: Act) -> None:
         ({"author": "Bo"}, 422, "invalid-request"),
     ],
 )
-def test_a_proposal_that_does_not_hold_together(
+def test_inconsistent_proposal_is_refused(
     act: Act, change: dict[str, Any], status: int, code: str
 ) -> None:
     refused = act("Ann", "post", "decisions", proposal(**change))
@@ -134,7 +134,7 @@ def test_a_proposal_that_does_not_hold_together(
     assert act("Ann", "get", "decisions").json()["items"] == []
 
 
-def test_what_does_not_exist_and_who_has_no_name(act: Act, client: TestClient) -> None:
+def test_unknown_decision_and_missing_analyst_are_refused(act: Act, client: TestClient) -> None:
     decision = propose(act)
     for path, body in (
         ("comments", {"text": "x"}),
@@ -156,7 +156,7 @@ def test_what_does_not_exist_and_who_has_no_name(act: Act, client: TestClient) -
     assert len(client.get(f"{API}/decisions/{decision['id']}").json()["events"]) == 1
 
 
-def test_rules_change_openly_and_not_over_each_other(act: Act) -> None:
+def test_rules_have_versions_and_refuse_stale_edits(act: Act) -> None:
     assert act("Ann", "get", "review-rules/1").json()["current"]["quorum"] == 1
     set_rules(act, quorum=2)
     body = {"quorum": 1, "own_allowed": True, "version": 0, "reason": "faster"}
@@ -168,16 +168,16 @@ def test_rules_change_openly_and_not_over_each_other(act: Act) -> None:
     assert [(one["version"], one["author"]) for one in history["items"]] == [(1, "Cy")]
 
 
-def test_new_runs_take_the_baseline_of_their_condition(act: Act) -> None:
-    wanted = {"maneuver_id": 1, "method": "EE"}
-    assert act("Ann", "post", "runs", wanted).json()["structure_id"] is None
+def test_new_runs_use_baseline_of_their_condition(act: Act) -> None:
+    payload = {"maneuver_id": 1, "method": "EE"}
+    assert act("Ann", "post", "runs", payload).json()["structure_id"] is None
     elsewhere = propose(act, title="slow", limits={"airspeed_m_s": [0.0, 1.0]})
     vote(act, "Bo", elsewhere)
     of_band = act("Ann", "get", "maneuvers/1/run-proposal").json()
     assert of_band["basis"]["source"] == "band"
     everywhere = propose(act, title="everywhere", limits={}, structure={"id": 2, "version": 1})
     vote(act, "Bo", everywhere)
-    asked = act("Ann", "post", "runs", wanted)
+    asked = act("Ann", "post", "runs", payload)
     assert asked.status_code == 202, asked.text
     assert (asked.json()["structure_id"], asked.json()["structure_version"]) == (2, 1)
     basis = asked.json()["proposal"]
@@ -191,19 +191,19 @@ def test_new_runs_take_the_baseline_of_their_condition(act: Act) -> None:
     found = act("Ann", "get", "maneuver-baselines?maneuver_ids=1").json()["items"][0]
     assert found["baseline"]["decision_id"] == here["id"]
     assert found["baseline"]["structure"]["structure_id"] == 1
-    # It holds a part of the range only, so the one before it stays the baseline elsewhere.
+    # It covers part of the range only; the earlier baseline remains valid elsewhere.
     before = act("Ann", "get", f"decisions/{everywhere['id']}").json()
     assert (before["state"], before["events"][-1]["kind"]) == ("approved", "narrowed")
 
 
-def test_a_figure_stays_as_it_was(act: Act) -> None:
-    wanted = {"kind": "fit", "query": "run_id=1", "title": "Fit of run 1"}
-    kept = act("Ann", "post", "frozen-figures", wanted)
-    assert kept.status_code == 201, kept.text
+def test_frozen_figure_is_stored(act: Act) -> None:
+    payload = {"kind": "fit", "query": "run_id=1", "title": "Fit of run 1"}
+    stored = act("Ann", "post", "frozen-figures", payload)
+    assert stored.status_code == 201, stored.text
     shown = act("Ann", "get", "figures/fit?run_id=1").json()
-    frozen = act("Ann", "get", f"figures/frozen?figure_id={kept.json()['id']}")
+    frozen = act("Ann", "get", f"figures/frozen?figure_id={stored.json()['id']}")
     assert frozen.json() == shown
-    decision = propose(act, figure_ids=[kept.json()["id"]])
+    decision = propose(act, figure_ids=[stored.json()["id"]])
     assert decision["figures"][0]["title"] == "Fit of run 1"
     for change, status in (
         ({"query": "run_id=99"}, 404),
@@ -212,32 +212,32 @@ def test_a_figure_stays_as_it_was(act: Act) -> None:
         ({"kind": "../runs"}, 422),
         ({"query": "run_id=1&format=csv"}, 422),
     ):
-        refused = act("Ann", "post", "frozen-figures", wanted | change)
+        refused = act("Ann", "post", "frozen-figures", payload | change)
         assert refused.status_code == status, refused.text
         assert refused.headers["content-type"] == "application/problem+json"
 
 
-def test_everybody_is_told_what_waits_and_what_is_new(act: Act) -> None:
-    def told(name: str) -> tuple[list[str], list[str]]:
+def test_notifications_list_awaiting_reviews_and_changes(act: Act) -> None:
+    def list_notifications(name: str) -> tuple[list[str], list[str]]:
         found = act(name, "get", "notifications").json()
         return [w["what"] for w in found["waiting"]], [c["what"] for c in found["changes"]]
 
     decision = propose(act)
-    assert told("Ann") == ([], [])
-    assert told("Bo") == (["review"], ["proposed"])
+    assert list_notifications("Ann") == ([], [])
+    assert list_notifications("Bo") == (["review"], ["proposed"])
     act("Bo", "post", f"decisions/{decision['id']}/seen")
-    assert told("bo") == (["review"], [])
+    assert list_notifications("bo") == (["review"], [])
     vote(act, "Bo", decision, "request-changes")
-    assert told("Bo") == ([], [])
-    assert told("Ann") == (["revise"], ["request-changes"])
+    assert list_notifications("Bo") == ([], [])
+    assert list_notifications("Ann") == (["revise"], ["request-changes"])
     body = {"revision": 1, "proposal": proposal(title="better")}
     act("Ann", "post", f"decisions/{decision['id']}/revisions", body)
-    assert told("Bo") == (["review"], ["revised"])
+    assert list_notifications("Bo") == (["review"], ["revised"])
     act("Bo", "post", "notifications/seen")
-    assert told("Bo") == (["review"], [])
+    assert list_notifications("Bo") == (["review"], [])
     structure = act("Bo", "get", "model-structures/1").json()
     edit = {"name": "x", "structure": {"modes": [7], "absent": ["CZ_q"]}, "version": 1}
     act("Ann", "put", f"model-structures/{structure['id']}", edit)
-    assert told("Bo")[1] == ["version 2"]
+    assert list_notifications("Bo")[1] == ["version 2"]
     act("Bo", "post", "model-structures/1/seen")
-    assert told("Bo")[1] == []
+    assert list_notifications("Bo")[1] == []

@@ -1,4 +1,4 @@
-"""Designs over the interface: made, kept, checked, exported, and what they promise."""
+"""Excitation designs over REST: creation, checks, export and predicted accuracy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fastapi.testclient import TestClient
 from waiting import ended
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.designer import InputWish, Wish
+from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.workflow.excitation import excitation_designs
 from flexsid.workflow.excitation.excitation_designs import check_evaluation
 
@@ -34,7 +34,7 @@ def test_catalogue_is_table_1(empty: TestClient):
     assert rows[8]["inputs"][-1] == "throttle"
 
 
-def test_a_design_is_made_kept_checked_and_exported(empty: TestClient):
+def test_design_is_created_checked_and_exported(empty: TestClient):
     made = empty.post(URL, json=FTA_503)
     assert made.status_code == 201, made.text
     where = made.headers["location"]
@@ -76,13 +76,13 @@ def test_a_design_is_made_kept_checked_and_exported(empty: TestClient):
         ),
     ],
 )
-def test_what_cannot_be_is_refused(
+def test_infeasible_design_is_refused(
     empty: TestClient, changes: dict[str, Any], code: str, words: str
 ):
-    answer = empty.post(URL, json=FTA_503 | changes)
-    assert answer.status_code == 422, answer.text
-    assert answer.json()["code"] == code
-    assert words in answer.json()["detail"]
+    response = empty.post(URL, json=FTA_503 | changes)
+    assert response.status_code == 422, response.text
+    assert response.json()["code"] == code
+    assert words in response.json()["detail"]
 
 
 @pytest.mark.parametrize(
@@ -93,40 +93,40 @@ def test_what_cannot_be_is_refused(
         ({"high_hz": 60.0}, "above-nyquist", "Nyquist frequency 50 Hz"),
     ],
 )
-def test_a_design_that_costs_too_much_is_refused_before_anything_is_computed(
+def test_too_large_design_is_refused_before_computation(
     empty: TestClient, changes: dict[str, Any], code: str, words: str
 ):
-    """Forty bands in a long record: all of it within what each field allows."""
+    """Forty bands in a long record, each field within its limits."""
     band = {"low_hz": 0.05, "high_hz": 40.0, "count": 50} | changes
     period = band.pop("duration_s", 200.0)
     bands = [{"name": f"u{place}", **band} for place in range(40)]
-    wanted = FTA_503 | {"fta": None, "bands": bands, "duration_s": period}
+    payload = FTA_503 | {"fta": None, "bands": bands, "duration_s": period}
     for where in (URL, f"{URL}/searches"):
-        answer = empty.post(where, json=wanted)
-        assert answer.status_code == 422, answer.text
-        assert answer.json()["code"] == code
-        assert words in answer.json()["detail"]
+        response = empty.post(where, json=payload)
+        assert response.status_code == 422, response.text
+        assert response.json()["code"] == code
+        assert words in response.json()["detail"]
 
 
-def test_a_search_that_is_too_long_for_a_request_is_a_task_or_refused(empty: TestClient):
+def test_long_phase_search_requires_task_or_is_refused(empty: TestClient):
     inputs = [
         {"name": f"u{place}", "harmonics": list(range(1 + place, 2001, 4))} for place in range(4)
     ]
-    wanted = FTA_503 | {"fta": None, "inputs": inputs, "duration_s": 100.0, "effort": "patient"}
+    payload = FTA_503 | {"fta": None, "inputs": inputs, "duration_s": 100.0, "effort": "patient"}
     for where, words in ((URL, "POST /designs/searches"), (f"{URL}/searches", "less effort")):
-        answer = empty.post(where, json=wanted)
-        assert answer.json()["code"] == "search-too-long", answer.text
-        assert words in answer.json()["detail"]
-        assert "500" in answer.json()["detail"]
+        response = empty.post(where, json=payload)
+        assert response.json()["code"] == "search-too-long", response.text
+        assert words in response.json()["detail"]
+        assert "500" in response.json()["detail"]
 
 
-def test_amplitudes_in_degrees_are_refused_wherever_they_come_from(empty: TestClient):
+def test_amplitudes_in_degrees_are_refused(empty: TestClient):
     degrees = FTA_503 | {"peaks": [1.0, 2.0, 4.0]}
     for where in (URL, f"{URL}/searches"):
-        answer = empty.post(where, json=degrees)
-        assert answer.status_code == 422, answer.text
-        assert answer.json()["code"] == "amplitude-too-large"
-        assert "4 rad, 229.2 deg" in answer.json()["detail"]
+        response = empty.post(where, json=degrees)
+        assert response.status_code == 422, response.text
+        assert response.json()["code"] == "amplitude-too-large"
+        assert "4 rad, 229.2 deg" in response.json()["detail"]
     made = empty.post(URL, json=FTA_503).headers["location"]
     louder = empty.post(f"{made}/rescaled", json={"name": "x", "gains": {"bfs": 57.3}})
     assert louder.json()["code"] == "amplitude-too-large"
@@ -136,8 +136,8 @@ def test_amplitudes_in_degrees_are_refused_wherever_they_come_from(empty: TestCl
         assert empty.get(f"{limits}&{wrong}").status_code == 422
 
 
-def test_a_design_says_which_of_its_target_modes_its_band_holds(client: TestClient):
-    """FLEX-28 has its fourth symmetric mode, the last of HE, at 15 Hz."""
+def test_target_modes_within_band_are_listed(client: TestClient):
+    """The fourth symmetric mode of FLEX-28, the last of HE, is at 15 Hz."""
     aircraft = client.get("/api/v1/aircraft").json()["items"][0]["id"]
     rows = {
         "FTA 503": ({}, {"SW1B"}, set()),
@@ -152,12 +152,12 @@ def test_a_design_says_which_of_its_target_modes_its_band_holds(client: TestClie
         design = client.post(URL, json=FTA_503 | {"name": name} | changes)
         assert design.status_code == 201, design.text
         where = design.headers["location"]
-        told = client.get(f"{where}/target-modes?aircraft_id={aircraft}").json()
-        found = {mode["name"]: mode["in_band"] for mode in told["modes"]}
+        result = client.get(f"{where}/target-modes?aircraft_id={aircraft}").json()
+        found = {mode["name"]: mode["in_band"] for mode in result["modes"]}
         assert {name for name, held in found.items() if held} == within
         assert {name for name, held in found.items() if not held} == outside
-        assert all(name in told["sentence"] for name in outside)
-        assert ("do not reach" in told["sentence"]) == bool(outside)
+        assert all(name in result["sentence"] for name in outside)
+        assert ("do not reach" in result["sentence"]) == bool(outside)
     wrong = client.post(
         URL, json=FTA_503 | {"fta": None, "aircraft_id": aircraft, "inputs": [
             {"name": "bfs", "harmonics": [3]}
@@ -166,19 +166,21 @@ def test_a_design_says_which_of_its_target_modes_its_band_holds(client: TestClie
     assert wrong.status_code == 422
 
 
-def test_a_design_that_is_too_large_for_a_model_is_refused_where_it_is_evaluated():
+def test_evaluation_of_too_large_design_is_refused():
     inputs = tuple(
-        InputWish(name=name, harmonics=tuple(range(1 + place, 2001, 2)))
+        InputSpecification(name=name, harmonics=tuple(range(1 + place, 2001, 2)))
         for place, name in enumerate(("a", "b"))
     )
-    wish = Wish(duration_s=500.0, rate_hz=100.0, inputs=inputs, peaks=(0.1, 0.1, 0.1))
+    specification = DesignSpecification(
+        duration_s=500.0, rate_hz=100.0, inputs=inputs, peaks=(0.1, 0.1, 0.1)
+    )
     with pytest.raises(BadInput, match="at most 10000 samples of so many harmonics"):
-        check_evaluation(wish)
-    largest = excitation_designs.wish_for(574, 96.0, 100.0, 6, (0.01, 0.02, 0.04))
+        check_evaluation(specification)
+    largest = excitation_designs.specify_design(574, 96.0, 100.0, 6, (0.01, 0.02, 0.04))
     check_evaluation(largest)
 
 
-def test_a_mode_that_no_harmonic_excites_has_no_signal(client: TestClient):
+def test_mode_without_harmonic_has_no_signal(client: TestClient):
     run = output_error_run(client)
     inputs = [
         {"name": name, "harmonics": list(range(700 + place, 1000, 5))}
@@ -186,12 +188,12 @@ def test_a_mode_that_no_harmonic_excites_has_no_signal(client: TestClient):
     ]
     far = FTA_503 | {"name": "far above", "fta": None, "inputs": inputs}
     where = client.post(URL, json=far).headers["location"]
-    told = client.get(f"{where}/expected-response?run_id={run}").json()
-    bending = next(mode for mode in told["modes"] if mode["name"] == "SW1B")
+    result = client.get(f"{where}/expected-response?run_id={run}").json()
+    bending = next(mode for mode in result["modes"] if mode["name"] == "SW1B")
     assert (bending["lines"], bending["output"], bending["signal_to_noise"]) == (0, None, None)
 
 
-def test_bands_targets_and_power_are_wishes_too(empty: TestClient):
+def test_bands_with_targets_and_power(empty: TestClient):
     own = {
         "fta": None,
         "bands": [
@@ -204,7 +206,7 @@ def test_bands_targets_and_power_are_wishes_too(empty: TestClient):
     }  # fmt: skip
     made = empty.post(URL, json=FTA_503 | own)
     assert made.status_code == 201, made.text
-    bfs, wf4a = made.json()["wish"]["inputs"]
+    bfs, wf4a = made.json()["specification"]["inputs"]
     assert len(bfs["harmonics"]) == len(wf4a["harmonics"]) == 30
     assert not set(bfs["harmonics"]) & set(wf4a["harmonics"])
     assert wf4a["power"][0] > 20.0 * wf4a["power"][-1]
@@ -218,7 +220,7 @@ def output_error_run(client: TestClient) -> int:
     return ended(client, job)["run_id"]
 
 
-def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):
+def test_predicted_errors_decrease_with_amplitude(client: TestClient):
     run = output_error_run(client)
     design = client.post(URL, json=FTA_503).headers["location"]
     low, medium = (
@@ -227,54 +229,54 @@ def test_expected_errors_shrink_where_amplitudes_double(client: TestClient):
     )
     assert {"CZ_alpha", "Cm_q", "Cm_bfs", "CQ7_eta7"} <= {row["name"] for row in low}
     for one, other in zip(low, medium, strict=True):
-        # What a model of one mode misses grows with the amplitude, noise does not.
+        # The unmodelled response grows with the amplitude, the noise does not.
         assert other["std_error"] < 1.3 * one["std_error"] <= 2.6 * other["std_error"]
     ee = client.get(f"{design}/expected-errors?run_id=1")
     assert ee.status_code == 422
     assert ee.json()["code"] == "not-output-error"
 
 
-def test_amplitudes_are_allotted_within_limits_and_kept(client: TestClient):
+def test_amplitudes_are_optimised_within_limits(client: TestClient):
     run = output_error_run(client)
     made = client.post(URL, json=FTA_503)
     where = made.headers["location"]
     limits = "deflection=0.012&load_factor=0.1"
-    told = client.get(f"{where}/allocation?run_id={run}&{limits}").json()
-    counted = [row for row in told["errors"] if row["counts"]]
+    result = client.get(f"{where}/amplitudes?run_id={run}&{limits}").json()
+    counted = [row for row in result["errors"] if row["counts"]]
     assert counted
     worst = {way: max(row[way] for row in counted) for way in ("flat", "minimax", "d_optimal")}
     assert worst["minimax"] <= 1.02 * worst["d_optimal"]
-    for row in told["limited"]:
+    for row in result["limited"]:
         assert row["limit"] == (0.1 if row["name"] == "load factor" else 0.012)
         assert max(row["minimax"], row["d_optimal"]) <= 1.01 * row["limit"]
 
-    kept = client.post(
-        f"{where}/rescaled", json={"name": "told", "gains": told["gains"]["minimax"]}
+    stored = client.post(
+        f"{where}/rescaled", json={"name": "optimised", "gains": result["gains"]["minimax"]}
     )
-    assert kept.status_code == 201, kept.text
-    again = client.get(f"{kept.headers['location']}/expected-errors?run_id={run}").json()["items"]
+    assert stored.status_code == 201, stored.text
+    again = client.get(f"{stored.headers['location']}/expected-errors?run_id={run}").json()["items"]
     by_name = {row["name"]: row["std_error"] / abs(row["value"]) for row in again}
     for row in counted:
         assert by_name[row["name"]] == pytest.approx(row["minimax"], rel=1e-6)
-    assert kept.json()["phases"] == made.json()["phases"]
+    assert stored.json()["phases"] == made.json()["phases"]
     wrong = client.post(f"{where}/rescaled", json={"name": "x", "gains": {"rudder": 2.0}})
     assert wrong.json()["code"] == "unknown-input"
 
 
-def test_what_a_design_would_show_is_told_by_mode_line_and_surface(client: TestClient):
+def test_predicted_response_by_mode_harmonic_and_surface(client: TestClient):
     run = output_error_run(client)
     made = client.post(URL, json=FTA_503 | {"peaks": [0.02, 0.04, 0.08]})
     where = made.headers["location"]
-    told = client.get(f"{where}/expected-response?run_id={run}&level=0").json()
+    result = client.get(f"{where}/expected-response?run_id={run}&level=0").json()
     louder = client.get(f"{where}/expected-response?run_id={run}&level=2").json()
-    assert len(told["modes"]) >= 2
-    for quiet, loud in zip(told["modes"], louder["modes"], strict=True):
+    assert len(result["modes"]) >= 2
+    for quiet, loud in zip(result["modes"], louder["modes"], strict=True):
         assert quiet["signal_to_noise"] < loud["signal_to_noise"]
-    correlation = np.array(told["correlation"])
+    correlation = np.array(result["correlation"])
     assert np.allclose(np.diag(correlation), 1.0)
     assert np.abs(correlation - np.eye(5)).max() < 0.4
     rows = client.get(f"{where}/expected-errors?run_id={run}").json()["items"]
-    assert sum(told["worth"].values()) == pytest.approx(len(rows), rel=1e-6)
+    assert sum(result["worth"].values()) == pytest.approx(len(rows), rel=1e-6)
     where = f"design_id={made.json()['id']}&run_id={run}"
     worth = client.get(f"/api/v1/figures/design-worth?{where}").json()
     assert len(worth["data"]) == 5
@@ -282,11 +284,11 @@ def test_what_a_design_would_show_is_told_by_mode_line_and_surface(client: TestC
     assert "dB" in signal["data"][0]["colorbar"]["title"]["text"]
 
 
-def test_classic_inputs_keep_the_limits_of_the_design_and_tell_less(client: TestClient):
+def test_classic_inputs_within_limits_have_larger_errors(client: TestClient):
     run = output_error_run(client)
     where = client.post(URL, json=FTA_503).headers["location"]
-    told = client.get(f"{where}/classic-inputs?run_id={run}&level=1").json()
-    multisine, *others = told["inputs"]
+    result = client.get(f"{where}/classic-inputs?run_id={run}&level=1").json()
+    multisine, *others = result["inputs"]
     assert [one["kind"] for one in others] == ["doublet", "3-2-1-1", "sweep"]
     for one in others:
         assert one["deflection"] <= 1.001 * multisine["deflection"]

@@ -1,4 +1,4 @@
-"""What happens to runs is told as it happens, and again to who missed it."""
+"""Events of runs are streamed, and repeated after a reconnection."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from typing import Any
 
 from waiting import PATIENCE_S
 
-Told = tuple[str, int | None, Any]
+Event = tuple[str, int | None, Any]
 
 
 def _post(url: str, body: dict[str, Any]) -> dict[str, Any]:
     request = urllib.request.Request(
         url, json.dumps(body).encode(), {"Content-Type": "application/json"}
     )
-    with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
-        return json.load(answer)
+    with urllib.request.urlopen(request, timeout=PATIENCE_S) as response:
+        return json.load(response)
 
 
 @contextmanager
-def _listen(url: str, **headers: str) -> Iterator[Iterator[Told]]:
+def _listen(url: str, **headers: str) -> Iterator[Iterator[Event]]:
     request = urllib.request.Request(url, headers=headers)
     with urllib.request.urlopen(request, timeout=PATIENCE_S) as stream:
         assert stream.headers["Content-Type"].startswith("text/event-stream")
-        yield _told(stream)
+        yield _read_events(stream)
 
 
-def _told(stream: Any) -> Iterator[Told]:
+def _read_events(stream: Any) -> Iterator[Event]:
     fields: dict[str, str] = {}
     for line in stream:
         name, _, value = line.decode().rstrip("\n").partition(": ")
@@ -41,9 +41,9 @@ def _told(stream: Any) -> Iterator[Told]:
             fields = {}
 
 
-def _until_over(told: Iterator[Told], run_id: int) -> list[tuple[str, int | None]]:
+def _read_until_end(events: Iterator[Event], run_id: int) -> list[tuple[str, int | None]]:
     kinds = []
-    for name, number, data in told:
+    for name, number, data in events:
         if name == "run" and data["run_id"] == run_id:
             kinds.append((data["kind"], number))
             if data["kind"] == "succeeded":
@@ -51,16 +51,16 @@ def _until_over(told: Iterator[Told], run_id: int) -> list[tuple[str, int | None
     raise AssertionError(kinds)
 
 
-def test_a_page_hears_of_runs_and_goes_on_where_it_stopped(live_url: str) -> None:
+def test_event_stream_resumes_after_last_event(live_url: str) -> None:
     api = f"{live_url}/api/v1"
-    wanted = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7]}}
-    with _listen(f"{api}/events?after=0") as told:
-        first = _until_over(told, 1)
-        run = _post(f"{api}/runs", wanted | {"author": "Ada"})["id"]
-        heard = _until_over(told, run)
+    payload = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7]}}
+    with _listen(f"{api}/events?after=0") as events:
+        first = _read_until_end(events, 1)
+        run = _post(f"{api}/runs", payload | {"author": "Ada"})["id"]
+        seen = _read_until_end(events, run)
     assert [kind for kind, _ in first] == ["queued", "started", "succeeded"]
-    assert [kind for kind, _ in heard] == ["queued", "started", "succeeded"]
-    numbers = [number for _, number in heard]
+    assert [kind for kind, _ in seen] == ["queued", "started", "succeeded"]
+    numbers = [number for _, number in seen]
     assert numbers == sorted(numbers)  # type: ignore[type-var]
-    with _listen(f"{api}/events", **{"Last-Event-ID": str(numbers[0])}) as told:
-        assert _until_over(told, run) == heard[1:]
+    with _listen(f"{api}/events", **{"Last-Event-ID": str(numbers[0])}) as events:
+        assert _read_until_end(events, run) == seen[1:]

@@ -1,4 +1,4 @@
-"""Every route comes with an example of what it is asked and of what it answers, both true."""
+"""Every route has valid examples of its request and response."""
 
 from __future__ import annotations
 
@@ -30,28 +30,28 @@ def _required(operation: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _contents(operation: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """What is sent, and what is answered where all goes well."""
+    """Yield the contents of the request and of successful responses."""
     for kind, content in operation.get("requestBody", {}).get("content", {}).items():
         yield f"its body, {kind}", content
-    for status, answer in operation["responses"].items():
+    for status, response in operation["responses"].items():
         if status.startswith("2"):
-            for kind, content in answer.get("content", {}).items():
+            for kind, content in response.get("content", {}).items():
                 if kind not in FOR_PROGRAMS:
-                    yield f"its answer, {kind}", content
+                    yield f"its response, {kind}", content
 
 
-def test_every_route_comes_with_examples(described: dict[str, Any]) -> None:
+def test_every_route_has_examples(described: dict[str, Any]) -> None:
     for method, path, operation in _operations(described):
         for part in _required(operation):
             assert "example" in part, f"{method} {path}: {part['name']}, in api/description.py"
         for what, content in _contents(operation):
             assert "example" in content, (
-                f"{method} {path}: {what}; see api/description.py and tests/api/record_answers.py"
+                f"{method} {path}: {what}; see api/description.py and tests/api/record_examples.py"
             )
 
 
-def test_examples_are_what_is_described(described: dict[str, Any]) -> None:
-    """Answers were recorded, so the description is held to them as much as they to it."""
+def test_examples_conform_to_description(described: dict[str, Any]) -> None:
+    """The examples are recorded responses, so this also checks the description."""
     known = {"components": described["components"]}
     wrong = []
     for method, path, operation in _operations(described):
@@ -67,21 +67,21 @@ def test_examples_are_what_is_described(described: dict[str, Any]) -> None:
     assert not wrong, "\n".join(wrong)
 
 
-def test_bodies_are_read(client: TestClient, described: dict[str, Any]) -> None:
-    """Answered, or refused for want of a record: never as something that cannot be."""
+def test_example_bodies_are_valid(client: TestClient, described: dict[str, Any]) -> None:
+    """Example bodies are accepted, or refused for a missing record; never as invalid."""
     for method, path, operation in _operations(described):
         body = operation.get("requestBody", {}).get("content", {}).get("application/json")
         if body is None or "/uploads" in path:
             continue
-        said: dict[str, dict[str, str]] = {"path": {}, "query": {}, "header": {}}
+        values: dict[str, dict[str, str]] = {"path": {}, "query": {}, "header": {}}
         for part in _required(operation):
-            said[part["in"]][part["name"]] = str(part["example"])
-        answer = client.request(
+            values[part["in"]][part["name"]] = str(part["example"])
+        response = client.request(
             method,
-            path.format(**said["path"]),
-            params=said["query"],
-            headers=said["header"],
+            path.format(**values["path"]),
+            params=values["query"],
+            headers=values["header"],
             json=body["example"],
         )
-        if answer.status_code >= 300:
-            assert answer.json()["code"] != "invalid-request", f"{method} {path}: {answer.text}"
+        if response.status_code >= 300:
+            assert response.json()["code"] != "invalid-request", f"{method} {path}: {response.text}"

@@ -1,4 +1,4 @@
-"""Questions about flutter that cannot be answered are refused with what would be right."""
+"""Invalid flutter queries are refused with the valid range."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from flexsid.cli.main import main
         (f"run_ids={','.join(map(str, range(1, 102)))}", 422),
     ],
 )
-def test_impossible_questions_are_refused(client, query: str, status: int):
+def test_invalid_queries_are_refused(client, query: str, status: int):
     for path in ("flutter", "figures/v-omega-zeta", "figures/flutter-map"):
-        answer = client.get(f"/api/v1/{path}?{query}")
-        assert answer.status_code == status, answer.text
-        assert answer.headers["content-type"].startswith("application/problem+json")
+        response = client.get(f"/api/v1/{path}?{query}")
+        assert response.status_code == status, response.text
+        assert response.headers["content-type"].startswith("application/problem+json")
 
 
-def test_a_loading_in_other_units_is_refused_from_the_command_line_too(flown_url: str, capsys):
+def test_values_in_other_units_are_refused_by_command_line(flown_url: str, capsys):
     for asked, words in (
         (["--fuel", "50"], "0.5 for 50 %"),
         (["--altitude", "35000"], "expected -1000 to 11000 m"),
@@ -37,13 +37,13 @@ def test_a_loading_in_other_units_is_refused_from_the_command_line_too(flown_url
         assert words in capsys.readouterr().err
 
 
-def test_an_answer_is_found_as_a_task_and_then_at_hand(client):
-    begun = client.post("/api/v1/flutter/answers?run_ids=1")
+def test_flutter_prediction_runs_as_task(client):
+    begun = client.post("/api/v1/flutter/results?run_ids=1")
     assert begun.status_code == 202, begun.text
     now = ended(client, begun.headers["location"])
-    assert (now["state"], now["made"]) == ("done", None)
+    assert (now["state"], now["result_id"]) == ("done", None)
     assert client.get("/api/v1/flutter?run_ids=1").json()["sentence"]
-    missing = client.post("/api/v1/flutter/answers?run_ids=999")
+    missing = client.post("/api/v1/flutter/results?run_ids=999")
     assert missing.status_code == 202
     now = ended(client, missing.headers["location"])
     assert now["state"] == "failed"

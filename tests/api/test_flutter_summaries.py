@@ -1,4 +1,4 @@
-"""Flutter summaries over REST: analyses kept apart, and every instability shown or noted."""
+"""Flutter summaries over REST: separate analyses, and all instabilities reported."""
 
 from __future__ import annotations
 
@@ -46,26 +46,26 @@ def page(
     return text
 
 
-def keep(client: TestClient, *texts: str) -> Any:
+def import_summary(client: TestClient, *texts: str) -> Any:
     files = [("files", (f"f{n}.f06", text.encode())) for n, text in enumerate(texts)]
     identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
-    wanted = {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "m/s"}
-    answer = client.post(f"/api/v1/uploads/{identity}/flutter-summary", json=wanted)
-    assert answer.status_code == 201, answer.text
-    kept = answer.json()
-    assert client.get(f"/api/v1/flutter-summaries/{kept['id']}").json() == kept
-    return kept
+    payload = {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "m/s"}
+    response = client.post(f"/api/v1/uploads/{identity}/flutter-summary", json=payload)
+    assert response.status_code == 201, response.text
+    stored = response.json()
+    assert client.get(f"/api/v1/flutter-summaries/{stored['id']}").json() == stored
+    return stored
 
 
 RISING = [-0.02, -0.01, 0.01, 0.02]
 
 
-def test_subcases_mach_numbers_and_densities_are_kept_apart(client: TestClient) -> None:
+def test_subcases_mach_numbers_and_densities_are_separate(client: TestClient) -> None:
     text = page(1, SPEEDS, RISING, 5.0)
     text += page(1, SPEEDS, [-0.03, -0.02, -0.01, 0.01], 5.0, mach=0.3)
     text += page(1, SPEEDS, [-0.03, -0.02, -0.02, 0.02], 5.0, mach=0.3, density=0.5)
     text += page(1, SPEEDS, [-0.04, 0.01, 0.01, 0.01], 5.0, subcase=2, symmetry="SYMMETRIC")
-    points = keep(client, text)["points"]
+    points = import_summary(client, text)["points"]
     assert [point["airspeed_m_s"] for point in points] == pytest.approx([28.0, 35.0, 45.0, 45.0])
     assert [point["analysis"] for point in points] == [
         "subcase 2, XZ symmetric, Mach 0, density ratio 1, PK",
@@ -76,81 +76,81 @@ def test_subcases_mach_numbers_and_densities_are_kept_apart(client: TestClient) 
     assert points[3]["density_ratio"] == 0.5
 
 
-def test_a_root_may_go_on_on_a_further_page_and_an_analysis_come_again(client: TestClient) -> None:
+def test_root_on_several_pages_and_repeated_analysis(client: TestClient) -> None:
     first = page(1, SPEEDS[:2], RISING[:2], 5.0) + page(1, SPEEDS[2:], RISING[2:], 5.0)
     again = page(1, SPEEDS, [-0.02, -0.02, -0.02, 0.02], 5.0)  # another deck, the same heading
     for text in (first + page(2, SPEEDS, -0.1, 9.0) + again, first + again):
-        points = keep(client, text)["points"]
+        points = import_summary(client, text)["points"]
         assert [point["airspeed_m_s"] for point in points] == pytest.approx([35.0, 45.0])
 
 
 def test_all_files_of_an_upload_are_read(client: TestClient) -> None:
-    kept = keep(
+    stored = import_summary(
         client,
         page(1, SPEEDS, RISING, 5.0, symmetry="SYMMETRIC"),
         page(1, SPEEDS, [-0.01, 0.01, 0.02, 0.03], 7.0, symmetry="ANTISYMMETRIC"),
     )
-    assert [point["airspeed_m_s"] for point in kept["points"]] == pytest.approx([25.0, 35.0])
-    assert kept["points"][0]["analysis"].startswith("f1.f06, subcase 1, XZ antisymmetric")
-    assert kept["origin"] == "f0.f06, f1.f06"
+    assert [point["airspeed_m_s"] for point in stored["points"]] == pytest.approx([25.0, 35.0])
+    assert stored["points"][0]["analysis"].startswith("f1.f06, subcase 1, XZ antisymmetric")
+    assert stored["origin"] == "f0.f06, f1.f06"
 
 
-def test_neutral_roots_have_no_flutter_speed_and_are_named(client: TestClient) -> None:
-    text = page(1, SPEEDS, [-1e-7, 2e-7, -3e-8, 1e-7], 6.0)  # an undamped mode without air
+def test_neutral_roots_have_no_flutter_speed_and_are_noted(client: TestClient) -> None:
+    text = page(1, SPEEDS, [-1e-7, 2e-7, -3e-8, 1e-7], 6.0)  # an undamped in-vacuo mode
     text += page(2, SPEEDS, [-0.5, 0.4, -0.3, 0.6], 0.01, growth=1e-5)  # a rigid body's
     text += page(3, SPEEDS, [-0.02, -5e-5, 5e-5, 0.02], 5.0)
-    kept = keep(client, text)
-    assert [(point["root"], point["kind"]) for point in kept["points"]] == [(3, "flutter")]
-    assert kept["points"][0]["airspeed_m_s"] == pytest.approx(35.0)
-    assert any("roots 1, 2 stay neutral or slow" in note for note in kept["notes"])
+    stored = import_summary(client, text)
+    assert [(point["root"], point["kind"]) for point in stored["points"]] == [(3, "flutter")]
+    assert stored["points"][0]["airspeed_m_s"] == pytest.approx(35.0)
+    assert any("roots 1, 2 stay neutral or slow" in note for note in stored["notes"])
 
 
-def test_divergence_and_roots_that_are_never_stable_are_shown(client: TestClient) -> None:
+def test_divergence_and_never_stable_roots_are_reported(client: TestClient) -> None:
     text = page(1, SPEEDS, [-0.2, -0.1, 0.1, 0.3], 0.0, growth=[-4.0, -2.0, 2.0, 6.0])
     text += page(2, SPEEDS, 0.03, 4.0)
     text += page(3, SPEEDS, 0.001, 0.0, growth=0.05)
-    kept = keep(client, text)
-    divergence, always = kept["points"]
+    stored = import_summary(client, text)
+    divergence, always = stored["points"]
     assert (divergence["kind"], divergence["is_bound"]) == ("divergence", False)
     assert divergence["airspeed_m_s"] == pytest.approx(35.0)
     assert divergence["omega_rad_s"] == 0.0
     assert (always["root"], always["kind"], always["is_bound"]) == (2, "flutter", True)
     assert always["airspeed_m_s"] == 20.0
-    assert any("root 3 grows slowly, doubling in 13.9 s" in note for note in kept["notes"])
+    assert any("root 3 grows slowly, doubling in 13.9 s" in note for note in stored["notes"])
 
 
-def test_a_sweep_of_matched_points_is_followed_in_its_own_order(client: TestClient) -> None:
-    """Airspeed falls and rises again while the density grows; damping crosses zero once."""
+def test_matched_points_are_processed_in_their_order(client: TestClient) -> None:
+    """Airspeed falls and rises while the density increases; damping crosses zero once."""
     speed = [150.0, 148.0, 147.0, 149.0, 152.0]
     damping = [-0.03, -0.02, -0.01, 0.01, 0.03]
     density = [0.1, 0.2, 0.3, 0.4, 0.5]
     for step in (1, -1):  # from either end
         text = page(1, speed[::step], damping[::step], 5.0, density=density[::step], method="PKNL")
-        (point,) = keep(client, text)["points"]
+        (point,) = import_summary(client, text)["points"]
         assert point["airspeed_m_s"] == pytest.approx(148.0)
         assert point["density_ratio"] == pytest.approx(0.35)
         assert not point["is_bound"]
 
 
-def test_roots_that_may_be_exchanged_and_methods_without_roots_are_noted(
+def test_possible_root_exchanges_and_methods_without_roots_are_noted(
     client: TestClient,
 ) -> None:
-    kept = keep(client, page(1, SPEEDS, RISING, [5.0, 5.0, 9.0, 9.0]))
-    assert len(kept["points"]) == 1
-    assert any("changes from 5 to 9 Hz between 30 and 40 m/s" in note for note in kept["notes"])
-    kept = keep(client, page(1, SPEEDS, RISING, 5.0, method="K"))
-    assert kept["points"] == []
-    assert any("method K does not follow its roots" in note for note in kept["notes"])
-    kept = keep(client, page(1, SPEEDS[::-1], RISING[::-1], 5.0, method="KE"))
-    assert [point["airspeed_m_s"] for point in kept["points"]] == pytest.approx([35.0])
+    stored = import_summary(client, page(1, SPEEDS, RISING, [5.0, 5.0, 9.0, 9.0]))
+    assert len(stored["points"]) == 1
+    assert any("changes from 5 to 9 Hz between 30 and 40 m/s" in note for note in stored["notes"])
+    stored = import_summary(client, page(1, SPEEDS, RISING, 5.0, method="K"))
+    assert stored["points"] == []
+    assert any("method K does not follow its roots" in note for note in stored["notes"])
+    stored = import_summary(client, page(1, SPEEDS[::-1], RISING[::-1], 5.0, method="KE"))
+    assert [point["airspeed_m_s"] for point in stored["points"]] == pytest.approx([35.0])
 
 
-def test_a_number_wider_than_its_column_is_no_reason_to_lose_the_row(client: TestClient) -> None:
+def test_row_with_overflowing_number_is_read(client: TestClient) -> None:
     text = page(1, SPEEDS, RISING, 5.0).replace("   0.1000  ", "   ******  ")
-    assert len(keep(client, text)["points"]) == 1
+    assert len(import_summary(client, text)["points"]) == 1
     broken = page(1, SPEEDS, RISING, 5.0).replace(" 1.00000E-02", " **********")
-    answer = client.post("/api/v1/uploads", files=[("files", ("f.f06", broken.encode()))])
-    assert "damping or frequency is not a number" in answer.text
+    response = client.post("/api/v1/uploads", files=[("files", ("f.f06", broken.encode()))])
+    assert "damping or frequency is not a number" in response.text
 
 
 @pytest.mark.parametrize(
@@ -164,17 +164,17 @@ def test_a_number_wider_than_its_column_is_no_reason_to_lose_the_row(client: Tes
         ("nastran/0012_flutter.f06", "m/s", [(2, 149.29, 39.09)]),
     ],
 )
-def test_published_samples_have_the_speeds_found_by_hand(
+def test_published_samples_have_hand_computed_speeds(
     client: TestClient, file: str, unit: str, expected: Any
 ) -> None:
     if not (SHARED / file).exists():
         pytest.skip("the Nastran samples are not beside the project")
     files = [("files", ("flutter.f06", (SHARED / file).read_bytes()))]
     identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
-    wanted = {"aircraft_id": 1, "name": "SOL 145", "speed_unit": unit}
-    kept = client.post(f"/api/v1/uploads/{identity}/flutter-summary", json=wanted).json()
+    payload = {"aircraft_id": 1, "name": "SOL 145", "speed_unit": unit}
+    stored = client.post(f"/api/v1/uploads/{identity}/flutter-summary", json=payload).json()
     factor = {"kt": 1852.0 / 3600.0, "m/s": 1.0}[unit]
-    found = [(p["root"], p["airspeed_m_s"] / factor, p["omega_rad_s"]) for p in kept["points"]]
+    found = [(p["root"], p["airspeed_m_s"] / factor, p["omega_rad_s"]) for p in stored["points"]]
     assert [root for root, *_ in found] == [root for root, *_ in expected]
     for (_, *numbers), (_, *hand) in zip(found, expected, strict=True):
         assert numbers == pytest.approx(hand, abs=0.006)

@@ -1,4 +1,4 @@
-"""Whatever text or number is sent, on either database, is kept as it is seen or refused."""
+"""Hostile texts and numbers are refused or stored unchanged, on both databases."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ def view(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_hostile_text_is_refused_wherever_it_is_sent(client: TestClient, text: str) -> None:
+def test_hostile_text_is_refused_by_every_route(client: TestClient, text: str) -> None:
     body = json.dumps(view(text))
     json_sent = {"content": body, "headers": {"Content-Type": "application/json"}}
-    answers = [
+    responses = [
         client.post("/api/v1/saved-views", **json_sent),
         client.get("/api/v1/maneuvers", params={"search": text}),
         client.get("/api/v1/runs", params={"tag": text}),
         client.post("/api/v1/maneuvers/changes", json={"ids": [1], "action": "tag", "tag": text}),
         client.get("/api/v1/health", params={text: "1"}),
     ]
-    for answer in answers:
-        assert 400 <= answer.status_code < 500, (answer.url, answer.text)
-        assert answer.headers["content-type"] == "application/problem+json"
+    for response in responses:
+        assert 400 <= response.status_code < 500, (response.url, response.text)
+        assert response.headers["content-type"] == "application/problem+json"
 
 
 @given(name=st.text(min_size=1, max_size=30))
@@ -48,17 +48,17 @@ def test_hostile_text_is_refused_wherever_it_is_sent(client: TestClient, text: s
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
-def test_any_name_comes_back_as_it_is_shown_or_is_refused(client: TestClient, name: str) -> None:
-    answer = client.post(
+def test_any_name_is_returned_unchanged_or_refused(client: TestClient, name: str) -> None:
+    response = client.post(
         "/api/v1/saved-views",
         content=json.dumps(view(name)),
         headers={"Content-Type": "application/json"},
     )
-    if answer.status_code == 201:
+    if response.status_code == 201:
         listed = client.get("/api/v1/saved-views").json()["items"]
-        assert answer.json()["name"] in [own["name"] for own in listed]
+        assert response.json()["name"] in [own["name"] for own in listed]
     else:
-        assert answer.status_code in (409, 422)
+        assert response.status_code in (409, 422)
 
 
 MAPPING = """
@@ -113,13 +113,13 @@ def send(client: TestClient, mapping: str, rows: str = "", name: str = "m.csv") 
         ('name = "bfs"', 'name = "bf\\u0000s"'),
     ],
 )
-def test_a_mapping_of_impossible_numbers_or_texts_is_refused(
+def test_mapping_with_impossible_numbers_or_texts_is_refused(
     client: TestClient, old: str, new: str
 ) -> None:
     assert old in MAPPING
-    answer = send(client, MAPPING.replace(old, new, 1))
-    assert answer.status_code == 422, answer.text
-    assert answer.json()["code"] in ("bad-mapping", "bad-text", "out-of-range", "bad-rate")
+    response = send(client, MAPPING.replace(old, new, 1))
+    assert response.status_code == 422, response.text
+    assert response.json()["code"] in ("bad-mapping", "bad-text", "out-of-range", "bad-rate")
 
 
 def test_files_with_hostile_names_and_samples_are_refused(client: TestClient) -> None:
@@ -130,13 +130,13 @@ def test_files_with_hostile_names_and_samples_are_refused(client: TestClient) ->
         (rows.replace("\n0,0", "\n0,1e308", 1), "m.csv"),
         (rows, "m\u202e.csv"),
     ):
-        answer = send(client, MAPPING, table, name)
-        assert answer.status_code == 422, (name, table[:20], answer.text)
+        response = send(client, MAPPING, table, name)
+        assert response.status_code == 422, (name, table[:20], response.text)
     assert send(client, MAPPING).status_code == 201
 
 
-def test_the_flight_computer_gets_names_and_nothing_else(client: TestClient) -> None:
-    names = ["=cmd|' /C calc'!A0", "a,b", 'say "x"', "a b", "a-b", "\u00fcber"]
+def test_exported_names_are_escaped(client: TestClient) -> None:
+    names = ["=cmd|' /C calc'!A0", "a,b", 'a "x"', "a b", "a-b", "\u00fcber"]
     body = {
         "name": "d",
         "duration_s": 1.0,
@@ -159,11 +159,11 @@ def test_the_flight_computer_gets_names_and_nothing_else(client: TestClient) -> 
     assert client.post("/api/v1/designs", json=body).status_code == 422
 
 
-def test_old_records_with_such_text_are_still_read(store: Store) -> None:
-    kept = store.saved_views.add(SavedView(page="runs", name="x", search="?", author=""))
+def test_old_records_with_hostile_text_are_readable(store: Store) -> None:
+    stored = store.saved_views.add(SavedView(page="runs", name="x", search="?", author=""))
     table = store.saved_views.table
     with store.database.transaction() as connection:
         connection.execute(sa.update(table).values(name="a\u202e\x07b"))
-    assert store.saved_views.get(kept.id or 0).name == "a\u202e\x07b"
+    assert store.saved_views.get(stored.id or 0).name == "a\u202e\x07b"
     with pytest.raises(BadInput, match=r"U\+0000"):
         store.saved_views.add(SavedView(page="runs", name="a\x00b", search="?", author=""))

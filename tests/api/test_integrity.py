@@ -1,4 +1,4 @@
-"""What the interface says of results that were altered, corrected data, and evidence."""
+"""Altered results, corrected data and evidence of decisions, over REST."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 
 
-def test_an_altered_result_is_shown_on_the_run_and_used_by_nothing(
-    client: TestClient, flown_url: str
-) -> None:
+def test_altered_result_is_reported_and_not_used(client: TestClient, flown_url: str) -> None:
     assert client.get("/api/v1/runs/1").json()["altered"] is False
     store = Store.open(flown_url)
     result = store.runs.encode_field("result", store.runs.get(1).result)
@@ -32,11 +30,11 @@ def test_an_altered_result_is_shown_on_the_run_and_used_by_nothing(
         "reports/comparison?run_ids=1",
         "flutter?run_ids=1",
     ):
-        answer = client.get(f"/api/v1/{address}")
-        assert (answer.status_code, answer.json()["code"]) == (409, "result-altered"), address
+        response = client.get(f"/api/v1/{address}")
+        assert (response.status_code, response.json()["code"]) == (409, "result-altered"), address
 
 
-def test_a_run_and_lists_and_comparisons_say_that_data_were_corrected_since(
+def test_corrected_data_are_reported_by_runs_lists_and_comparisons(
     client: TestClient,
 ) -> None:
     def shown() -> list[list[str]]:
@@ -56,21 +54,21 @@ def test_a_run_and_lists_and_comparisons_say_that_data_were_corrected_since(
     assert "Data changed since run 1" in client.get("/api/v1/reports/comparison?run_ids=1").text
 
 
-@pytest.mark.parametrize("what", ["runs", "maneuvers"])
-def test_what_a_baseline_rests_on_is_not_deleted(act: Act, what: str) -> None:
+@pytest.mark.parametrize("resource", ["runs", "maneuvers"])
+def test_evidence_of_baseline_is_not_deleted(act: Act, resource: str) -> None:
     decision = propose(act)
     vote(act, "Bo", decision)
-    for answer in (
-        act("Ann", "delete", f"{what}/1"),
-        act("Ann", "post", f"{what}/changes", {"ids": [1], "action": "delete"}),
+    for response in (
+        act("Ann", "delete", f"{resource}/1"),
+        act("Ann", "post", f"{resource}/changes", {"ids": [1], "action": "delete"}),
     ):
-        assert answer.status_code == 409, answer.text
-        assert answer.json()["code"] == "is-evidence"
-        assert answer.json()["decision_id"] == decision["id"]
-    assert act("Ann", "get", f"{what}/1").json()["deleted_at"] is None
+        assert response.status_code == 409, response.text
+        assert response.json()["code"] == "is-evidence"
+        assert response.json()["decision_id"] == decision["id"]
+    assert act("Ann", "get", f"{resource}/1").json()["deleted_at"] is None
 
 
-def test_what_a_withdrawn_proposal_rested_on_may_go(act: Act) -> None:
+def test_evidence_of_withdrawn_proposal_is_deleted(act: Act) -> None:
     decision = propose(act)
     assert act("Ann", "delete", "runs/1").status_code == 409
     body = {"revision": 1, "text": "no"}
@@ -87,5 +85,5 @@ def test_a_deleted_run_is_no_evidence(act: Act) -> None:
         "reasoning": "y",
         "run_ids": [1],
     }
-    answer = act("Ann", "post", "decisions", decision)
-    assert (answer.status_code, answer.json()["code"]) == (409, "deleted")
+    response = act("Ann", "post", "decisions", decision)
+    assert (response.status_code, response.json()["code"]) == (409, "deleted")

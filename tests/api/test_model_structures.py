@@ -1,4 +1,4 @@
-"""Model structures keep every version, and no edit is lost to another."""
+"""Versions of model structures, and detection of conflicting edits."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from fastapi.testclient import TestClient
 from waiting import ended
 
-# How versions are kept on any database is told in test_decision_records.
+# The storage of versions is tested on both databases in test_decision_records.
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 
 STRUCTURES = "/api/v1/model-structures"
@@ -20,25 +20,27 @@ def _named(name: str) -> dict[str, str]:
 
 
 @pytest.fixture
-def kept(client: TestClient) -> dict[str, Any]:
-    wanted = {"aircraft_id": 1, "name": "SP + SW1B at work", "structure": SP}
-    return client.post(STRUCTURES, json=wanted, headers=_named("Ann")).json()
+def stored(client: TestClient) -> dict[str, Any]:
+    payload = {"aircraft_id": 1, "name": "SP + SW1B at work", "structure": SP}
+    return client.post(STRUCTURES, json=payload, headers=_named("Ann")).json()
 
 
-def _edit(client: TestClient, kept: dict[str, Any], structure: dict[str, Any], **more: Any) -> Any:
-    body = {"name": kept["name"], "structure": structure, "version": kept["version"]} | more
-    return client.put(f"{STRUCTURES}/{kept['id']}", json=body, headers=_named("Bo"))
+def _edit(
+    client: TestClient, stored: dict[str, Any], structure: dict[str, Any], **more: Any
+) -> Any:
+    body = {"name": stored["name"], "structure": structure, "version": stored["version"]} | more
+    return client.put(f"{STRUCTURES}/{stored['id']}", json=body, headers=_named("Bo"))
 
 
-def test_every_version_stays_readable(client: TestClient, kept: dict[str, Any]) -> None:
-    edited = _edit(client, kept, SP | {"absent": ["CZ_q"]}, note="CZ_q is never significant")
+def test_every_version_is_readable(client: TestClient, stored: dict[str, Any]) -> None:
+    edited = _edit(client, stored, SP | {"absent": ["CZ_q"]}, note="CZ_q is never significant")
     assert edited.status_code == 200, edited.text
     assert (edited.json()["version"], edited.json()["author"]) == (2, "Bo")
     assert edited.headers["ETag"] == '"2"'
-    address = f"{STRUCTURES}/{kept['id']}"
+    address = f"{STRUCTURES}/{stored['id']}"
     assert client.get(address).json() == edited.json()
     first, second = client.get(f"{address}/versions").json()["items"]
-    assert (first["author"], first["structure"]) == ("Ann", kept["structure"])
+    assert (first["author"], first["structure"]) == ("Ann", stored["structure"])
     assert (second["note"], second["structure"]["absent"]) == (
         "CZ_q is never significant",
         ["CZ_q"],
@@ -46,21 +48,19 @@ def test_every_version_stays_readable(client: TestClient, kept: dict[str, Any]) 
     assert client.get(f"{address}/versions/1").json() == first
 
 
-def test_two_structures_do_not_share_a_name(client: TestClient, kept: dict[str, Any]) -> None:
-    wanted = {"aircraft_id": 1, "name": kept["name"], "structure": SP}
-    again = client.post(STRUCTURES, json=wanted)
+def test_two_structures_do_not_share_a_name(client: TestClient, stored: dict[str, Any]) -> None:
+    payload = {"aircraft_id": 1, "name": stored["name"], "structure": SP}
+    again = client.post(STRUCTURES, json=payload)
     assert (again.status_code, again.json()["code"]) == (409, "name-taken")
-    other = client.post(STRUCTURES, json=wanted | {"name": "SP alone"}).json()
-    renamed = _edit(client, other, SP, name=kept["name"])
+    other = client.post(STRUCTURES, json=payload | {"name": "SP alone"}).json()
+    renamed = _edit(client, other, SP, name=stored["name"])
     assert (renamed.status_code, renamed.json()["code"]) == (409, "name-taken")
-    assert _edit(client, kept, SP, note="the same name, a new version").status_code == 200
+    assert _edit(client, stored, SP, note="the same name, a new version").status_code == 200
 
 
-def test_a_stale_edit_is_answered_with_both_versions(
-    client: TestClient, kept: dict[str, Any]
-) -> None:
-    _edit(client, kept, SP | {"absent": ["CZ_q"]})
-    late = _edit(client, kept, SP | {"absent": ["Cm_q"]}, name="mine")
+def test_stale_edit_returns_both_versions(client: TestClient, stored: dict[str, Any]) -> None:
+    _edit(client, stored, SP | {"absent": ["CZ_q"]})
+    late = _edit(client, stored, SP | {"absent": ["Cm_q"]}, name="mine")
     assert late.status_code == 409
     problem = late.json()
     assert problem["code"] == "stale-edit"
@@ -68,13 +68,13 @@ def test_a_stale_edit_is_answered_with_both_versions(
     assert problem["current"]["structure"]["absent"] == ["CZ_q"]
     assert problem["sent"]["structure"]["absent"] == ["Cm_q"]
     assert problem["sent"]["name"] == "mine"
-    resolved = _edit(client, problem["current"] | {"id": kept["id"]}, SP | {"absent": ["Cm_q"]})
+    resolved = _edit(client, problem["current"] | {"id": stored["id"]}, SP | {"absent": ["Cm_q"]})
     assert (resolved.status_code, resolved.json()["version"]) == (200, 3)
 
 
-def test_the_header_names_the_version_too(client: TestClient, kept: dict[str, Any]) -> None:
+def test_version_is_read_from_header(client: TestClient, stored: dict[str, Any]) -> None:
     body = {"name": "x", "structure": SP}
-    address = f"{STRUCTURES}/{kept['id']}"
+    address = f"{STRUCTURES}/{stored['id']}"
     assert client.put(address, json=body, headers={"If-Match": '"1"'}).json()["version"] == 2
     assert client.put(address, json=body, headers={"If-Match": '"1"'}).status_code == 409
     for headers in ({}, {"If-Match": "*"}, {"If-Match": "newest"}):
@@ -105,16 +105,16 @@ def test_the_header_names_the_version_too(client: TestClient, kept: dict[str, An
         ({"instruments": {"q": "nothing"}}, "unknown-instrument"),
     ],
 )
-def test_what_no_run_could_use_is_refused(
-    client: TestClient, kept: dict[str, Any], change: dict[str, Any], code: str
+def test_invalid_structure_is_refused(
+    client: TestClient, stored: dict[str, Any], change: dict[str, Any], code: str
 ) -> None:
-    refused = _edit(client, kept, SP | change)
+    refused = _edit(client, stored, SP | change)
     assert refused.json()["code"] == code, refused.text
     assert refused.status_code == (404 if code == "unknown-record" else 422)
-    assert client.get(f"{STRUCTURES}/{kept['id']}").json() == kept
+    assert client.get(f"{STRUCTURES}/{stored['id']}").json() == stored
 
 
-def test_a_run_holds_to_the_version_it_names(client: TestClient, kept: dict[str, Any]) -> None:
+def test_run_uses_requested_version(client: TestClient, stored: dict[str, Any]) -> None:
     held = {
         "absent": ["CZ_q"],
         "fixed": {"Cm_q": -3.25},
@@ -123,13 +123,22 @@ def test_a_run_holds_to_the_version_it_names(client: TestClient, kept: dict[str,
             "Cm_alpha": {"source": "run", "id": 1},
         },
     }
-    edited = _edit(client, kept, SP | held).json()
+    edited = _edit(client, stored, SP | held).json()
     _edit(client, edited, SP)
-    wanted = {"maneuver_id": 1, "method": "EE", "structure_id": kept["id"], "structure_version": 2}
-    asked = client.post("/api/v1/runs", json=wanted, headers=_named("Ann"))
+    payload = {
+        "maneuver_id": 1,
+        "method": "EE",
+        "structure_id": stored["id"],
+        "structure_version": 2,
+    }
+    asked = client.post("/api/v1/runs", json=payload, headers=_named("Ann"))
     assert asked.status_code == 202, asked.text
     run = asked.json()
-    assert (run["structure_id"], run["structure_version"], run["author"]) == (kept["id"], 2, "Ann")
+    assert (run["structure_id"], run["structure_version"], run["author"]) == (
+        stored["id"],
+        2,
+        "Ann",
+    )
     assert run["structure"] == edited["structure"]
     result = _ended(client, run["id"])["run"]["result"]
     estimated = {p["name"] for p in result["parameters"]}
@@ -142,26 +151,26 @@ def test_a_run_holds_to_the_version_it_names(client: TestClient, kept: dict[str,
     assert result["held"]["CZ_alpha"] == pytest.approx(
         next(d["value"] for d in predicted if d["name"] == "CZ_alpha")
     )
-    of_structure = client.get(f"/api/v1/runs?structure_id={kept['id']}").json()["items"]
+    of_structure = client.get(f"/api/v1/runs?structure_id={stored['id']}").json()["items"]
     assert [(one["id"], one["structure_version"]) for one in of_structure] == [(run["id"], 2)]
-    newest = client.post("/api/v1/runs", json=wanted | {"structure_version": None})
+    newest = client.post("/api/v1/runs", json=payload | {"structure_version": None})
     assert newest.json()["structure_version"] == 3
-    other = client.post("/api/v1/runs", json=wanted | {"structure": SP})
+    other = client.post("/api/v1/runs", json=payload | {"structure": SP})
     assert (other.status_code, other.json()["code"]) == (422, "other-structure")
-    unknown = client.post("/api/v1/runs", json=wanted | {"structure_version": 9})
+    unknown = client.post("/api/v1/runs", json=payload | {"structure_version": 9})
     assert unknown.status_code == 404
     nothing = client.post("/api/v1/runs", json={"maneuver_id": 1, "method": "EE"})
     assert nothing.json()["repeated"]
 
 
-def test_a_known_delay_takes_the_place_of_an_estimated_one(client: TestClient) -> None:
+def test_known_delay_reduces_estimated_delay(client: TestClient) -> None:
     """Delaying the model of a sensor by 20 ms moves its estimated delay back by as much."""
-    structure = SP | {"also_free": ["delay_q"]}
-    wanted = {"maneuver_id": 1, "method": "OE", "structure": structure}
+    structure = SP | {"extra_parameters": ["delay_q"]}
+    payload = {"maneuver_id": 1, "method": "OE", "structure": structure}
     found = []
     for delays in ({}, {"q": 0.02}):
         asked = client.post(
-            "/api/v1/runs", json=wanted | {"structure": structure | {"delays": delays}}
+            "/api/v1/runs", json=payload | {"structure": structure | {"delays": delays}}
         )
         result = _ended(client, asked.json()["id"])["run"]["result"]
         found.append(next(p["value"] for p in result["parameters"] if p["name"] == "delay_q"))
@@ -169,9 +178,9 @@ def test_a_known_delay_takes_the_place_of_an_estimated_one(client: TestClient) -
 
 
 @pytest.mark.parametrize("name", ["%FF", "x" * 101, "a%00b"])
-def test_a_name_that_is_none_is_refused(client: TestClient, name: str) -> None:
-    wanted = {"aircraft_id": 1, "name": "SP", "structure": SP}
-    refused = client.post(STRUCTURES, json=wanted, headers=_named(name))
+def test_invalid_analyst_name_is_refused(client: TestClient, name: str) -> None:
+    payload = {"aircraft_id": 1, "name": "SP", "structure": SP}
+    refused = client.post(STRUCTURES, json=payload, headers=_named(name))
     assert (refused.status_code, refused.json()["code"]) == (422, "bad-analyst")
 
 
@@ -180,7 +189,7 @@ def _ended(client: TestClient, run_id: int) -> dict[str, Any]:
     return client.get(f"/api/v1/runs/{run_id}/export").json()
 
 
-def test_a_run_without_structure_takes_what_is_proposed_and_records_it(client: TestClient) -> None:
+def test_run_without_structure_uses_proposal(client: TestClient) -> None:
     proposed = client.get("/api/v1/maneuvers/1/run-proposal").json()
     assert proposed["structure"]["modes"] == [7, 9]
     asked = client.post("/api/v1/runs", json={"maneuver_id": 1, "method": "OE"})
@@ -189,9 +198,9 @@ def test_a_run_without_structure_takes_what_is_proposed_and_records_it(client: T
     assert run["structure"]["modes"] == [7, 9]
     assert run["proposal"] == proposed["basis"]
     narrow = {"band_hz": [0.25, 5.4]}
-    told = client.post(
+    result = client.post(
         "/api/v1/runs", json={"maneuver_id": 1, "method": "OE", "settings": narrow}
     ).json()
-    assert told["structure"]["modes"] == [7]
+    assert result["structure"]["modes"] == [7]
     half = client.get("/api/v1/maneuvers/1/run-proposal?low_hz=1.0")
     assert (half.status_code, half.json()["code"]) == (422, "bad-band")

@@ -1,4 +1,4 @@
-"""Quality over REST: one maneuver, a campaign, and the corrections that are decided on."""
+"""Data quality over REST: maneuvers, campaign and corrections."""
 
 from __future__ import annotations
 
@@ -6,25 +6,31 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from waiting import wait_until
 
-from flexsid.api import answers
+from flexsid.api import responses
 from flexsid.records.quality import ManeuverQuality
 
 API = "/api/v1"
 
 
-def test_a_campaign_is_looked_at_once_and_then_listed(client: TestClient):
+def test_campaign_is_assessed_and_listed(client: TestClient):
     before = client.get(f"{API}/quality").json()
-    assert before["counts"] == {"good": 0, "doubtful": 0, "bad": 0, "unchecked": 0, "missing": 1}
+    assert before["counts"] == {
+        "good": 0,
+        "questionable": 0,
+        "bad": 0,
+        "unchecked": 0,
+        "missing": 1,
+    }
     assert before["items"][0]["verdict"] is None
     begun = client.post(f"{API}/quality/assess", json={})
     assert begun.status_code == 202
     wait_until(lambda: not client.get(f"{API}/quality").json()["assessing"]["running"])
-    answer = client.get(f"{API}/quality?verdict=good&sort=-signal_to_noise_db&search=flow")
-    TypeAdapter(answers.QualityList).validate_json(answer.content)
-    (item,) = answer.json()["items"]
+    response = client.get(f"{API}/quality?verdict=good&sort=-signal_to_noise_db&search=flow")
+    TypeAdapter(responses.QualityList).validate_json(response.content)
+    (item,) = response.json()["items"]
     assert item["verdict"] == "good"
     assert item["figures"]["signal_to_noise_db"] > 15.0
-    assert answer.json()["assessing"]["failed"] == 0
+    assert response.json()["assessing"]["failed"] == 0
     one = client.get(f"{API}/maneuvers/1/quality")
     found = TypeAdapter(ManeuverQuality).validate_json(one.content)
     assert found.summary == item["summary"]
@@ -34,7 +40,7 @@ def test_a_campaign_is_looked_at_once_and_then_listed(client: TestClient):
     assert client.delete(f"{API}/quality/assess").json()["running"] is False
 
 
-def test_corrections_are_taken_whole_listed_and_undone(client: TestClient):
+def test_corrections_are_applied_listed_and_undone(client: TestClient):
     address = f"{API}/maneuvers/1/conditioning"
     spectra = f"{API}/figures/spectrum?maneuver_id=1&channels=q&format=csv"
     before = client.get(spectra).text
@@ -62,11 +68,11 @@ def test_corrections_are_taken_whole_listed_and_undone(client: TestClient):
     assert client.delete(f"{API}/maneuvers/2/conditioning/{step['id']}").status_code == 404
 
 
-def test_reconstruction_is_drawn_in_time_and_line_by_line(client: TestClient):
-    for question in ("", "&quantities=CZ,Cm,eta7&modes=7,9", "&domain=frequency"):
-        answer = client.get(f"{API}/figures/reconstruction?maneuver_id=1{question}")
-        assert answer.status_code == 200
-        assert answer.json()["data"]
+def test_reconstruction_in_time_and_frequency_domain(client: TestClient):
+    for parameters in ("", "&quantities=CZ,Cm,eta7&modes=7,9", "&domain=frequency"):
+        response = client.get(f"{API}/figures/reconstruction?maneuver_id=1{parameters}")
+        assert response.status_code == 200
+        assert response.json()["data"]
     unknown = client.get(f"{API}/figures/reconstruction?maneuver_id=1&quantities=nothing")
     assert unknown.json()["code"] == "unknown-quantity"
     assert "CQ7" in unknown.json()["detail"]

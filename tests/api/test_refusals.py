@@ -1,4 +1,4 @@
-"""Whatever is wrong with a request, the answer is a problem with a code, and nothing is changed."""
+"""Invalid requests return a problem with a code and change nothing."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ API = "/api/v1"
 RUN: dict[str, Any] = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7]}}
 
 
-def check(answer: Any, status: int, code: str | None = None) -> dict[str, Any]:
-    assert answer.status_code == status, answer.text
-    assert answer.headers["content-type"] == "application/problem+json"
-    problem = answer.json()
+def check(response: Any, status: int, code: str | None = None) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    problem = response.json()
     assert problem["status"] == status
     assert problem["title"]
     assert problem["detail"]
-    assert "Traceback" not in answer.text
+    assert "Traceback" not in response.text
     if code is not None:
         assert problem["code"] == code, problem
     return problem
@@ -31,7 +31,7 @@ RESOURCES = (
 
 
 @pytest.mark.parametrize("resource", RESOURCES)
-def test_an_unknown_id(empty: TestClient, resource: str) -> None:
+def test_unknown_id_is_refused(empty: TestClient, resource: str) -> None:
     check(empty.get(f"{API}/{resource}/99"), 404, "unknown-record")
     for identity in ("0", "-1", "one", "1.5", str(2**63), "9" * 5000):
         check(empty.get(f"{API}/{resource}/{identity}"), 422, "invalid-request")
@@ -60,7 +60,7 @@ def test_an_unknown_id(empty: TestClient, resource: str) -> None:
         ("figures/time-history", "invalid-request"),
     ],
 )
-def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
+def test_invalid_query_is_refused(empty: TestClient, path: str, code: str) -> None:
     problem = check(empty.get(f"{API}/{path}"), 422, code)
     if code == "invalid-request":
         assert problem["errors"][0]["field"]
@@ -76,7 +76,7 @@ def test_a_bad_query(empty: TestClient, path: str, code: str) -> None:
         ("figures/bode?maneuver_id=1&output=q&form=csv", "form", "format"),
     ],
 )
-def test_a_parameter_that_a_route_does_not_have(
+def test_unknown_parameter_is_refused(
     client: TestClient, path: str, field: str, known: str
 ) -> None:
     problem = check(client.get(f"{API}/{path}"), 422, "unknown-parameter")
@@ -84,7 +84,7 @@ def test_a_parameter_that_a_route_does_not_have(
     assert known in problem["detail"]
 
 
-def test_a_parameter_given_twice(client: TestClient) -> None:
+def test_repeated_parameter_is_refused(client: TestClient) -> None:
     problem = check(client.get(f"{API}/runs?method=OE&method=EE"), 422, "repeated-parameter")
     assert [error["field"] for error in problem["errors"]] == ["method"]
     check(client.post(f"{API}/jobs/1/cancel?force=true"), 422, "unknown-parameter")
@@ -115,27 +115,32 @@ def test_a_parameter_given_twice(client: TestClient) -> None:
         ({"settings": {"priors": {"Cm_q": [0.0, 1e-300]}}}, "bad-prior"),
         ({"settings": {"priors": {"Cm_q": [0.0, 1e300]}}}, "invalid-request"),
         ({"structure": {"modes": [7], "free": []}}, "no-free-parameter"),
-        ({"structure": {"modes": [7], "also_free": ["omega_9"]}, "method": "OE"}, "unknown-mode"),
+        (
+            {"structure": {"modes": [7], "extra_parameters": ["omega_9"]}, "method": "OE"},
+            "unknown-mode",
+        ),
         ({"prediction_id": 99}, None),
         ({"modal_table_id": 99}, None),
     ],
 )
-def test_a_run_that_cannot_be(client: TestClient, change: dict[str, Any], code: str | None) -> None:
-    answer = client.post(f"{API}/runs", json=RUN | change)
-    if answer.status_code == 404:
-        check(answer, 404)
+def test_invalid_run_is_refused(
+    client: TestClient, change: dict[str, Any], code: str | None
+) -> None:
+    response = client.post(f"{API}/runs", json=RUN | change)
+    if response.status_code == 404:
+        check(response, 404)
     else:
-        check(answer, 422, code)
+        check(response, 422, code)
     assert len(client.get(f"{API}/runs").json()["items"]) == 1
 
 
-def test_a_run_of_nothing_known(client: TestClient) -> None:
+def test_run_of_unknown_records_is_refused(client: TestClient) -> None:
     check(client.post(f"{API}/runs", json=RUN | {"maneuver_id": 99}), 404, "unknown-record")
     unknown = client.post(f"{API}/runs", json=RUN | {"structure_id": 99})
     check(unknown, 404, "unknown-record")
 
 
-def test_bodies_that_are_not_what_they_say(empty: TestClient) -> None:
+def test_malformed_body_is_refused(empty: TestClient) -> None:
     json = {"Content-Type": "application/json"}
     check(empty.post(f"{API}/runs", content=b"{", headers=json), 422)
     check(empty.post(f"{API}/runs", content=b"[1]", headers=json), 422)
@@ -148,7 +153,7 @@ def test_bodies_that_are_not_what_they_say(empty: TestClient) -> None:
     check(empty.post(f"{API}/runs", content=too_large, headers=json), 413, "too-large")
 
 
-def test_what_is_not_there(empty: TestClient) -> None:
+def test_unknown_path_or_method_is_refused(empty: TestClient) -> None:
     check(empty.get(f"{API}/nothing"), 404, "not-found")
     check(empty.put(f"{API}/runs", json={}), 405, "method-not-allowed")
     check(empty.delete(f"{API}/runs/facets?method=OE"), 405, "method-not-allowed")
@@ -165,7 +170,7 @@ def test_what_is_not_there(empty: TestClient) -> None:
         (b"\x00\xff\xfe binary", ""),
     ],
 )
-def test_a_file_that_is_none_stores_nothing(
+def test_invalid_file_stores_nothing(
     client: TestClient, upload_files, content: bytes, words: str
 ) -> None:
     files = [("files", ("m.csv", content)), upload_files[1]]
@@ -175,7 +180,7 @@ def test_a_file_that_is_none_stores_nothing(
     assert len(client.get(f"{API}/flights").json()["items"]) == 1
 
 
-def test_a_mapping_that_is_none(client: TestClient, upload_files) -> None:
+def test_invalid_mapping_is_refused(client: TestClient, upload_files) -> None:
     for mapping in (b"\xff\xfe", b"= nothing", b"x" * 2_000_000):
         files = [upload_files[0], ("mapping", ("m.toml", mapping))]
         check(client.post(f"{API}/maneuvers", files=files), 422, "bad-mapping")
@@ -183,16 +188,16 @@ def test_a_mapping_that_is_none(client: TestClient, upload_files) -> None:
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "192.168.0.1:8000", ""])
-def test_other_names_of_this_server_are_not_answered(empty: TestClient, host: str) -> None:
+def test_foreign_host_is_refused(empty: TestClient, host: str) -> None:
     check(empty.get(f"{API}/health", headers={"Host": host}), 403, "foreign-host")
 
 
 @pytest.mark.parametrize("host", ["localhost", "LOCALHOST:1", "127.0.0.1:8000", "[::1]:8000"])
-def test_this_computer_is_answered(empty: TestClient, host: str) -> None:
-    answer = empty.get(f"{API}/health", headers={"Host": host})
-    assert answer.status_code == 200
-    assert "script-src 'self'" in answer.headers["content-security-policy"]
-    assert answer.headers["x-content-type-options"] == "nosniff"
+def test_local_host_is_served(empty: TestClient, host: str) -> None:
+    response = empty.get(f"{API}/health", headers={"Host": host})
+    assert response.status_code == 200
+    assert "script-src 'self'" in response.headers["content-security-policy"]
+    assert response.headers["x-content-type-options"] == "nosniff"
 
 
 @pytest.mark.parametrize(
@@ -208,18 +213,18 @@ def test_this_computer_is_answered(empty: TestClient, host: str) -> None:
         ({"Origin": "null"}, False),
     ],
 )
-def test_another_site_changes_nothing(
+def test_cross_site_request_is_refused(
     empty: TestClient, headers: dict[str, str], allowed: bool
 ) -> None:
-    answer = empty.post(f"{API}/jobs/99/cancel", headers=headers)
-    check(answer, *((404, "unknown-record") if allowed else (403, "cross-site")))
+    response = empty.post(f"{API}/jobs/99/cancel", headers=headers)
+    check(response, *((404, "unknown-record") if allowed else (403, "cross-site")))
 
 
-def test_an_error_of_ours_shows_no_trace(empty: TestClient, monkeypatch) -> None:
-    def stumble(*_arguments: object, **_options: object) -> None:
+def test_internal_error_shows_no_traceback(empty: TestClient, monkeypatch) -> None:
+    def fail(*_arguments: object, **_options: object) -> None:
         raise ZeroDivisionError("secret")
 
-    monkeypatch.setattr("flexsid.storage.store.Store.maneuver_page", stumble)
-    answer = empty.get(f"{API}/maneuvers")
-    check(answer, 500, "internal-error")
-    assert "secret" not in answer.text
+    monkeypatch.setattr("flexsid.storage.store.Store.maneuver_page", fail)
+    response = empty.get(f"{API}/maneuvers")
+    check(response, 500, "internal-error")
+    assert "secret" not in response.text

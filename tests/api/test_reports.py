@@ -12,27 +12,27 @@ from flexsid.cli.main import main
 from flexsid.settings import Settings
 
 
-def test_reports_open_in_a_browser_and_touch_nothing(client: TestClient) -> None:
+def test_reports_are_sandboxed_html(client: TestClient) -> None:
     for path in ("run/1", "comparison?run_ids=1&prediction_ids=1", "campaign?fta=506"):
-        answer = client.get(f"/api/v1/reports/{path}")
-        if "campaign" in path and answer.status_code == 409:
-            answer = client.get("/api/v1/reports/campaign")
-        assert answer.status_code == 200, answer.text
-        assert answer.headers["content-type"] == "text/html; charset=utf-8"
-        assert answer.headers["content-security-policy"].startswith("sandbox")
-        assert 'filename="flexsid-' in answer.headers["content-disposition"]
-        assert answer.text.startswith("<!doctype html>")
+        response = client.get(f"/api/v1/reports/{path}")
+        if "campaign" in path and response.status_code == 409:
+            response = client.get("/api/v1/reports/campaign")
+        assert response.status_code == 200, response.text
+        assert response.headers["content-type"] == "text/html; charset=utf-8"
+        assert response.headers["content-security-policy"].startswith("sandbox")
+        assert 'filename="flexsid-' in response.headers["content-disposition"]
+        assert response.text.startswith("<!doctype html>")
     assert client.get("/api/v1/reports/run/99").status_code == 404
 
 
-def test_a_decision_is_reported_with_evidence_and_history(client: TestClient) -> None:
+def test_decision_report_contains_evidence_and_history(client: TestClient) -> None:
     described = client.get("/api/v1/openapi.json").json()["paths"]
 
     def send(path: str) -> None:
         example = described[path]["post"]["requestBody"]["content"]["application/json"]["example"]
         who = {"X-Flexsid-Analyst": "Ann"}
-        answer = client.post(path, json=example, headers=who)
-        assert answer.status_code == 201, answer.text
+        response = client.post(path, json=example, headers=who)
+        assert response.status_code == 201, response.text
 
     send("/api/v1/model-structures")
     send("/api/v1/decisions")
@@ -44,7 +44,7 @@ def test_a_decision_is_reported_with_evidence_and_history(client: TestClient) ->
     assert client.get("/api/v1/reports/decision/9").status_code == 404
 
 
-def test_a_template_of_ones_own_is_used(flown_url: str, tmp_path: Path) -> None:
+def test_custom_template_is_used(flown_url: str, tmp_path: Path) -> None:
     own = tmp_path / "own.html"
     own.write_text("<title>$title</title>$style ACME $body$script")
     settings = Settings(database=flown_url, report_template=str(own))
@@ -52,7 +52,7 @@ def test_a_template_of_ones_own_is_used(flown_url: str, tmp_path: Path) -> None:
         assert " ACME " in started.get("/api/v1/reports/run/1").text
 
 
-def test_reports_are_written_from_the_command_line(flown_url: str, tmp_path: Path, capsys) -> None:
+def test_reports_are_written_by_command_line(flown_url: str, tmp_path: Path, capsys) -> None:
     to = ["--database", flown_url]
     template = str(tmp_path / "own.html")
     assert main(["report", "template", "--output", template, *to]) == 0

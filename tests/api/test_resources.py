@@ -1,4 +1,4 @@
-"""What the interface answers, and that it is what it promises."""
+"""Responses of the REST API conform to the declared models."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from waiting import ended
 
-from flexsid.api import answers, run_answers
+from flexsid.api import responses, run_responses
 from flexsid.api.routes.batches import BatchList
-from flexsid.api.routes.figures.answer import Figure
+from flexsid.api.routes.figures.figure import Figure
 from flexsid.api.routes.jobs import JobList, JobLog, QueueStatus
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.comparison import Comparison
@@ -37,20 +37,20 @@ FIGURES = (
 @pytest.mark.parametrize(
     ("path", "model"),
     [
-        ("health", answers.Health),
-        ("aircraft", answers.AircraftList),
+        ("health", responses.Health),
+        ("aircraft", responses.AircraftList),
         ("aircraft/1", Aircraft),
-        ("flights?aircraft_id=1", answers.FlightList),
+        ("flights?aircraft_id=1", responses.FlightList),
         ("flights/1", Flight),
-        ("maneuvers?search=FLOWN&method=EE&state=succeeded", answers.ManeuverList),
-        ("maneuvers/1", answers.ManeuverDetail),
-        ("modal-tables?aircraft_id=1&kind=FEM", answers.ModalTableList),
-        ("modal-tables/1", answers.ModalTableDetail),
-        ("predictions?aircraft_id=1", answers.PredictionList),
-        ("predictions/1?fuel=0.3", answers.PredictionDetail),
-        ("model-structures?aircraft_id=1", answers.ModelStructureList),
-        ("runs?maneuver_id=1&method=EE&state=succeeded", run_answers.RunList),
-        ("runs/1", run_answers.Run),
+        ("maneuvers?search=FLOWN&method=EE&state=succeeded", responses.ManeuverList),
+        ("maneuvers/1", responses.ManeuverDetail),
+        ("modal-tables?aircraft_id=1&kind=FEM", responses.ModalTableList),
+        ("modal-tables/1", responses.ModalTableDetail),
+        ("predictions?aircraft_id=1", responses.PredictionList),
+        ("predictions/1?fuel=0.3", responses.PredictionDetail),
+        ("model-structures?aircraft_id=1", responses.ModelStructureList),
+        ("runs?maneuver_id=1&method=EE&state=succeeded", run_responses.RunList),
+        ("runs/1", run_responses.Run),
         ("runs/1/export", RunExport),
         ("jobs", JobList),
         ("jobs/1", Job),
@@ -58,30 +58,28 @@ FIGURES = (
         ("jobs/status", QueueStatus),
         ("batches", BatchList),
         ("comparisons?run_ids=1&prediction_ids=1,2", Comparison),
-        ("nomenclature", answers.Glossary),
+        ("nomenclature", responses.Glossary),
     ],
 )
-def test_answers_are_what_the_interface_promises(
-    client: TestClient, path: str, model: type
-) -> None:
-    answer = client.get(f"{API}/{path}")
-    assert answer.status_code == 200
-    TypeAdapter(model).validate_json(answer.content)
-    body = answer.json()
+def test_responses_conform_to_declared_models(client: TestClient, path: str, model: type) -> None:
+    response = client.get(f"{API}/{path}")
+    assert response.status_code == 200
+    TypeAdapter(model).validate_json(response.content)
+    body = response.json()
     if "next" in body:
         assert body["items"] or path == "batches"
         assert body["next"] is None
 
 
 @pytest.mark.parametrize("figure", FIGURES)
-def test_every_figure_draws_something(client: TestClient, figure: str) -> None:
-    answer = client.get(f"{API}/figures/{figure}")
-    assert answer.status_code == 200, answer.text
-    drawn = TypeAdapter(Figure).validate_json(answer.content)
+def test_every_figure_has_data(client: TestClient, figure: str) -> None:
+    response = client.get(f"{API}/figures/{figure}")
+    assert response.status_code == 200, response.text
+    drawn = TypeAdapter(Figure).validate_json(response.content)
     assert drawn.data or drawn.layout["annotations"]  # equation error has no iterations
 
 
-def test_every_route_is_named_and_typed(client: TestClient) -> None:
+def test_every_route_has_operation_id_and_types(client: TestClient) -> None:
     schema = client.get(f"{API}/openapi.json").json()
     operations = [o for path in schema["paths"].values() for o in path.values()]
     names = [operation["operationId"] for operation in operations]
@@ -89,21 +87,21 @@ def test_every_route_is_named_and_typed(client: TestClient) -> None:
     for operation in operations:
         assert operation["tags"]
         assert operation["description"]
-        status, answer = next(iter(operation["responses"].items()))
-        if list(answer.get("content", {})) == ["application/json"]:
-            body = answer["content"]["application/json"]["schema"]
+        status, response = next(iter(operation["responses"].items()))
+        if list(response.get("content", {})) == ["application/json"]:
+            body = response["content"]["application/json"]["schema"]
             assert "$ref" in body or body["type"] == "string"
         else:  # a file, a stream, or nothing
-            assert status == "204" or answer["content"]
+            assert status == "204" or response["content"]
     page = client.get("/api/docs")
     assert "get_run" not in page.text
     assert "/api/v1/runs/{run_id}" in page.text
     assert "<script" not in page.text
 
 
-def test_a_run_is_accepted_followed_and_read(client: TestClient) -> None:
-    wanted = {"maneuver_id": 1, "method": "FRE", "structure": {"modes": [7, 9]}}
-    accepted = client.post(f"{API}/runs", json=wanted)
+def test_run_is_queued_and_read(client: TestClient) -> None:
+    payload = {"maneuver_id": 1, "method": "FRE", "structure": {"modes": [7, 9]}}
+    accepted = client.post(f"{API}/runs", json=payload)
     assert accepted.status_code == 202
     assert accepted.json()["state"] in ("queued", "running")
     job = ended(client, accepted.headers["Location"])
@@ -126,11 +124,11 @@ def test_a_run_is_accepted_followed_and_read(client: TestClient) -> None:
     assert client.get(f"{API}/runs?method=FRE").json()["items"] == []
 
 
-def test_a_queued_run_is_cancelled_and_results_survive_a_restart(serve, flown_url: str) -> None:
-    wanted = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7, 9]}}
+def test_queued_run_is_cancelled_and_results_survive_restart(serve, flown_url: str) -> None:
+    payload = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7, 9]}}
     with serve(flown_url) as first:
         ids = [
-            first.post(f"{API}/runs", json=wanted | {"settings": {"max_iterations": n}}).json()[
+            first.post(f"{API}/runs", json=payload | {"settings": {"max_iterations": n}}).json()[
                 "id"
             ]
             for n in range(100, 112)
@@ -141,35 +139,40 @@ def test_a_queued_run_is_cancelled_and_results_survive_a_restart(serve, flown_ur
         before = first.get(f"{API}/runs/{ids[0]}").json()
     with serve(flown_url) as second:
         assert second.get(f"{API}/runs/{ids[0]}").json() == before
-        # What was under way when the first server stopped is carried out by the next.
+        # Runs interrupted by the stop of the first server are computed by the second.
         assert ended(second, f"{API}/jobs/{ids[1]}")["state"] == "succeeded"
         assert second.get(f"{API}/jobs/{ids[-1]}").json()["state"] == "cancelled"
 
 
-def test_a_structure_is_kept_and_used(client: TestClient) -> None:
-    wanted = {"aircraft_id": 1, "name": "short period", "structure": {"modes": []}, "note": "first"}
-    answer = client.post(f"{API}/model-structures", json=wanted)
-    assert answer.status_code == 201
-    assert client.get(answer.headers["Location"]).json() == answer.json()
+def test_model_structure_is_stored(client: TestClient) -> None:
+    payload = {
+        "aircraft_id": 1,
+        "name": "short period",
+        "structure": {"modes": []},
+        "note": "first",
+    }
+    response = client.post(f"{API}/model-structures", json=payload)
+    assert response.status_code == 201
+    assert client.get(response.headers["Location"]).json() == response.json()
 
 
-def test_a_maneuver_comes_in_and_goes(client: TestClient, upload_files) -> None:
-    answer = client.post(f"{API}/maneuvers", files=upload_files)
-    assert answer.status_code == 201, answer.text
-    kept = answer.json()
-    assert (kept["flight_number"], kept["aircraft_name"]) == (7, "FLEX-28")
-    assert kept["source_file"] == "m.csv"
-    assert {c["name"]: c["unit"] for c in kept["channels"]} == {"bfs": "deg", "q": "deg/s"}
-    assert client.get(answer.headers["Location"]).json() == kept
+def test_maneuver_is_imported_and_deleted(client: TestClient, upload_files) -> None:
+    response = client.post(f"{API}/maneuvers", files=upload_files)
+    assert response.status_code == 201, response.text
+    stored = response.json()
+    assert (stored["flight_number"], stored["aircraft_name"]) == (7, "FLEX-28")
+    assert stored["source_file"] == "m.csv"
+    assert {c["name"]: c["unit"] for c in stored["channels"]} == {"bfs": "deg", "q": "deg/s"}
+    assert client.get(response.headers["Location"]).json() == stored
     assert client.post(f"{API}/maneuvers", files=upload_files).status_code == 409
-    assert client.delete(answer.headers["Location"]).status_code == 204
+    assert client.delete(response.headers["Location"]).status_code == 204
     assert [item["id"] for item in client.get(f"{API}/maneuvers").json()["items"]] == [1]
-    # What was deleted stands at its address still, and the same file brings no twin.
-    assert client.get(answer.headers["Location"]).json()["deleted_at"]
+    # A deleted maneuver remains readable, and its file is not imported again.
+    assert client.get(response.headers["Location"]).json()["deleted_at"]
     assert "restore it" in client.post(f"{API}/maneuvers", files=upload_files).json()["detail"]
 
 
-def test_what_many_undergo_is_taken_back(client: TestClient, upload_files) -> None:
+def test_change_of_many_records_is_undone(client: TestClient, upload_files) -> None:
     client.post(f"{API}/maneuvers", files=upload_files)
     change = f"{API}/maneuvers/changes"
     assert client.post(change, json={"ids": [1, 2], "action": "delete"}).json() == {"ids": [1, 2]}
@@ -193,11 +196,11 @@ def test_what_many_undergo_is_taken_back(client: TestClient, upload_files) -> No
 
 def test_views_are_saved_and_shared(client: TestClient) -> None:
     view = {"page": "campaign", "name": "fast ones", "search": "?min_ratio=1"}
-    kept = client.post(f"{API}/saved-views", json=view).json()
+    stored = client.post(f"{API}/saved-views", json=view).json()
     assert client.post(f"{API}/saved-views", json=view).status_code == 409
-    assert client.get(f"{API}/saved-views?page=campaign").json()["items"] == [kept]
+    assert client.get(f"{API}/saved-views?page=campaign").json()["items"] == [stored]
     assert client.get(f"{API}/saved-views?page=runs").json()["items"] == []
-    assert client.delete(f"{API}/saved-views/{kept['id']}").status_code == 204
+    assert client.delete(f"{API}/saved-views/{stored['id']}").status_code == 204
     assert client.get(f"{API}/saved-views").json()["items"] == []
 
 
@@ -209,7 +212,7 @@ def test_lists_page(client: TestClient, upload_files) -> None:
     assert second["next"] is None
 
 
-def test_a_missing_page_says_what_to_do(client: TestClient) -> None:
-    answer = client.get("/", headers={"Accept": "text/html"})
-    assert answer.status_code == 200
-    assert "flexsid" in answer.text
+def test_missing_frontend_is_explained(client: TestClient) -> None:
+    response = client.get("/", headers={"Accept": "text/html"})
+    assert response.status_code == 200
+    assert "flexsid" in response.text

@@ -1,4 +1,4 @@
-"""A search over REST: asked for, followed, cancelled, its candidates opened as runs."""
+"""Model structure determination over REST: progress, cancellation, candidates as runs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 
-WANTED: dict[str, Any] = {
+SEARCH: dict[str, Any] = {
     "maneuver_ids": [1],
     "method": "OE",
     "structure": {"modes": [7, 9]},
@@ -20,18 +20,18 @@ WANTED: dict[str, Any] = {
 }
 
 
-def test_a_search_is_followed_to_its_candidates_and_they_open_as_runs(client: TestClient):
-    answer = client.post("/api/v1/searches", json=WANTED, headers={"X-Flexsid-Analyst": "Ada"})
-    assert answer.status_code == 202
-    address = answer.headers["location"]
+def test_search_returns_candidates_that_open_as_runs(client: TestClient):
+    response = client.post("/api/v1/searches", json=SEARCH, headers={"X-Flexsid-Analyst": "Ada"})
+    assert response.status_code == 202
+    address = response.headers["location"]
     found = ended(client, address)
     assert found["state"] == "succeeded", found["error"]
     assert found["author"] == "Ada"
     proposed = next(one for one in found["result"]["candidates"] if one["proposed"])
-    # all terms of the two modes that flew are real, one or the other too small to tell
+    # all terms of the two simulated modes are real; some are insignificant
     assert proposed["n_terms"] >= 42
     (line,) = client.get("/api/v1/searches").json()["items"]
-    assert line["sentence"].startswith("OE over flown asks for")
+    assert line["sentence"].startswith("OE over flown supports")
     place = found["result"]["candidates"].index(proposed)
     run = client.post(f"{address}/candidates/{place}/run").json()
     assert run["structure"]["free"] == proposed["structure"]["free"]
@@ -43,7 +43,7 @@ def test_a_search_is_followed_to_its_candidates_and_they_open_as_runs(client: Te
     assert late.json()["code"] == "search-ended"
 
 
-def test_a_search_that_a_stopped_server_left_is_carried_out_by_the_next(serve, flown_url):
+def test_interrupted_search_is_resumed_by_next_server(serve, flown_url):
     store = Store.open(flown_url)
     left = store.searches.add(
         StructureSearch(
@@ -61,25 +61,25 @@ def test_a_search_that_a_stopped_server_left_is_carried_out_by_the_next(serve, f
     assert found["state"] == "succeeded", found["error"]
 
 
-def test_a_search_under_way_is_cancelled(client: TestClient):
-    many = WANTED | {"method": "EE", "settings": {"draws": 500}}
+def test_running_search_is_cancelled(client: TestClient):
+    many = SEARCH | {"method": "EE", "settings": {"draws": 500}}
     address = client.post("/api/v1/searches", json=many).headers["location"]
     assert client.post(f"{address}/cancel").json()["state"] == "cancelled"
-    after = client.post("/api/v1/searches", json=WANTED | {"method": "EE"}).headers["location"]
+    after = client.post("/api/v1/searches", json=SEARCH | {"method": "EE"}).headers["location"]
     assert ended(client, after)["state"] == "succeeded"
     assert client.get(address).json()["state"] == "cancelled"
 
 
-def test_what_cannot_be_searched_is_refused_at_once(client: TestClient):
+def test_invalid_search_is_refused(client: TestClient):
     for change, code in (
         ({"settings": {"f_in": 2.0}}, "bad-input"),
         ({"structure": {"modes": [7, 7]}}, None),
         ({"structure": {"modes": [99]}}, None),
         ({"settings": {"validate_on": [1]}}, "not-unseen"),
     ):
-        answer = client.post("/api/v1/searches", json=WANTED | change)
-        assert 400 <= answer.status_code < 500, change
+        response = client.post("/api/v1/searches", json=SEARCH | change)
+        assert 400 <= response.status_code < 500, change
         if code is not None:
-            assert answer.json()["code"] == code
-    assert client.post("/api/v1/searches", json=WANTED | {"maneuver_ids": [9]}).status_code == 404
+            assert response.json()["code"] == code
+    assert client.post("/api/v1/searches", json=SEARCH | {"maneuver_ids": [9]}).status_code == 404
     assert client.get("/api/v1/searches").json()["items"] == []

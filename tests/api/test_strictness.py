@@ -1,4 +1,4 @@
-"""Bodies are read as they are described: no text is a number, no number is true."""
+"""Bodies are validated strictly: no conversion between text, numbers and Booleans."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ _WRONG: dict[str, tuple[Any, ...]] = {
 }
 
 
-def test_no_field_is_read_as_what_it_is_not(app: FastAPI, empty: TestClient) -> None:
+def test_values_of_wrong_type_are_refused(app: FastAPI, empty: TestClient) -> None:
     schema = app.openapi()
     taken: list[str] = []
     for path, method, example, fields in _bodies(schema):
         for name, described in fields.items():
             for wrong in _values(schema, described):
                 body = {**example, name: wrong}
-                answer = empty.request(method, path, json=body)
+                response = empty.request(method, path, json=body)
                 named = [
                     error["field"]
-                    for error in answer.json().get("errors") or ()
+                    for error in response.json().get("errors") or ()
                     if error["field"].partition(".")[0] == name
                 ]
-                if answer.status_code != 422 or not named:
-                    taken.append(f"{method} {path} {name}={wrong!r}: {answer.status_code}")
+                if response.status_code != 422 or not named:
+                    taken.append(f"{method} {path} {name}={wrong!r}: {response.status_code}")
     assert not taken, "\n".join(taken)
 
 
@@ -55,7 +55,7 @@ def _resolved(schema: dict[str, Any], part: dict[str, Any]) -> dict[str, Any]:
 
 
 def _values(schema: dict[str, Any], described: dict[str, Any]) -> Iterator[Any]:
-    """Values of a field, or of one within it, that are of another kind."""
+    """Yield values of a wrong type for a field, or for a field within it."""
     choices = [_resolved(schema, one) for one in described.get("anyOf", [described])]
     kinds = {choice.get("type") for choice in choices}
     for choice in choices:

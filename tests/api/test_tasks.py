@@ -1,4 +1,4 @@
-"""A user relies on: long work that is followed, cancelled, and ends in words."""
+"""Background tasks: progress, cancellation and failure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from waiting import wait_until
 from flexsid.errors import BadInput, Conflict
 from flexsid.workflow.background_tasks import Report, TaskProgress, Tasks, TaskState
 
-WISH = {
+DESIGN = {
     "name": "interleaved",
     "duration_s": 20.0,
     "rate_hz": 100.0,
@@ -26,8 +26,8 @@ WISH = {
 
 
 def ended(tasks: Tasks, begun: TaskProgress) -> TaskProgress:
-    under_way = (TaskState.WAITING, TaskState.RUNNING)
-    wait_until(lambda: tasks.get(begun.id).state not in under_way, begun.id)
+    active = (TaskState.WAITING, TaskState.RUNNING)
+    wait_until(lambda: tasks.get(begun.id).state not in active, begun.id)
     return tasks.get(begun.id)
 
 
@@ -38,9 +38,9 @@ def tasks():
     made.stop()
 
 
-def test_a_task_tells_what_it_made(tasks: Tasks):
+def test_task_returns_id_of_its_result(tasks: Tasks):
     done = ended(tasks, tasks.begin("x", "a title", lambda report: 7))
-    assert (done.state, done.made, done.fraction) == (TaskState.DONE, 7, 1.0)
+    assert (done.state, done.result_id, done.fraction) == (TaskState.DONE, 7, 1.0)
     assert done.ended_at is not None
     with pytest.raises(Conflict, match="done"):
         tasks.cancel(done.id)
@@ -48,7 +48,7 @@ def test_a_task_tells_what_it_made(tasks: Tasks):
     assert [task.id for task in tasks.all()] == [newest.id, done.id]
 
 
-def test_a_task_that_is_cancelled_stops_at_its_next_report(tasks: Tasks):
+def test_cancelled_task_stops_at_next_report(tasks: Tasks):
     begun, go = threading.Event(), threading.Event()
 
     def work(report: Report) -> int:
@@ -73,7 +73,7 @@ def test_a_task_that_is_cancelled_stops_at_its_next_report(tasks: Tasks):
         (ZeroDivisionError("secret"), "internal-error", "ZeroDivisionError"),
     ],
 )
-def test_a_task_that_fails_says_why(tasks: Tasks, error: Exception, code: str, words: str):
+def test_failed_task_reports_reason(tasks: Tasks, error: Exception, code: str, words: str):
     def work(report: Report) -> int:
         raise error
 
@@ -83,14 +83,14 @@ def test_a_task_that_fails_says_why(tasks: Tasks, error: Exception, code: str, w
     assert "secret" not in failed.message
 
 
-def test_a_design_is_searched_as_a_task(empty: TestClient):
-    begun = empty.post("/api/v1/designs/searches", json=WISH)
+def test_design_is_created_as_task(empty: TestClient):
+    begun = empty.post("/api/v1/designs/searches", json=DESIGN)
     assert begun.status_code == 202, begun.text
     where = begun.headers["location"]
     now = waiting.ended(empty, where)
     assert now["state"] == "done"
-    kept = empty.get(f"/api/v1/designs/{now['made']}").json()
-    assert kept["name"] == "interleaved"
-    wrong = empty.post("/api/v1/designs/searches", json=WISH | {"rate_hz": 10.0})
+    stored = empty.get(f"/api/v1/designs/{now['result_id']}").json()
+    assert stored["name"] == "interleaved"
+    wrong = empty.post("/api/v1/designs/searches", json=DESIGN | {"rate_hz": 10.0})
     assert wrong.json()["code"] == "above-nyquist"
     assert empty.get("/api/v1/tasks/t0123456789abcdef").status_code == 404

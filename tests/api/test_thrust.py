@@ -1,4 +1,4 @@
-"""The thrust table of an aircraft is given, refused with its place, and taken away."""
+"""The thrust table of an aircraft is set, refused with the location of the error, and deleted."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from fastapi.testclient import TestClient
 TEXT = "rpm,273,293\n30000,10,9\n90000,200,180\n"
 
 
-def test_a_thrust_table_is_given_and_taken_away(client: TestClient):
+def test_thrust_table_is_set_and_deleted(client: TestClient):
     where = "/api/v1/aircraft/1/thrust"
     given = client.put(where, json={"engines": ["n1", "n2"], "text": TEXT, "source": "bench"})
     assert given.status_code == 200

@@ -1,4 +1,4 @@
-"""Files are read once, described with a proposal, looked at, corrected, and imported."""
+"""Uploads: proposed mapping, check, preview and import."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ def fdata() -> bytes:
 
 
 def upload(client: TestClient, *files: tuple[str, bytes]) -> Any:
-    answer = client.post("/api/v1/uploads", files=[("files", file) for file in files])
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    response = client.post("/api/v1/uploads", files=[("files", file) for file in files])
+    assert response.status_code == 201, response.text
+    return response.json()
 
 
-def bring_in(client: TestClient, identity: str, mapping: str) -> Any:
+def import_maneuver(client: TestClient, identity: str, mapping: str) -> Any:
     body = {"mapping": mapping, "confirmed": True}
     begun = client.post(f"/api/v1/uploads/{identity}/import", json=body)
     assert begun.status_code == 202, begun.text
     return ended(client, f"/api/v1/uploads/{identity}/state")
 
 
-def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> None:
+def test_proposed_mapping_is_imported(client: TestClient) -> None:
     found = upload(client, ("../flight 12.csv", text()))
     assert [file["name"] for file in found["files"]] == ["flight 12.csv"]
     fields = {field["field"]: field for field in found["fields"]}
@@ -63,7 +63,7 @@ def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> No
     identity = found["upload"]["id"]
     checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": mapping}).json()
     assert checked["problem"] is None
-    assert checked["questions"] == []
+    assert checked["queries"] == []
     assert {c["name"]: (c["unit"], c["role"]) for c in checked["channels"]} == {
         "alpha": ("deg", "output"),
         "q": ("deg/s", "output"),
@@ -71,17 +71,17 @@ def test_names_are_recognised_and_the_proposal_imports(client: TestClient) -> No
         "airspeed": ("kt", "condition"),
         "altitude": ("ft", "condition"),
     }
-    state = bring_in(client, identity, mapping)
+    state = import_maneuver(client, identity, mapping)
     assert state["state"] == "imported", state
     detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
     assert detail["label"] == "flight 12"
     assert detail["condition"]["airspeed_m_s"] == pytest.approx(70 * 1852 / 3600)
-    again = bring_in(client, identity, mapping)
+    again = import_maneuver(client, identity, mapping)
     assert (again["state"], again["code"]) == ("failed", "already-imported")
 
 
-def test_nothing_guessed_is_stored_before_it_is_confirmed(client: TestClient) -> None:
-    # Radians, m/s2 and a clock rounded to 0.01 s, of which the file says nothing.
+def test_guesses_require_confirmation(client: TestClient) -> None:
+    # Radians, m/s2 and a clock rounded to 0.01 s, which the file does not state.
     time_s = np.round(np.arange(600) / 200.0, 2)
     rows = [
         f"{t:.2f},{0.1 * np.sin(k / 50):.6f},{9.8 + np.cos(k / 9):.6f},{0.03 * np.sin(k / 30):.6f}"
@@ -107,13 +107,13 @@ def test_nothing_guessed_is_stored_before_it_is_confirmed(client: TestClient) ->
     assert begun.status_code == 202, begun.text
 
 
-def test_a_file_of_a_foreign_aircraft_is_not_taken_for_the_newest_one(client: TestClient) -> None:
+def test_file_of_unknown_aircraft_is_not_assigned(client: TestClient) -> None:
     rows = [b"%.2f,%d,%d" % (k / 50, k % 7, k % 5) for k in range(50)]
     found = upload(client, ("f.csv", b"\n".join([b"t_s,rudder [deg],N1 [%]", *rows])))
     assert 'name = "?"' in found["proposal"]["text"]
 
 
-def test_what_a_recorder_writes_of_units_is_never_overruled(client: TestClient) -> None:
+def test_units_of_recorder_are_not_overruled(client: TestClient) -> None:
     rows = [b"%.2f,%d,%d,%d" % (k / 50, k % 7, k % 5, k % 3) for k in range(50)]
     head = b"t_s,alpha [mrad],q [dps],theta [gon]"
     found = upload(client, ("f.csv", b"\n".join([head, *rows])))
@@ -154,7 +154,7 @@ def test_the_multisines_of_recorded_commands_are_recognised(client: TestClient) 
         head += f",{name}_command [deg],{name} [deg]"
     rows = "\n".join(",".join(f"{x:.6f}" for x in row) for row in np.stack(columns, axis=1))
     found = upload(client, ("multisine.csv", f"{head}\n{rows}\n".encode()))
-    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    state = import_maneuver(client, found["upload"]["id"], found["proposal"]["text"])
     detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
     assert detail["condition"]["fuel_fraction"] == pytest.approx(0.4)
     excitation = detail["excitation"]
@@ -174,18 +174,18 @@ def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     assert named["fdata(4)"] == ("alpha", "deg")
     assert named["fdata(14)"] == ("elevator", "deg")
     assert named["fdata(48)"] == ("mass", "slug")
-    state = bring_in(client, found["upload"]["id"], mapping)
+    state = import_maneuver(client, found["upload"]["id"], mapping)
     assert state["state"] == "imported", state
     detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
     assert detail["condition"]["mass_kg"] == pytest.approx(1.6 * 14.5939, rel=1e-4)
 
 
-def test_a_condition_from_another_recorder_follows_its_clock(client: TestClient) -> None:
+def test_condition_of_another_recorder_has_its_clock(client: TestClient) -> None:
     air = b"t_s,VTAS [kt],H [ft]\n" + b"\n".join(b"%.1f,70,2000" % (k / 5) for k in range(20))
     flaps = b"time,bf\n" + b"\n".join(b"%.2f,%d" % (k / 50, k % 5) for k in range(200))
     found = upload(client, ("fti.csv", flaps), ("air.csv", air))
     mapping = found["proposal"]["text"].replace('"?"', '"FLEX-28"')
-    state = bring_in(client, found["upload"]["id"], mapping)
+    state = import_maneuver(client, found["upload"]["id"], mapping)
     assert state["state"] == "imported", state
     detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
     assert {c["name"]: c["rate_hz"] for c in detail["channels"]} == {
@@ -201,7 +201,7 @@ def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
     slow = b"t,fuel_lb\n" + b"\n".join(b"%.1f,%d" % (k / 2, 40 - k % 3) for k in range(20))
     fast = b"time,q\n" + b"\n".join(b"%.3f,%d" % (k / 100, k % 5) for k in range(300))
     found = upload(client, ("a.csv", fast), ("b.csv", slow))
-    state = bring_in(client, found["upload"]["id"], found["proposal"]["text"])
+    state = import_maneuver(client, found["upload"]["id"], found["proposal"]["text"])
     assert state["state"] == "imported", state
     assert state["maneuver_id"] is None
     channels = client.get(f"/api/v1/flights/{state['flight_id']}/channels").json()["items"]
@@ -211,20 +211,20 @@ def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
     }
 
 
-def test_doubtful_units_are_questions_and_stop_the_import(client: TestClient) -> None:
+def test_implausible_units_stop_import(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     identity, mapping = found["upload"]["id"], found["proposal"]["text"]
     at = mapping.index('name = "bf"')
     wrong = mapping[:at] + mapping[at:].replace('unit = "deg"', 'unit = "rad"', 1)
     checked = client.post(f"/api/v1/uploads/{identity}/check", json={"mapping": wrong}).json()
-    (question,) = checked["questions"]
-    assert (question["channel"], question["code"]) == ("bf", "too-large")
-    assert question["instead"] == ["deg", "mrad"]
-    state = bring_in(client, identity, wrong)
-    assert (state["state"], state["code"]) == ("failed", "doubtful-unit")
+    (warning,) = checked["queries"]
+    assert (warning["channel"], warning["code"]) == ("bf", "too-large")
+    assert warning["instead"] == ["deg", "mrad"]
+    state = import_maneuver(client, identity, wrong)
+    assert (state["state"], state["code"]) == ("failed", "unconfirmed-unit")
 
 
-def test_a_mapping_that_does_not_fit_is_a_named_problem(client: TestClient) -> None:
+def test_unsuitable_mapping_is_refused(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     at = f"/api/v1/uploads/{found['upload']['id']}"
     mapping = found["proposal"]["text"].replace('column = "bf"', 'column = "wf"')
@@ -235,32 +235,32 @@ def test_a_mapping_that_does_not_fit_is_a_named_problem(client: TestClient) -> N
     assert client.post(f"{at}/preview", json={"mapping": mapping}).status_code == 422
 
 
-def test_channels_are_drawn_before_they_are_imported(client: TestClient) -> None:
+def test_channels_are_previewed(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     body = {"mapping": found["proposal"]["text"], "channels": ["q", "alpha"]}
     figure = client.post(f"/api/v1/uploads/{found['upload']['id']}/preview", json=body).json()
     assert [trace["meta"] for trace in figure["data"]] == ["alpha", "q"]
 
 
-def test_a_kept_mapping_is_proposed_for_the_next_files(client: TestClient) -> None:
+def test_stored_mapping_is_proposed_for_next_files(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     mapping = "# ours\n" + found["proposal"]["text"]
     client.post("/api/v1/mappings", json={"name": "FTI", "text": "# older\n" + mapping})
-    # Kept again, it replaces the one of the same name.
-    kept = client.post("/api/v1/mappings", json={"name": "FTI", "text": mapping})
-    assert kept.status_code == 201
+    # A mapping of the same name is replaced.
+    stored = client.post("/api/v1/mappings", json={"name": "FTI", "text": mapping})
+    assert stored.status_code == 201
     assert len(client.get("/api/v1/mappings").json()["items"]) == 1
     proposal = upload(client, ("g.csv", text()))["proposal"]
     assert proposal["text"] == mapping
-    assert proposal["origin"] == "the kept mapping 'FTI'"
+    assert proposal["origin"] == "the saved mapping 'FTI'"
     assert client.post("/api/v1/mappings", json={"name": "x", "text": "["}).status_code == 422
-    identity = kept.json()["id"]
+    identity = stored.json()["id"]
     assert client.get(f"/api/v1/mappings/{identity}").json()["text"] == mapping
     assert client.delete(f"/api/v1/mappings/{identity}").status_code == 204
     assert client.get(f"/api/v1/mappings/{identity}").status_code == 404
 
 
-def test_an_upload_is_forgotten_and_others_are_unknown(client: TestClient) -> None:
+def test_upload_is_deleted(client: TestClient) -> None:
     found = upload(client, ("f.csv", text()))
     at = f"/api/v1/uploads/{found['upload']['id']}"
     assert client.get(at).json() == found
@@ -277,19 +277,21 @@ import os, signal, sys, time
 from fastapi.testclient import TestClient
 from flexsid.api.app import create_app
 from flexsid.settings import Settings
-from flexsid.workflow import keeping, uploads
+from flexsid.workflow.importing import persistence, uploads
 
-keeping.BYTES_AT_ONCE = 1
-keep = uploads.keep_upload
+persistence.BYTES_AT_ONCE = 1
+store_upload = uploads.store_upload
 
-def killed(store, upload, aircraft_id, report, bring_along, confirmed):
-    def tell(fraction):
+def killed(store, upload, aircraft_id, report, add_builtin_aircraft, confirmed):
+    def report_and_kill(fraction):
         report(fraction)
         if fraction > 0.5:
             os.kill(os.getpid(), signal.SIGKILL)
-    return keep(store, upload, aircraft_id, tell, bring_along, confirmed=confirmed)
+    return store_upload(
+        store, upload, aircraft_id, report_and_kill, add_builtin_aircraft, confirmed=confirmed
+    )
 
-uploads.keep_upload = killed
+uploads.store_upload = killed
 with TestClient(create_app(Settings(database=sys.argv[1])), "http://127.0.0.1:8000") as client:
     at = f"/api/v1/uploads/{sys.argv[2]}/import"
     body = {"mapping": sys.argv[3], "confirmed": True}
@@ -298,7 +300,7 @@ with TestClient(create_app(Settings(database=sys.argv[1])), "http://127.0.0.1:80
 """
 
 
-def test_a_server_killed_during_an_import_says_so_when_it_is_back(flown_url: str) -> None:
+def test_import_interrupted_by_kill_is_reported(flown_url: str) -> None:
     def serve() -> TestClient:
         return TestClient(create_app(Settings(database=flown_url)), "http://127.0.0.1:8000")
 
@@ -313,7 +315,7 @@ def test_a_server_killed_during_an_import_says_so_when_it_is_back(flown_url: str
     with serve() as client:
         state = client.get(f"/api/v1/uploads/{identity}/state").json()
         assert (state["state"], state["code"]) == ("failed", "interrupted")
-        assert "what was not finished was not stored" in state["message"]
-        assert bring_in(client, identity, mapping)["state"] == "imported"
+        assert "unfinished parts were not stored" in state["message"]
+        assert import_maneuver(client, identity, mapping)["state"] == "imported"
     assert len(store.maneuvers.find()) == 2
     store.close()

@@ -1,4 +1,4 @@
-"""A ground vibration test of FLEX-28 over REST: responses in, modes out, compared with the FEM."""
+"""Ground vibration test of FLEX-28 over REST: responses, modal identification, correlation."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def recorded() -> bytes:
     modes = load_truth().modes.at(0.0).select(NUMBERS)
     places, shapes = load_nodes()
     at = [load_truth().modes.numbers.index(number) for number in NUMBERS]
-    # In structural axes up is up: the opposite of body axes.
+    # z of the structural axes is positive up, opposite to body axes.
     phi = -shapes[0, at][:, :, 2].astype(float)
     hertz = np.arange(2.0, 18.0, 0.04)
     s = 2j * np.pi * hertz[:, None]
@@ -64,22 +64,22 @@ def recorded() -> bytes:
 
 @pytest.fixture
 def responses(client: TestClient, recorded: bytes) -> Any:
-    answer = client.post("/api/v1/uploads", files=[("files", ("gvt.uff", recorded))])
-    assert answer.status_code == 201, answer.text
-    identity = answer.json()["upload"]["id"]
-    wanted = {
+    response = client.post("/api/v1/uploads", files=[("files", ("gvt.uff", recorded))])
+    assert response.status_code == 201, response.text
+    identity = response.json()["upload"]["id"]
+    payload = {
         "aircraft_id": 1,
         "name": "GVT, empty",
         "response_unit": "m/s2",
         "force_unit": "N",
         "length_unit": "m",
     }
-    answer = client.post(f"/api/v1/uploads/{identity}/responses", json=wanted)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    response = client.post(f"/api/v1/uploads/{identity}/responses", json=payload)
+    assert response.status_code == 201, response.text
+    return response.json()
 
 
-def test_modes_are_found_kept_and_correlated(client: TestClient, responses: Any) -> None:
+def test_modes_are_identified_stored_and_correlated(client: TestClient, responses: Any) -> None:
     assert responses["quantity"] == "acceleration"
     assert responses["references"] == ["61+z", "127+z"]
     at = f"/api/v1/measured-responses/{responses['id']}/modes"
@@ -90,32 +90,32 @@ def test_modes_are_found_kept_and_correlated(client: TestClient, responses: Any)
     assert [mode["damping"] for mode in found["items"]] == pytest.approx(truth.zeta, rel=0.06)
     assert found["scaled"]
     assert found["fit_error"] < 0.03
-    wanted = {"name": "GVT found", "low_hz": 2, "high_hz": 17, "order": 24, "like_id": 1}
-    table = client.post(at, json=wanted).json()
+    payload = {"name": "GVT found", "low_hz": 2, "high_hz": 17, "order": 24, "template_id": 1}
+    table = client.post(at, json=payload).json()
     assert table["kind"] == "GVT"
     assert table["numbers"] == list(NUMBERS[:6])
     assert table["names"] == ["SW1B", "AW1B", "SW1T", "AW1T", "SFA", "SWL"]
     assert table["reasons"][0].startswith("like SW1B of FEM, MAC ")
-    told = client.get(
+    result = client.get(
         f"/api/v1/modal-tables/1/correlation?other_id={table['id']}&fuel=0&other_fuel=0"
     ).json()
-    pairs = {pair["name"]: pair for pair in told["pairs"]}
+    pairs = {pair["name"]: pair for pair in result["pairs"]}
     assert all(pairs[name]["mac"] > 0.98 for name in ("SW1B", "SW1T", "SWL"))
-    assert min(point["comac"] for point in told["points"]) > 0.9
+    assert min(point["comac"] for point in result["points"]) > 0.9
 
 
-def test_the_stabilisation_diagram_is_drawn(client: TestClient, responses: Any) -> None:
+def test_stabilisation_diagram(client: TestClient, responses: Any) -> None:
     at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
     drawn = client.get(f"{at}&low_hz=2&high_hz=17&order=20").json()
     names = [trace["name"] for trace in drawn["data"]]
-    assert names == ["measured", "modes found", "new pole", "frequency holds", "all holds"]
+    assert names == ["measured", "fitted", "new pole", "stable frequency", "stable"]
     assert len(drawn["layout"]["shapes"]) == 6
     refused = client.get(f"{at}&low_hz=100&high_hz=110").json()
     assert refused["code"] == "too-few-lines"
 
 
-def test_shapes_are_orthogonal_over_the_mass(client: TestClient) -> None:
-    """The mass matrix of FLEX-28 is not known; one is made for which its modes are orthogonal."""
+def test_mode_shapes_are_mass_orthogonal(client: TestClient) -> None:
+    """Uses a mass matrix for which the modes of FLEX-28 are orthogonal."""
     shapes = load_nodes()[1][8, :, :, :3].astype(float) * np.array([-1.0, 1.0, -1.0])
     flat = shapes.reshape(25, -1).T
     inverse = np.linalg.pinv(flat)
@@ -125,7 +125,7 @@ def test_shapes_are_orthogonal_over_the_mass(client: TestClient) -> None:
     files = [("files", ("mass.npz", file.getvalue()))]
     identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
     at = f"/api/v1/uploads/{identity}/orthogonality"
-    told = client.post(at, json={"modal_table_id": 1, "field": "mass", "fuel": 0.5}).json()
-    assert told["worst"] < 1e-4
+    result = client.post(at, json={"modal_table_id": 1, "field": "mass", "fuel": 0.5}).json()
+    assert result["worst"] < 1e-4
     refused = client.post(at, json={"modal_table_id": 1, "field": "small"}).json()
     assert "399 or 798 rows and columns are expected" in refused["detail"]

@@ -158,7 +158,7 @@ def import_campaign(folder: Path, store: Store, n_maneuvers: int) -> None:
 def read_maneuvers(file: Path, store: Store, n_maneuvers: int) -> None:
     """Read 20 channels of one maneuver, and the same blobs raw."""
     raw = sqlite3.connect(file)
-    chosen = np.random.default_rng(2).permutation(np.arange(1, n_maneuvers + 1))[:50]
+    selected = np.random.default_rng(2).permutation(np.arange(1, n_maneuvers + 1))[:50]
 
     def ours(identity: int, names: list[str]) -> None:
         assert len(read_channels(store.database, identity, names)) == N_READ
@@ -169,7 +169,7 @@ def read_maneuvers(file: Path, store: Store, n_maneuvers: int) -> None:
 
     of_maneuver = {
         int(identity): store.channels.find(maneuver_id=int(identity))[:N_READ]
-        for identity in chosen
+        for identity in selected
     }
     read, blobs = [], []
     # Each maneuver once, as in use: neither side finds it in the cache of its connection.

@@ -26,16 +26,16 @@ from scipy.linalg import lapack
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.records.maneuver import Condition
-from flexsid.sysid.estimation.batch import regress_batch
-from flexsid.sysid.estimation.delays import find_delays
+from flexsid.sysid.estimation.batch_regression import regress_many
+from flexsid.sysid.estimation.delays import estimate_delays
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.line_model import LineModel
-from flexsid.sysid.estimation.noise import group_powers, residual_density
+from flexsid.sysid.estimation.noise import compute_group_powers, compute_residual_density
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
@@ -43,9 +43,13 @@ from flexsid.sysid.estimation.regression import regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
-from flexsid.sysid.spectra.response import bare_airframe_responses
-from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
+from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
+from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
+from flexsid.workflow.aircraft.aircraft_models import (
+    build_model,
+    define_outputs,
+    list_default_outputs,
+)
 
 Result = TypeVar("Result")
 RNG = np.random.default_rng(7)
@@ -71,7 +75,7 @@ def print_fits(truth: Truth) -> None:
     plain, toolbox_s = timed(lambda: toolbox(problem), repeat=1)
     scipy_fit, scipy_s = timed(lambda: by_least_squares(problem), repeat=3)
     sigma = np.sqrt(np.diag(ours.covariance))
-    say(
+    report_result(
         "oe_fit_vs_toolbox",
         toolbox_s / seconds,
         "central differences, a solve per frequency, alternating S",
@@ -82,7 +86,7 @@ def print_fits(truth: Truth) -> None:
         parameters=table.values.size,
         largest_difference_sigma=float(np.max(np.abs(ours.values - plain.theta) / sigma)),
     )
-    say(
+    report_result(
         "oe_fit_vs_least_squares",
         scipy_s / seconds,
         "scipy.optimize.least_squares, 2-point, model vectorised over frequencies",
@@ -97,7 +101,7 @@ def print_iteration(truth: Truth) -> None:
     step = gauss_newton_step(problem)
     _, seconds = timed(step, repeat=21)
     _, toolbox_s = timed(lambda: toolbox_iteration(problem, problem.start), repeat=1)
-    say(
+    report_result(
         "gn_iteration_vs_toolbox",
         toolbox_s / seconds,
         "one Gauss-Newton iteration, central differences, a solve per frequency",
@@ -125,7 +129,7 @@ def print_growth(truth: Truth) -> None:
             )
             times.append(timed(gauss_newton_step(problem), repeat=15)[1])
         exponents[name] = float(np.polyfit(np.log(values), np.log(times), 1)[0])
-    say("oe_iteration_growth", max(exponents.values()), "exponent of time", **exponents)
+    report_result("oe_iteration_growth", max(exponents.values()), "exponent of time", **exponents)
 
 
 def print_batch() -> None:
@@ -144,9 +148,9 @@ def print_batch() -> None:
             ]
         )
 
-    (batched, _), seconds = timed(lambda: regress_batch(X, z), repeat=7)
+    (batched, _), seconds = timed(lambda: regress_many(X, z), repeat=7)
     looped, loop_s = timed(one_by_one, repeat=1)
-    say(
+    report_result(
         "ee_batched_vs_loop",
         loop_s / seconds,
         "the same regressions, one maneuver and coefficient at a time",
@@ -158,13 +162,13 @@ def print_batch() -> None:
 def print_fleet(truth: Truth) -> None:
     """Transform, EE start, OE with delays, FRE over a sample of maneuvers."""
     sample = [make_record(truth, seed) for seed in range(20)]
-    _, seconds = timed(lambda: [carry_out(*record) for record in sample], repeat=1)
+    _, seconds = timed(lambda: [estimate_record(*record) for record in sample], repeat=1)
     per_maneuver = seconds / len(sample)
     alone = []
     for seed in range(5):
         problem, _ = make_problem(truth, n_modes=4, n_lines=N_HARMONICS, seed=seed)
         alone.append(timed(lambda p=problem: toolbox(p), repeat=1)[1])
-    say(
+    report_result(
         "fleet_vs_toolbox",
         statistics.mean(alone) / per_maneuver,
         "toolbox output error alone, without transform, delays and FRE, on five maneuvers",
@@ -177,14 +181,14 @@ def gauss_newton_step(problem: Problem) -> Callable[[], np.ndarray]:
     """One iteration as the maximisation does it: response, weights, normal matrix, step."""
     parameters = free_all(problem, problem.start)
     experiment = as_experiment(problem)
-    model = LineModel(experiment, parameters)
+    model = FrequencyDomainModel(experiment, parameters)
     form = NormalForm(model)
-    powers = group_powers(experiment.measured, experiment.group, 1)
+    powers = compute_group_powers(experiment.measured, experiment.group, 1)
 
     def step() -> np.ndarray:
         response = model.respond(problem.start)
         nu = experiment.measured - response.outputs
-        S, _ = residual_density(nu, powers, experiment.group, "diagonal")
+        S, _ = compute_residual_density(nu, powers, experiment.group, "diagonal")
         sensitivity = model.sensitivity(problem.start, response)
         N, g = form.equations(sensitivity, nu, S.inverse())
         return lapack.dposv(N, g)[1]
@@ -208,7 +212,7 @@ def make_model(truth: Truth, n_modes: int, n_outputs: int) -> AeroelasticModel:
         alpha_rad=c.alpha,
         thrust_n=c.thrust,
     )
-    names = default_outputs(aircraft, [s.name for s in aircraft.sensors])[:n_outputs]
+    names = list_default_outputs(aircraft, [s.name for s in aircraft.sensors])[:n_outputs]
     outputs = define_outputs(aircraft, names)
     modes = truth.modes_at(fuel, n_modes)
     return build_model(aircraft, condition, modes, INPUTS, outputs)
@@ -269,13 +273,13 @@ def make_record(truth: Truth, seed: int) -> tuple[Any, ...]:
     model = make_model(truth, 4, N_OUTPUTS)
     table = truth.derivatives_at(0.5, 4)
     harmonics = 6 + np.arange(N_HARMONICS)
-    omega = unit_lines(harmonics, PERIOD_S)
-    owner = np.arange(harmonics.size) % 5
+    omega = compute_harmonic_frequencies(harmonics, PERIOD_S)
+    assigned_input = np.arange(harmonics.size) % 5
     rate = 200.0
     n = round(rate * PERIOD_S)
     command = np.zeros((harmonics.size, 5), dtype=complex)
     phases = np.exp(2j * np.pi * rng.uniform(size=harmonics.size))
-    command[np.arange(harmonics.size), owner] = 0.05 * phases
+    command[np.arange(harmonics.size), assigned_input] = 0.05 * phases
     mixing = np.eye(5) + 0.05 * rng.normal(size=(5, 5))
     u = command @ mixing.T
     delays = rng.uniform(0.0, 0.02, N_OUTPUTS)
@@ -289,14 +293,14 @@ def make_record(truth: Truth, seed: int) -> tuple[Any, ...]:
 
     outputs = in_time(y)
     outputs += 0.02 * outputs.std(axis=0) * rng.normal(size=outputs.shape)
-    return model, table, omega, owner, rate, in_time(u), outputs, in_time(command)
+    return model, table, omega, assigned_input, rate, in_time(u), outputs, in_time(command)
 
 
-def carry_out(
+def estimate_record(
     model: AeroelasticModel,
     table: DerivativeTable,
     omega: np.ndarray,
-    owner: np.ndarray,
+    assigned_input: np.ndarray,
     rate: float,
     inputs: np.ndarray,
     outputs: np.ndarray,
@@ -311,7 +315,7 @@ def carry_out(
     r = FrequencyData(omega, both[:, -5:], model.inputs)
     through = np.ones_like(z.values)
     start = select_parameters(table, None, model.outputs)
-    found = find_delays(model, u, z, through)
+    found = estimate_delays(model, u, z, through)
     sensed = np.exp(-1j * np.outer(omega, found))
     motion = reconstruct_motion(model, z, sensed)
     ee = equation_error(model, motion, u, start)
@@ -321,7 +325,7 @@ def carry_out(
     oe = maximize([output_error(model, u, z, through)], warm)
     delayed = np.exp(-1j * np.outer(omega, oe.values[-N_OUTPUTS:]))
     undelayed = replace(z, values=z.values / delayed)
-    responses = bare_airframe_responses(u, undelayed, r, owner)
+    responses = estimate_bare_airframe_responses(u, undelayed, r, assigned_input)
     again = select_parameters(warm.table(oe.values), None, model.outputs)
     fre = maximize([frequency_response_error(model, responses)], again)
     return oe, fre
@@ -337,7 +341,7 @@ def timed(call: Callable[[], Result], repeat: int) -> tuple[Result, float]:
     return results[-1], statistics.median(times)
 
 
-def say(name: str, ratio: float, baseline: str, **more: object) -> None:
+def report_result(name: str, ratio: float, baseline: str, **more: object) -> None:
     """One JSON line."""
     rounded = {k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in more.items()}
     print(

@@ -25,24 +25,24 @@ import numpy as np
 from scipy import fft, optimize
 
 from flexsid.sysid.excitation.catalogue import CATALOGUE
-from flexsid.sysid.excitation.extrema import judged_peak_factor
-from flexsid.sysid.excitation.norms import HarmonicLines
+from flexsid.sysid.excitation.extrema import evaluate_peak_factor
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.peak_factor import schroeder_phases
 from flexsid.sysid.excitation.phase_search import PATIENT, QUICK, THOROUGH, Effort, search_phases
 
 FIRST = 6
 
 
-def all_lines() -> list[HarmonicLines]:
+def all_lines() -> list[HarmonicSpectrum]:
     """Lines of all inputs of the catalogue."""
     return [
-        HarmonicLines(own, np.full(own.size, np.sqrt(2.0 / own.size)))
+        HarmonicSpectrum(own, np.full(own.size, np.sqrt(2.0 / own.size)))
         for aid in CATALOGUE.values()
         for own in aid.harmonics(FIRST).values()
     ]
 
 
-def nelder_mead(lines: HarmonicLines, points: int = 20) -> np.ndarray:
+def nelder_mead(lines: HarmonicSpectrum, points: int = 20) -> np.ndarray:
     """Simplex search, as the field does it."""
     n_samples = int(fft.next_fast_len(points * int(lines.harmonics.max()), real=True))
     spectrum = np.zeros(n_samples // 2 + 1, dtype=complex)
@@ -64,13 +64,13 @@ def nelder_mead(lines: HarmonicLines, points: int = 20) -> np.ndarray:
 
 
 def measure(
-    design: Callable[[HarmonicLines], np.ndarray], inputs: list[HarmonicLines]
+    design: Callable[[HarmonicSpectrum], np.ndarray], inputs: list[HarmonicSpectrum]
 ) -> dict[str, float]:
     """CPU seconds and the mean of the judged peak factors."""
     begin = time.process_time()
     phases = [design(lines) for lines in inputs]
     seconds = time.process_time() - begin
-    factors = [judged_peak_factor(*pair) for pair in zip(inputs, phases, strict=True)]
+    factors = [evaluate_peak_factor(*pair) for pair in zip(inputs, phases, strict=True)]
     return {
         "cpu_s": round(seconds, 3),
         "mean_rpf": round(float(np.mean(factors)), 4),
@@ -78,7 +78,7 @@ def measure(
     }
 
 
-def search(effort: Effort) -> Callable[[HarmonicLines], np.ndarray]:
+def search(effort: Effort) -> Callable[[HarmonicSpectrum], np.ndarray]:
     """The workbench's search with one effort and one seed."""
     return lambda lines: search_phases(lines, effort, seed=0).phases
 
@@ -88,7 +88,7 @@ def best_of_65(sequences: int = 10) -> dict[str, object]:
 
     One sequence of seeds may be lucky: each of ten has half of the baseline's time.
     """
-    lines = HarmonicLines(FIRST + 5 * np.arange(65), np.full(65, np.sqrt(2.0 / 65)))
+    lines = HarmonicSpectrum(FIRST + 5 * np.arange(65), np.full(65, np.sqrt(2.0 / 65)))
     simplex = measure(nelder_mead, [lines])
     found = [_best_within(lines, 0.5 * simplex["cpu_s"], 1000 * k) for k in range(sequences)]
     factors = np.array([factor for factor, _, _ in found])
@@ -107,7 +107,7 @@ def best_of_65(sequences: int = 10) -> dict[str, object]:
     }
 
 
-def _best_within(lines: HarmonicLines, seconds: float, seed: int) -> tuple[float, int, float]:
+def _best_within(lines: HarmonicSpectrum, seconds: float, seed: int) -> tuple[float, int, float]:
     """Best peak factor, searches made and CPU seconds of one sequence of seeds."""
     best, spent, searches = np.inf, 0.0, 0
     while True:
@@ -144,7 +144,7 @@ def main() -> None:
     print(json.dumps(best_of_65()), flush=True)
 
 
-def _schroeder(lines: HarmonicLines) -> np.ndarray:
+def _schroeder(lines: HarmonicSpectrum) -> np.ndarray:
     return schroeder_phases(lines.amplitudes)
 
 

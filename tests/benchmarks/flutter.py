@@ -1,8 +1,8 @@
-"""How well and how fast flutter is foretold: ``python tests/benchmarks/flutter.py``.
+"""Accuracy and speed of flutter prediction: ``python tests/benchmarks/flutter.py``.
 
 Campaigns on FLEX-28 (eight-mode truth) are simulated line by line with the campaign's
 sensor noise; the predictions that stand in for modes nobody identified are wrong by 15 %.
-``flown`` maneuvers are simulated in time and in closed loop, kept, estimated and asked about as
+``flown`` maneuvers are simulated in time and in closed loop, stored, estimated and analysed as
 a user does it. Prints one JSON line per figure.
 """
 
@@ -26,8 +26,8 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.flight import Flight as FlightRecord
 from flexsid.records.maneuver import Condition
 from flexsid.records.model_structure import Structure
@@ -38,30 +38,38 @@ from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
-from flexsid.sysid.model.derivatives import DerivativeTable, derivative_names
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.bands import Uncertain, bands_by_draws, root_bands
-from flexsid.sysid.stability.flutter import follow_roots
+from flexsid.sysid.stability.bands import (
+    UncertainDerivatives,
+    estimate_root_bands,
+    sample_root_bands,
+)
+from flexsid.sysid.stability.flutter import track_roots
+from flexsid.sysid.stability.flutter_extrapolation import (
+    TestPoint,
+    extrapolate_damping,
+    extrapolate_envelope,
+    extrapolate_flutter_margin,
+)
 from flexsid.sysid.stability.prediction import (
     IdentifiedModes,
+    compute_structure_spread,
     fuse_identified,
     predict_flutter,
-    structure_spread,
 )
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.sysid.stability.trackers import (
-    TestPoint,
-    damping_extrapolation,
-    envelope_function,
-    flutter_margin,
+from flexsid.workflow.aircraft.aircraft_models import (
+    build_model,
+    define_outputs,
+    list_default_outputs,
 )
-from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, Others
-from flexsid.workflow.flutter.flutter_analysis import flutter as ask
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes
+from flexsid.workflow.flutter.flutter_analysis import analyse_flutter as ask
 
 FUEL = 0.5
-KEPT, ALL = 4, 8
+RETAINED, ALL = 4, 8
 PERIOD_S, RECORD_S, RATE_HZ = 24.0, 30.0, 200.0
 OMEGA = 2.0 * np.pi * np.arange(6, 331) / PERIOD_S
 DEFLECTION = np.deg2rad(2.0) / np.sqrt(2.0 * 65.0)  # amplitude of one line
@@ -84,7 +92,7 @@ class Range:
     def __init__(self, truth: Truth) -> None:
         self.truth = truth
         self.aircraft = describe_aircraft(truth)
-        names = default_outputs(self.aircraft, [s.name for s in self.aircraft.sensors])
+        names = list_default_outputs(self.aircraft, [s.name for s in self.aircraft.sensors])
         self.outputs = define_outputs(self.aircraft, names)
         self.flutter = truth.flutter_speed_at(FUEL)
         self.derivatives = truth.derivatives_at(FUEL, ALL)
@@ -105,10 +113,10 @@ class Range:
         )
         modes = self.truth.modes_at(FUEL, ALL)
         model = build_model(self.aircraft, condition, modes, INPUTS, self.outputs)
-        owner = np.arange(OMEGA.size) % len(INPUTS)
+        assigned_input = np.arange(OMEGA.size) % len(INPUTS)
         command = np.zeros((OMEGA.size, len(INPUTS)), dtype=complex)
         phases = np.exp(2j * np.pi * rng.uniform(size=OMEGA.size))
-        command[np.arange(OMEGA.size), owner] = 0.5 * PERIOD_S * DEFLECTION * phases
+        command[np.arange(OMEGA.size), assigned_input] = 0.5 * PERIOD_S * DEFLECTION * phases
         u = command @ (np.eye(len(INPUTS)) + 0.05 * rng.normal(size=(len(INPUTS),) * 2))
         y = (model.response(self.derivatives, OMEGA) @ u[:, :, None])[:, :, 0]
         level = np.array([self._noise(k) for k in range(len(self.outputs))])
@@ -136,18 +144,22 @@ class Range:
         lines = output_error(model, flight.inputs, flight.outputs, through)
         found = maximize([lines], parameters, FitSettings(noise=noise))
         table = parameters.table(found.values)
-        uncertain = Uncertain(parameters.rows, parameters.columns, found.corrected_covariance)
+        uncertain = UncertainDerivatives(
+            parameters.rows, parameters.columns, found.corrected_covariance
+        )
         return (
-            IdentifiedModes(Aeroelastic(model.condition, modes, table), uncertain), parameters, found,
-        )  # fmt: skip
+            IdentifiedModes(Aeroelastic(model.condition, modes, table), uncertain),
+            parameters,
+            found,
+        )
 
     def with_predicted(self, flight: Flight, predicted: DerivativeTable) -> IdentifiedModes:
-        """Four modes estimated, the other four as predicted."""
-        kept = derivative_names(predicted.modes[:KEPT], INPUTS)
-        return self.fit(flight, ALL, predicted, list(kept))[0]
+        """Four modes estimated, the other four from the prediction."""
+        free = list_derivative_names(predicted.modes[:RETAINED], INPUTS)
+        return self.fit(flight, ALL, predicted, list(free))[0]
 
     def alone(self, flight: Flight, predicted: DerivativeTable) -> IdentifiedModes:
-        """Four modes, nothing else; a full noise density bears with those left out."""
+        """Four modes only; a full noise density tolerates the unmodelled ones."""
         return self.bare(flight, predicted, "full")
 
     def bare(
@@ -156,8 +168,8 @@ class Range:
         """Four modes, nothing else."""
         condition = self.truth.condition_at(flight.condition.airspeed_m_s, FUEL)
         modes = self.truth.modes_at(FUEL, ALL)
-        start = residualize(predicted, modes, condition, predicted.modes[:KEPT])
-        return self.fit(flight, KEPT, start, None, noise)[0]
+        start = residualize(predicted, modes, condition, predicted.modes[:RETAINED])
+        return self.fit(flight, RETAINED, start, None, noise)[0]
 
     def predicted(self, rng: np.random.Generator) -> DerivativeTable:
         """A prediction that is wrong by its usual error."""
@@ -202,11 +214,13 @@ def print_single_maneuvers(flex: Range, seeds: int) -> None:
             for kind, identify in kinds.items():
                 errors[kind].append(abs(flex.speed(identify(flight, predicted))[0] - 1.0))
         for kind, values in errors.items():
-            say(f"single_{ratio:.2f}_{kind}", median_error=float(np.median(values)), seeds=seeds)
+            report_result(
+                f"single_{ratio:.2f}_{kind}", median_error=float(np.median(values)), seeds=seeds
+            )
 
 
 def print_flown(flex: Range, seeds: int) -> None:
-    """One maneuver flown, estimated with four modes and asked about, others carried or not."""
+    """Flutter from one maneuver with four modes, unmodelled modes included or not."""
     with tempfile.TemporaryDirectory() as folder:
         address = f"sqlite:///{folder}/flexsid.db"
         upgrade(address)
@@ -214,23 +228,25 @@ def print_flown(flex: Range, seeds: int) -> None:
         aircraft = add_aircraft(store)
         flight = store.flights.add(FlightRecord(aircraft_id=aircraft.id or 0, number=1)).id or 0
         for ratio in (0.65, 0.80, 0.95):
-            errors: dict[Others, list[float]] = {others: [] for others in Others}
+            errors: dict[UnmodelledModes, list[float]] = {others: [] for others in UnmodelledModes}
             for seed in range(seeds):
                 peak = 2.0 if ratio < 0.9 else 1.6
                 flown = fly(airspeed_ratio=ratio, fuel=FUEL, peak_deg=peak, seed=(900, seed))
-                wanted = EstimationRun(
+                request = EstimationRun(
                     maneuver_id=add_maneuver(store, flown, flight).id or 0,
                     method=Method.OE,
-                    structure=Structure(modes=flex.derivatives.modes[:KEPT], fixed={}),
+                    structure=Structure(modes=flex.derivatives.modes[:RETAINED], fixed={}),
                     settings=RunSettings(),
                 )
-                run = carry_out(store, wanted, estimation_steps(), lambda progress: None)
-                for others in Others:
-                    answer = ask(store, FlutterQuery(run_ids=(run.id or 0,), others=others))
-                    errors[others].append(abs((answer.airspeed_m_s or np.inf) / flex.flutter - 1.0))
+                run = execute_run(store, request, load_estimation_pipeline(), lambda progress: None)
+                for others in UnmodelledModes:
+                    result = ask(
+                        store, FlutterQuery(run_ids=(run.id or 0,), unmodelled_modes=others)
+                    )
+                    errors[others].append(abs((result.airspeed_m_s or np.inf) / flex.flutter - 1.0))
             for others, values in errors.items():
                 middle = float(np.median(values))
-                say(f"flown_{ratio:.2f}_{others.value}", median_error=middle, seeds=seeds)
+                report_result(f"flown_{ratio:.2f}_{others.value}", median_error=middle, seeds=seeds)
         store.close()
 
 
@@ -238,9 +254,9 @@ def print_campaigns(flex: Range, campaigns: int) -> None:
     """Fusion up to 0.80 V_f, its interval, and the classical trackers on the same maneuvers."""
     ours, held = [], 0
     trackers = {
-        "damping_extrapolation": damping_extrapolation,
-        "flutter_margin": flutter_margin,
-        "envelope_function": envelope_function,
+        "extrapolate_damping": extrapolate_damping,
+        "extrapolate_flutter_margin": extrapolate_flutter_margin,
+        "extrapolate_envelope": extrapolate_envelope,
     }
     theirs: dict[str, list[float]] = {name: [] for name in trackers}
     for seed in range(campaigns):
@@ -252,7 +268,7 @@ def print_campaigns(flex: Range, campaigns: int) -> None:
         best = fuse_identified(large, large[-1].aircraft)
         other = flex.speed(fuse_identified(small, small[-1].aircraft))[0]
         central = flex.speed(best)[0]
-        spread = structure_spread([other * flex.flutter], central * flex.flutter)
+        spread = compute_structure_spread([other * flex.flutter], central * flex.flutter)
         speed, low, high = flex.speed(best, spread)
         ours.append(abs(speed - 1.0))
         held += low <= 1.0 <= high
@@ -262,18 +278,18 @@ def print_campaigns(flex: Range, campaigns: int) -> None:
                 theirs[name].append(abs(tracker(points) / flex.flutter - 1.0))
             except FlexsidError:
                 theirs[name].append(np.inf)
-    say("campaign_to_0.80", median_error=float(np.median(ours)), campaigns=campaigns)
-    say("interval_holds_truth", of_100=100.0 * held / campaigns)
+    report_result("campaign_to_0.80", median_error=float(np.median(ours)), campaigns=campaigns)
+    report_result("interval_holds_truth", of_100=100.0 * held / campaigns)
     for name, errors in theirs.items():
         middle = float(np.median(errors))
-        say(f"tracker_{name}", median_error=middle if np.isfinite(middle) else None)
+        report_result(f"tracker_{name}", median_error=middle if np.isfinite(middle) else None)
 
 
 def test_point(found: IdentifiedModes) -> TestPoint:
     """Short period and SW1B where the maneuver was flown."""
     condition = found.aircraft.condition
     at = np.linspace(0.98, 1.0, 3) * condition.airspeed
-    locus = follow_roots(found.aircraft, at)
+    locus = track_roots(found.aircraft, at)
     by_name = dict(zip(locus.names, locus.roots[-1], strict=True))
     return TestPoint(
         condition.airspeed,
@@ -286,16 +302,16 @@ def test_point(found: IdentifiedModes) -> TestPoint:
 def print_bands(flex: Range) -> None:
     rng = np.random.default_rng(5)
     found = flex.bare(flex.fly(0.80, rng), flex.predicted(rng))
-    locus = follow_roots(found.aircraft, np.linspace(25.0, 80.0, 200))
+    locus = track_roots(found.aircraft, np.linspace(25.0, 80.0, 200))
     began = time.process_time()
-    bands = root_bands(found.aircraft, locus, found.uncertain)
+    bands = estimate_root_bands(found.aircraft, locus, found.uncertain)
     ours = time.process_time() - began
     began = time.process_time()
-    drawn = bands_by_draws(found.aircraft, locus, found.uncertain)
+    drawn = sample_root_bands(found.aircraft, locus, found.uncertain)
     draws = time.process_time() - began
     clear = ~bands.by_draws
     off = np.abs(bands.real_std[clear] / drawn.real_std[clear] - 1.0)
-    say(
+    report_result(
         "bands_vs_draws",
         ratio=ours / draws,
         baseline="1000 draws at 200 speeds",
@@ -305,7 +321,7 @@ def print_bands(flex: Range) -> None:
     )
 
 
-def say(name: str, **values: float | str | None) -> None:
+def report_result(name: str, **values: float | str | None) -> None:
     """One JSON line."""
     rounded = {k: float(f"{v:.4g}") if isinstance(v, float) else v for k, v in values.items()}
     print(json.dumps({"name": name, **rounded}))

@@ -15,19 +15,19 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from flexsid.demo.flights import fly
-from flexsid.demo.true_responses import keep_and_measure, relative_errors
+from flexsid.demo.true_responses import compute_relative_errors, save_and_measure
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
-from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
-from flexsid.sysid.spectra.response import own_line_ratios
+from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
+from flexsid.sysid.spectra.response import compute_open_loop_ratios
 
 N_CHANNELS, N_SAMPLES, N_LINES, RATE_HZ = 80, 6000, 65, 200.0
 
 
 def coverage(responses: dict[str, FrequencyResponse], ratio: float) -> float:
     """Share of magnitudes within two standard errors of the truth."""
-    error = relative_errors(responses, ratio)
+    error = compute_relative_errors(responses, ratio)
     relative = [
         (r.std / np.abs(r.values))[:, :, 0].ravel() for r in responses.values() if r.std is not None
     ]
@@ -48,7 +48,7 @@ def best_time(work: Callable[[], object], repeats: int = 7) -> float:
 def transform_times() -> tuple[float, float]:
     """Ours, and a plain loop over the lines. [s]"""
     samples = np.random.default_rng(0).standard_normal((N_SAMPLES, N_CHANNELS))
-    omega = unit_lines(np.arange(6, 6 + N_LINES), N_SAMPLES / RATE_HZ)
+    omega = compute_harmonic_frequencies(np.arange(6, 6 + N_LINES), N_SAMPLES / RATE_HZ)
     time_s = np.arange(N_SAMPLES) / RATE_HZ
 
     def plain_loop() -> np.ndarray:
@@ -68,14 +68,16 @@ def main() -> None:
         store = Store.open(address)
         for ratio, peak_deg in ((0.65, 2.0), (1.09, 1.2)):
             quiet = fly(airspeed_ratio=ratio, peak_deg=peak_deg, noise=False)
-            measured = keep_and_measure(store, quiet)
-            found = np.median(np.abs(relative_errors(measured.responses(), ratio)))
-            own = own_line_ratios(measured.inputs, measured.true_outputs(), measured.owner)
-            naive = np.median(np.abs(relative_errors(own, ratio)))
-            noisy = keep_and_measure(store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=1))
-            say(f"median_error_{ratio:.2f}", found, outputs=len(measured.outputs.names))
-            say(f"own_line_ratio_{ratio:.2f}", naive, times_as_much=naive / found)
-            say(f"coverage_{ratio:.2f}", coverage(noisy.responses(), ratio))
+            measured = save_and_measure(store, quiet)
+            found = np.median(np.abs(compute_relative_errors(measured.responses(), ratio)))
+            own = compute_open_loop_ratios(
+                measured.inputs, measured.true_outputs(), measured.assigned_input
+            )
+            naive = np.median(np.abs(compute_relative_errors(own, ratio)))
+            noisy = save_and_measure(store, fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=1))
+            report_result(f"median_error_{ratio:.2f}", found, outputs=len(measured.outputs.names))
+            report_result(f"own_line_ratio_{ratio:.2f}", naive, times_as_much=naive / found)
+            report_result(f"coverage_{ratio:.2f}", coverage(noisy.responses(), ratio))
         store.close()
     ours, loop = transform_times()
     size = f"{N_CHANNELS} channels, {N_SAMPLES} samples, {N_LINES} lines"
@@ -83,7 +85,7 @@ def main() -> None:
     print(json.dumps({**line, "ours_ms": 1e3 * ours, "baseline_ms": 1e3 * loop}))
 
 
-def say(name: str, value: float, **more: float) -> None:
+def report_result(name: str, value: float, **more: float) -> None:
     """One JSON line."""
     print(json.dumps({"name": name, "value": float(f"{value:.4g}"), **more}))
 

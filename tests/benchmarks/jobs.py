@@ -50,23 +50,23 @@ def main() -> None:
     parser.add_argument("--full", action="store_true", help="1000 maneuvers instead of 100")
     parser.add_argument("--database", help="an empty database; by default a file")
     parser.add_argument("--dask", help="address of a scheduler; by default local processes")
-    chosen = parser.parse_args()
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        url = chosen.database or f"sqlite:///{folder}/flexsid.db"
-        count = 1000 if chosen.full else 100
+        url = arguments.database or f"sqlite:///{folder}/flexsid.db"
+        count = 1000 if arguments.full else 100
         ids = fill(url, count)
         workers = default_count()
-        with server(url, chosen.dask, workers) as port:
+        with server(url, arguments.dask, workers) as port:
             trivial(port, ids)
             batch_against_direct(port, url, ids, workers)
             whole_campaign(port, ids, workers)
 
 
 def fill(url: str, count: int) -> list[int]:
-    """Keep copies of the demonstration maneuvers, each a little different from the others."""
+    """Store copies of the demonstration maneuvers with small differences."""
     upgrade(url)
     store = Store.open(url)
-    campaign.fill(store, lambda fraction, message: None)
+    campaign.add_campaign(store, lambda fraction, message: None)
     flown = [m for m in store.maneuvers.find() if m.excitation is not None and m.axis != "ground"]
     ids: list[int] = []
     with store.database.transaction() as connection:
@@ -92,7 +92,7 @@ def trivial(port: int, ids: list[int]) -> None:
     """Submit to done of rigid equation-error runs, one after the other, over REST."""
     few = _one_by_one(port, ids, {"modes": [], "outputs": ["alpha", "q", "az_egi"]})
     whole = statistics.median(_one_by_one(port, ids, {"modes": []}))
-    _say(
+    _report_result(
         "submit_to_done_ms",
         statistics.median(few),
         bar=60.0,
@@ -127,11 +127,11 @@ def batch_against_direct(port: int, url: str, ids: list[int], workers: int) -> N
     batch = client.post("/api/v1/batches", _batch(ids, ["EE"]))
     _wait(client, batch["id"])
     seconds = time.perf_counter() - start
-    _say(
+    _report_result(
         "ee_batch_vs_direct",
         seconds / direct,
         bar=2.0,
-        baseline="prepare, multiprocessing.Pool.imap, nothing kept",
+        baseline="prepare, multiprocessing.Pool.imap, nothing stored",
         seconds=seconds,
         jobs=len(ids),
         jobs_per_s=len(ids) / seconds,
@@ -158,7 +158,7 @@ def _direct(url: str, ids: list[int], workers: int) -> float:
 
 
 def _compute(task: Any) -> Any:
-    return estimation.compute(task, lambda progress: None)
+    return estimation.compute_run(task, lambda progress: None)
 
 
 def whole_campaign(port: int, ids: list[int], workers: int) -> None:
@@ -178,7 +178,7 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
         stop.set()
         found = [reading.result() for reading in readings]
     computed = _compute_seconds(client, batch["id"])
-    _say(
+    _report_result(
         "campaign_vs_compute",
         seconds / (computed / workers),
         bar=2.0,
@@ -188,7 +188,7 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
         states=done["states"],
     )
     times = [1e3 * t for times, _ in found for t in times]
-    _say(
+    _report_result(
         "p99_of_lists_vs_idle",
         _at(times, 0.99) / (1e3 * idle),
         bar=10.0,
@@ -228,7 +228,7 @@ def _compute_seconds(client: Client, batch_id: int) -> float:
 
 
 class Client:
-    """One connection that is kept, as a browser's."""
+    """One persistent connection, as a browser's."""
 
     def __init__(self, port: int) -> None:
         self._connection = HTTPConnection("127.0.0.1", port, timeout=600)
@@ -238,21 +238,21 @@ class Client:
         return self._ask("GET", path)
 
     def post(self, path: str, body: Any) -> Any:
-        """Send JSON and read the answer."""
+        """Send JSON and read the response."""
         return self._ask("POST", path, json.dumps(body), {"Content-Type": "application/json"})
 
     def _ask(self, method: str, path: str, *more: Any) -> Any:
         self._connection.request(method, path, *more)
-        answer = self._connection.getresponse()
-        content = answer.read()
-        if answer.status >= 400:
-            raise ValueError(f"{answer.status}: {content[:300]!r}")
+        response = self._connection.getresponse()
+        content = response.read()
+        if response.status >= 400:
+            raise ValueError(f"{response.status}: {content[:300]!r}")
         return json.loads(content)
 
 
 @contextmanager
 def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
-    """Serve a database; the workers are warm when the port is told."""
+    """Serve a database; the workers are warm when the port is returned."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -267,7 +267,7 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
     process = subprocess.Popen(command, env=environment, cwd=Path.home())
     try:
         client = Client(port)
-        while not _answers(client):
+        while not _is_ready(client):
             assert process.poll() is None
             time.sleep(0.2)
             client = Client(port)
@@ -280,7 +280,7 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
         process.wait()
 
 
-def _answers(client: Client) -> bool:
+def _is_ready(client: Client) -> bool:
     try:
         client.get("/api/v1/health")
     except OSError:
@@ -299,10 +299,10 @@ def _batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, An
 
 def _wait(client: Client, batch_id: int) -> Any:
     while True:
-        answer = client.get(f"/api/v1/batches/{batch_id}")
-        if answer["states"]["queued"] + answer["states"]["running"] == 0:
-            assert answer["states"]["failed"] == 0, answer
-            return answer
+        response = client.get(f"/api/v1/batches/{batch_id}")
+        if response["states"]["queued"] + response["states"]["running"] == 0:
+            assert response["states"]["failed"] == 0, response
+            return response
         time.sleep(0.05)
 
 
@@ -316,7 +316,7 @@ def _at(values: list[float], share: float) -> float:
     return sorted(values)[min(len(values) - 1, int(share * len(values)))]
 
 
-def _say(name: str, ratio: float, **more: Any) -> None:
+def _report_result(name: str, ratio: float, **more: Any) -> None:
     load = {"cores": os.cpu_count(), "load": round(os.getloadavg()[0], 1)}
     print(json.dumps({"name": name, "ratio": ratio, **more, **load}), flush=True)
 

@@ -27,18 +27,18 @@ from fastapi.testclient import TestClient
 from flexsid.api.app import create_app
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
-from flexsid.importers.modal_data import RawStructure
+from flexsid.importers.modal_data import RawModalData
 from flexsid.records.modal_table import ModalKind
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.modal_data.modal_import import keep_structure
+from flexsid.workflow.modal_data.modal_import import store_modal_data
 
 N_FUEL, N_MODES, N_NODES = 17, 25, 8480
 ROUNDS = 5
 
 
-def paper_table(seed: int) -> RawStructure:
+def paper_table(seed: int) -> RawModalData:
     """A wing whose modes are smooth in fuel, with signs as a solver leaves them."""
     rng = np.random.default_rng(seed)
     y = np.linspace(-4.0, 4.0, N_NODES // 8)
@@ -54,7 +54,7 @@ def paper_table(seed: int) -> RawStructure:
             values = np.cos(phase)[:, None] * (0.2 + rng.uniform(0, 1e-3, (N_NODES, 6)))
             shape[row, mode] = values * rng.choice([-1.0, 1.0])
     omega = 2.0 * np.pi * (3.0 * order - 0.3 * fuel[:, None])
-    return RawStructure(
+    return RawModalData(
         name=f"paper size {seed}",
         kind=ModalKind.FEM,
         fuel=fuel,
@@ -108,7 +108,7 @@ def main() -> None:
             plain = write_to_sqlite(Path(folder) / f"plain{seed}.db", raw.shape)
             before, n_bytes = size_of(file), raw.shape.nbytes
             began = time.perf_counter()
-            table = keep_structure(store, aircraft, raw)
+            table = store_modal_data(store, aircraft, raw)
             ratios.append((time.perf_counter() - began) / plain)
             (Path(folder) / f"plain{seed}.db").unlink()
         assert table is not None
@@ -129,10 +129,10 @@ def serve(client: TestClient, identity: int | None) -> None:
         fuel, number = rng.uniform(), int(rng.integers(7, 7 + N_MODES))
         at = f"/api/v1/modal-tables/{identity}/shape?number={number}&fuel={fuel:.4f}"
         began = time.perf_counter()
-        answer = client.get(at)
+        response = client.get(at)
         times.append(1000.0 * (time.perf_counter() - began))
-        assert answer.status_code == 200, answer.text
-        sizes.append(len(answer.content) / 1000.0)
+        assert response.status_code == 200, response.text
+        sizes.append(len(response.content) / 1000.0)
     median = statistics.median(times)
     print(
         json.dumps(
@@ -141,7 +141,7 @@ def serve(client: TestClient, identity: int | None) -> None:
                 "ratio": round(median / 150.0, 3),
                 "baseline": "150 ms",
                 "serve_ms": round(median, 1),
-                "answer_kb": round(statistics.median(sizes)),
+                "response_kb": round(statistics.median(sizes)),
             }
         )
     )

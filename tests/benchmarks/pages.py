@@ -1,4 +1,4 @@
-"""How fast pages answer and draw in a large campaign: ``python tests/benchmarks/pages.py``.
+"""Response and drawing time of pages in a large campaign: ``python tests/benchmarks/pages.py``.
 
 A campaign of 1000 maneuvers and 10 000 runs is laid out of copies: a few maneuvers of FLEX-28
 are flown and estimated by all methods, so that every copy of a run weighs what a run weighs.
@@ -6,7 +6,7 @@ A browser then opens the first page, the filtered list, the comparison of 12 run
 page. The requests that each page makes are noted and asked again, one after the other; the
 slowest median of a page stands against 100 ms, the time until it is drawn against 1.5 s.
 
-``--maneuvers`` and ``--keep FILE`` lay out fewer, or keep the database for the next time.
+``--maneuvers`` sets their number, ``--database FILE`` reuses a database.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from playwright.sync_api import Page, Request, expect, sync_playwright
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
@@ -41,7 +41,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import channels, maneuvers, runs
 
 RUNS_PER_MANEUVER, MANEUVERS_PER_FLIGHT = 10, 26
-ANSWER_MS, DRAWN_MS, JS_KB = 100.0, 1500.0, 250.0
+RESPONSE_MS, DRAWN_MS, JS_KB = 100.0, 1500.0, 250.0
 TIMES, LOADS = 9, 5
 FLEXSID = (
     sys.executable,
@@ -62,14 +62,14 @@ def lay_out(url: str, n_maneuvers: int) -> None:
         flown = add_maneuver(store, fly(airspeed_ratio=ratio, label=f"flown at {ratio}"), first.id)
         assert flown.id is not None
         for method in Method:
-            wanted = EstimationRun(
+            run = EstimationRun(
                 maneuver_id=flown.id,
                 method=method,
                 structure=Structure(modes=(7, 9), fixed={}),
                 settings=RunSettings(),
                 prediction_id=1,
             )
-            carry_out(store, wanted, estimation_steps(), lambda progress: None)
+            execute_run(store, run, load_estimation_pipeline(), lambda progress: None)
     with store.transaction():
         for identity in (1, 2, 3):
             _copy_runs(store, identity, identity, RUNS_PER_MANEUVER - len(Method))
@@ -77,9 +77,9 @@ def lay_out(url: str, n_maneuvers: int) -> None:
         for number in range(3, n_maneuvers):
             if number % MANEUVERS_PER_FLIGHT == 0:
                 flight_number = 1 + number // MANEUVERS_PER_FLIGHT
-                kept = store.flights.add(Flight(aircraft_id=aircraft.id, number=flight_number))
-                assert kept.id is not None
-                flight_id = kept.id
+                flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=flight_number))
+                assert flight.id is not None
+                flight_id = flight.id
             _copy_maneuver(store, number, flight_id)
     store.close()
 
@@ -116,7 +116,7 @@ def _copies(table: sa.Table, where: sa.ColumnElement[bool], new: dict[str, objec
 
 
 def pages(url: str) -> dict[str, tuple[str, str]]:
-    """Return the address of each page and what tells that it is drawn."""
+    """Return the address of each page and the element that shows that it is drawn."""
     store = Store.open(url)
     last = store.maneuver_page(sort="-id", limit=4).items
     compared = [run.id for run in store.run_page(state=None, limit=12).items]
@@ -147,7 +147,7 @@ def measure(address: str, page: Page, name: str, path: str, drawn: str) -> dict[
     page.on("request", requested)
     page.goto(address + path)
     expect(page.locator(drawn).first).to_be_visible(timeout=30_000)
-    page.wait_for_timeout(1500)  # never idle: news of jobs keep one request open
+    page.wait_for_timeout(1500)  # never idle: the stream of job events holds one request open
     page.remove_listener("request", requested)
     took = []
     for _ in range(LOADS):
@@ -167,8 +167,8 @@ def measure(address: str, page: Page, name: str, path: str, drawn: str) -> dict[
     slowest = max(medians, key=lambda url: medians[url])
     return {
         "name": name,
-        "ratio": round(medians[slowest] / ANSWER_MS, 3),
-        "baseline": f"{ANSWER_MS:g} ms per request",
+        "ratio": round(medians[slowest] / RESPONSE_MS, 3),
+        "baseline": f"{RESPONSE_MS:g} ms per request",
         "slowest_ms": round(medians[slowest], 1),
         "slowest": slowest.removeprefix(address),
         "requests": len(urls),
@@ -189,21 +189,21 @@ def _median_ms(url: str) -> float:
 
 
 def _get(url: str) -> bytes:
-    with urllib.request.urlopen(url) as answer:
-        return answer.read()
+    with urllib.request.urlopen(url) as response:
+        return response.read()
 
 
 def main() -> None:
     """Print one line per page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--maneuvers", type=int, default=1000)
-    parser.add_argument("--keep", type=Path, help="database to use, made where it is missing")
+    parser.add_argument("--database", type=Path, help="database to use, created if missing")
     arguments = parser.parse_args()
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
     if program is None:
         sys.exit("no Chromium on PATH; on Debian: apt-get install chromium")
     with TemporaryDirectory() as folder:
-        file = arguments.keep or Path(folder) / "campaign.db"
+        file = arguments.database or Path(folder) / "campaign.db"
         url = f"sqlite:///{file}"
         if not file.is_file():
             lay_out(url, arguments.maneuvers)
@@ -235,7 +235,7 @@ def _wait(address: str) -> None:
                 return
         except OSError:
             time.sleep(0.1)
-    sys.exit("the server does not answer")
+    sys.exit("the server does not respond")
 
 
 if __name__ == "__main__":

@@ -16,13 +16,16 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from estimation import as_experiment, fit, free_all, make_problem, say, timed
+from estimation import as_experiment, fit, free_all, make_problem, report_result, timed
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.structure_determination.candidates import search_candidates
-from flexsid.sysid.structure_determination.evidence import EvidenceAtStep, look
-from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
+from flexsid.sysid.structure_determination.evidence import SubsetEstimate, estimate_subset
+from flexsid.sysid.structure_determination.likelihood import (
+    compute_likelihood_evidence,
+    select_candidates,
+)
 
 
 def main() -> None:
@@ -39,25 +42,25 @@ def print_single_changes() -> None:
     estimate, fit_s = timed(lambda: fit(problem, parameters), repeat=21)
     everything = np.ones(parameters.start.size, dtype=bool)
 
-    def judge() -> EvidenceAtStep:
-        evidence = likelihood_evidence(
+    def judge() -> SubsetEstimate:
+        evidence = compute_likelihood_evidence(
             experiment, parameters, estimate.values, parameters.start.size
         )
-        return look(evidence, everything)
+        return estimate_subset(evidence, everything)
 
     now, seconds = timed(judge, repeat=21)
     partial_f = now.values**2 / now.variance
     began = time.process_time()
     ratios = []
     for term in range(parameters.start.size):
-        kept = everything.copy()
-        kept[term] = False
-        fewer = maximize([experiment], reduced(parameters, kept, estimate.values))
+        free = everything.copy()
+        free[term] = False
+        fewer = maximize([experiment], select_candidates(parameters, free, estimate.values))
         ratios.append(2.0 * (fewer.steps[-1].cost - estimate.steps[-1].cost))
     refits_s = time.process_time() - began
     weak = partial_f < 1e3  # where the choice is made; stronger terms leave the quadratic
     agreement = np.array(ratios)[weak] / now.change[weak]
-    say(
+    report_result(
         "single_changes_vs_fit",
         seconds / fit_s,
         "one converged fit",
@@ -65,7 +68,7 @@ def print_single_changes() -> None:
         fit_ms=1e3 * fit_s,
         refitting_each_vs_fit=refits_s / fit_s,
         parameters=table.values.size,
-        likelihood_ratio_over_foretold=float(np.median(agreement)),
+        likelihood_ratio_over_predicted=float(np.median(agreement)),
     )
 
 
@@ -86,14 +89,14 @@ def print_search() -> None:
     _, fit_s = timed(lambda: fit(problem, parameters), repeat=5)
     found, seconds = timed(lambda: search_candidates([as_experiment(problem)], parameters), 5)
     expected = {parameters.names[i] for i in range(values.size) if i not in absent}
-    say(
+    report_result(
         "structure_search_vs_fit",
         seconds / fit_s,
         "one converged fit with all terms",
         search_ms=1e3 * seconds,
         fit_ms=1e3 * fit_s,
         fits=len(found.candidates),
-        wrong_terms=len(expected ^ set(found.best.chosen)),
+        wrong_terms=len(expected ^ set(found.best.selected)),
     )
 
 

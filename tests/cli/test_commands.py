@@ -1,4 +1,4 @@
-"""What the command line does, prints and refuses."""
+"""Results, output and errors of the command line."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ESTIMATE = ["run", "--maneuver", "1", "--method", "EE", "--modes", "7,9"]
 
 @pytest.fixture(autouse=True)
 def own_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Have what the command sets set before, so that it is undone."""
+    """Set the variables that the command sets, so that they are restored."""
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         monkeypatch.setenv(name, "1")
     monkeypatch.delenv("FLEXSID_DATABASE", raising=False)
@@ -44,7 +44,7 @@ def refused(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> s
     return printed.err
 
 
-def test_a_run_is_carried_out_and_printed(flown_url: str, capsys) -> None:
+def test_a_run_is_executed_and_printed(flown_url: str, capsys) -> None:
     assert main([*ESTIMATE, "--wait", "--database", flown_url]) == 0
     printed = capsys.readouterr().out
     assert "run 2: EE of maneuver 1, converged" in printed
@@ -52,7 +52,7 @@ def test_a_run_is_carried_out_and_printed(flown_url: str, capsys) -> None:
     assert "R²" in printed
 
 
-def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys) -> None:
+def test_a_run_is_printed_as_json_or_queued_for_a_server(flown_url: str, capsys) -> None:
     assert main([*ESTIMATE, "--wait", "--json", "--database", flown_url]) == 0
     run = json.loads(capsys.readouterr().out)
     assert (run["state"], run["method"]) == ("succeeded", "EE")
@@ -62,25 +62,25 @@ def test_a_run_can_be_printed_as_json_or_left_to_a_server(flown_url: str, capsys
     assert "run 3 is queued" in capsys.readouterr().out
 
 
-def test_what_cannot_be_estimated_leaves_no_run_behind(flown_url: str, capsys) -> None:
+def test_a_refused_estimation_stores_no_run(flown_url: str, capsys) -> None:
     to = ("--wait", "--database", flown_url)
     run = ("run", "--method", "EE", "--maneuver")
     assert "mode 99" in refused(capsys, 2, *run, "1", "--modes", "7,99", *to)
-    # Of many the others are carried out.
+    # The other maneuvers are estimated.
     assert main([*run, "99,1", "--modes", "7", *to]) == 1
     printed = capsys.readouterr()
     assert printed.err == "flexsid: maneuver 99: there is no maneuver 99\n"
     assert "run 2: EE of maneuver 1" in printed.out
 
 
-def test_arguments_that_are_none_are_answered_as_asked(capsys) -> None:
+def test_invalid_arguments_are_reported_as_text_or_json(capsys) -> None:
     assert "choose from" in refused(capsys, 2, "run", "--maneuver", "1", "--method", "XX")
     assert "--help" in refused(capsys, 2, "run", "--method", "OE")
     assert main(["nonsense", "--json"]) == 2
     assert json.loads(capsys.readouterr().err)["code"] == "bad-arguments"
 
 
-def test_a_reader_that_has_read_enough_is_no_failure(flown_url: str) -> None:
+def test_a_closed_output_pipe_is_no_failure(flown_url: str) -> None:
     command = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
     reading = subprocess.Popen(
         [sys.executable, "-c", command, *ESTIMATE, "--wait", "--database", flown_url],
@@ -94,7 +94,7 @@ def test_a_reader_that_has_read_enough_is_no_failure(flown_url: str) -> None:
     assert (reading.returncode, err) == (141, b"")
 
 
-def test_a_run_takes_a_kept_structure_or_the_approved_one(flown_url: str, capsys) -> None:
+def test_a_run_uses_a_saved_or_the_approved_structure(flown_url: str, capsys) -> None:
     run = ("run", "--maneuver", "1", "--method", "EE", "--json", "--database", flown_url)
     assert main([*run, "--structure", "2:1"]) == 0
     named = json.loads(capsys.readouterr().out)
@@ -136,7 +136,7 @@ def test_a_run_is_exported(flown_url: str, capsys, tmp_path: Path) -> None:
     assert model["A"].shape == (len(model["states"]),) * 2
 
 
-def test_a_design_is_written_in_the_form_of_its_ending(capsys, tmp_path: Path) -> None:
+def test_the_file_suffix_selects_the_format_of_a_design(capsys, tmp_path: Path) -> None:
     order = ["design", "--fta", "500", "--effort", "quick", "--output"]
     assert main([*order, str(tmp_path / "fta.csv")]) == 0
     assert "bfs        relative peak factor 1." in capsys.readouterr().out
@@ -146,7 +146,7 @@ def test_a_design_is_written_in_the_form_of_its_ending(capsys, tmp_path: Path) -
     assert "no row 7" in refused(capsys, 2, "design", "--fta", "7", "--output", "a.csv")
 
 
-def test_flutter_is_foretold_from_runs(flown_url: str, capsys) -> None:
+def test_flutter_is_predicted_from_runs(flown_url: str, capsys) -> None:
     asked = ["flutter", "1", "--next", "45", "--database", flown_url]
     assert main(asked) == 0
     assert capsys.readouterr().out.startswith("Next point at 45.0 m/s")
@@ -195,17 +195,17 @@ def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     files = [str(tmp_path / name) for name in ("m.csv", "n.csv", "o.csv")]
     options = ["--mapping", str(mapping), "--database", database_url]
     assert main(["import", *files, "--each", *options]) == 1
-    told = capsys.readouterr()
-    assert "m.csv: maneuver 2, m" in told.out
-    assert "o.csv: maneuver 3, o" in told.out
-    assert "n.csv: row 22 has 1 cells" in told.err
-    assert "1 of 3 files were refused" in told.err
+    printed = capsys.readouterr()
+    assert "m.csv: maneuver 2, m" in printed.out
+    assert "o.csv: maneuver 3, o" in printed.out
+    assert "n.csv: row 22 has 1 cells" in printed.err
+    assert "1 of 3 files were refused" in printed.err
     assert "imported" in refused(capsys, 1, *command)
     recording.write_text("t_s,bfs,q\n0.00,x,1\n")
     assert "m.csv" in refused(capsys, 2, *command)
 
 
-def test_what_is_wrong_is_said_in_one_line(flown_url: str, capsys) -> None:
+def test_errors_are_reported_on_one_line(flown_url: str, capsys) -> None:
     to = ["--database", flown_url]
     maneuver = ["run", "--method", "EE", "--maneuver"]
     assert "no maneuver 99" in refused(capsys, 1, *maneuver, "99", *to)
@@ -233,13 +233,13 @@ def test_the_environment_names_database_and_port(monkeypatch, capsys, tmp_path: 
     assert "FLEXSID_PORT" in refused(capsys, 2, "migrate")
 
 
-def test_a_run_that_fails_says_why(flown_url: str, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("flexsid.workflow.runs.estimation.keep", lambda *_: 1 / 0)
+def test_a_failed_run_reports_the_reason(flown_url: str, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("flexsid.workflow.runs.estimation.store_result", lambda *_: 1 / 0)
     error = refused(capsys, 1, *ESTIMATE, "--wait", "--database", flown_url)
     assert "run 2 failed" in error
 
 
-def test_the_server_serves_carries_out_runs_and_stops_at_once(flown_url: str) -> None:
+def test_the_server_executes_runs_and_stops_at_once(flown_url: str) -> None:
     with closing(socket.socket()) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -260,40 +260,38 @@ def test_the_server_serves_carries_out_runs_and_stops_at_once(flown_url: str) ->
     )
     assert server.stdout is not None
     assert f"http://127.0.0.1:{port}" in server.stdout.readline()
-    # A run that another process leaves in the database is carried out, too.
+    # A run queued by another process is executed too.
     assert main([*ESTIMATE[:-1], "7", "--database", flown_url]) == 0
     store = Store.open(flown_url)
     wait_until(lambda: store.runs.get(2).state.value == "succeeded", "the run")
     store.close()
     health = f"http://127.0.0.1:{port}/api/v1/health"
-    with urllib.request.urlopen(health) as answer:
-        assert json.load(answer)["status"] == "ok"
+    with urllib.request.urlopen(health) as response:
+        assert json.load(response)["status"] == "ok"
     server.send_signal(signal.SIGTERM)
     assert server.wait(timeout=PATIENCE_S) in (0, -signal.SIGTERM)
     server.stdout.close()
 
 
-def test_a_port_that_is_taken_is_said_so(
-    flown_url: str, capsys, monkeypatch, tmp_path: Path
-) -> None:
+def test_a_port_in_use_is_reported(flown_url: str, capsys, monkeypatch, tmp_path: Path) -> None:
     with closing(socket.socket()) as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         monkeypatch.setenv("FLEXSID_PORT", str(taken.getsockname()[1]))
         assert "FLEXSID_PORT" in refused(capsys, 1, "serve", "--database", flown_url)
         refused(capsys, 1, "demo", "--database", f"sqlite:///{tmp_path}/new.db")
-    assert not (tmp_path / "new.db").exists(), "flown for nobody"
+    assert not (tmp_path / "new.db").exists(), "simulated although the port is in use"
 
 
-def test_search_prints_terms_with_their_evidence_and_candidates(
+def test_search_prints_terms_with_statistics_and_candidates(
     flown_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FLEXSID_DATABASE", flown_url)
     assert main(["search", "1", "--modes", "7,9", "--draws", "2"]) == 0
     printed = capsys.readouterr().out
-    assert "EE over flown asks for" in printed
+    assert "EE over flown supports" in printed
     assert "CQ7_etadot7" in printed
-    assert "candidates, by how they predict" in printed
+    assert "candidates, by prediction" in printed
     assert main(["search", "1", "--modes", "7", "--method", "OE", "--draws", "0", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["state"] == "succeeded"
@@ -301,7 +299,7 @@ def test_search_prints_terms_with_their_evidence_and_candidates(
     assert "f_out" in refused(capsys, 2, "search", "1", "--f-in", "4", "--f-out", "5")
 
 
-def test_many_maneuvers_are_estimated_in_a_row(flown_url: str, capsys) -> None:
+def test_several_maneuvers_are_estimated_in_order(flown_url: str, capsys) -> None:
     order = ["run", "--maneuver", "1,1", "--method", "EE", "--modes", "7", "--wait"]
     assert main([*order, "--database", flown_url]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -314,25 +312,25 @@ def test_many_maneuvers_are_estimated_in_a_row(flown_url: str, capsys) -> None:
     )
 
 
-def test_every_command_answers_programs(flown_url: str, capsys, tmp_path: Path) -> None:
+def test_every_command_prints_json(flown_url: str, capsys, tmp_path: Path) -> None:
     to = ["--json", "--database", flown_url]
-    answers = {
+    commands = {
         "export": ["export", "1", "--output", str(tmp_path / "run.csv")],
         "report": ["report", "run", "1", "--output", str(tmp_path / "run.html")],
         "design": ["design", "--fta", "500", "--effort", "quick"],
         "migrate": ["migrate"],
     }
-    answers["design"] += ["--output", str(tmp_path / "design.csv")]
-    for name, order in answers.items():
+    commands["design"] += ["--output", str(tmp_path / "design.csv")]
+    for name, order in commands.items():
         assert main([*order, *to]) == 0, name
         assert isinstance(json.loads(capsys.readouterr().out), dict), name
     assert main(["export", "99", "--output", "a.json", *to]) == 1
-    told = json.loads(capsys.readouterr().err.splitlines()[-1])
-    assert told["code"] == "unknown-record"
-    assert "no run 99" in told["detail"]
+    problem = json.loads(capsys.readouterr().err.splitlines()[-1])
+    assert problem["code"] == "unknown-record"
+    assert "no run 99" in problem["detail"]
 
 
-def test_a_database_that_is_not_there_is_not_begun_by_asking_it(tmp_path: Path, capsys) -> None:
+def test_a_missing_database_is_not_created_by_reading(tmp_path: Path, capsys) -> None:
     file = tmp_path / "folder" / "typo.db"
     for command in (ESTIMATE, ["flutter", "1"], ["report", "run", "1", "--output", "run.html"]):
         error = refused(capsys, 2, *command, "--database", f"sqlite:///{file}")
@@ -340,7 +338,7 @@ def test_a_database_that_is_not_there_is_not_begun_by_asking_it(tmp_path: Path, 
     assert not file.parent.exists()
 
 
-def test_serving_what_is_no_database_is_refused_in_a_sentence(
+def test_serving_a_file_that_is_no_database_is_refused(
     tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with closing(socket.socket()) as probe:
@@ -349,18 +347,18 @@ def test_serving_what_is_no_database_is_refused_in_a_sentence(
     file = tmp_path / "notes.txt"
     file.write_text("these are my notes\n" * 100)
     error = refused(capsys, 1, "serve", "--database", f"sqlite:///{file}")
-    assert "the database does not answer" in error
+    assert "the database does not respond" in error
     assert file.read_text().startswith("these are my notes")
 
 
-def test_a_sound_database_is_said_to_be_so(flown_url: str, capsys) -> None:
+def test_an_intact_database_is_reported_as_intact(flown_url: str, capsys) -> None:
     assert main(["check", "--database", flown_url, "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert answer["sound"] is True
-    assert [one["code"] for one in answer["findings"] if one["is_damage"]] == []
+    result = json.loads(capsys.readouterr().out)
+    assert result["sound"] is True
+    assert [one["code"] for one in result["warnings"] if one["is_damage"]] == []
 
 
-def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsys) -> None:
+def test_each_damage_is_reported_with_advice(flown_url: str, capsys) -> None:
     store = Store.open(flown_url)
     (channel,) = store.channels.find(maneuver_id=1, name="q")
     decision = decision_review.propose(
@@ -384,7 +382,7 @@ def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsy
         connection.execute(sa.update(decisions).values(votes={"Eve": "approve"}))
     store.close()
     assert main(["check", "--database", flown_url, "--json"]) == 1
-    found = json.loads(capsys.readouterr().out)["findings"]
+    found = json.loads(capsys.readouterr().out)["warnings"]
     assert {(one["code"], one["record"]) for one in found if one["is_damage"]} == {
         ("damaged-data", "channel 'q' of maneuver 1"),
         ("result-altered", "run 1"),
@@ -397,7 +395,7 @@ def test_damage_is_named_one_sentence_each_with_what_to_do(flown_url: str, capsy
         assert not Path("copy").exists()
 
 
-def test_a_deleted_run_on_which_a_baseline_rests_is_found(flown_url: str, capsys) -> None:
+def test_a_deleted_run_of_a_baseline_is_detected(flown_url: str, capsys) -> None:
     store = Store.open(flown_url)
     decision = decision_review.propose(
         store,
@@ -411,8 +409,8 @@ def test_a_deleted_run_on_which_a_baseline_rests_is_found(flown_url: str, capsys
         "Ann",
     )
     decision_review.cast_vote(store, decision.id or 0, 1, Vote.APPROVE, "", "Bob")
-    with store.database.transaction() as connection:  # as an earlier release let one do
+    with store.database.transaction() as connection:  # as an earlier release allowed
         connection.exec_driver_sql("UPDATE runs SET deleted_at = created_at")
     store.close()
     assert main(["check", "--database", flown_url]) == 1
-    assert "Run 1, on which decision 1 rests, was deleted" in capsys.readouterr().out
+    assert "Run 1, evidence of decision 1, was deleted" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""A workbench that answers over HTTP."""
+"""A workbench served over HTTP."""
 
 from __future__ import annotations
 

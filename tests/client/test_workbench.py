@@ -1,4 +1,4 @@
-"""What a script or notebook gets from a running workbench."""
+"""The Python client with a running workbench."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_lists_come_page_by_page(workbench: Workbench, monkeypatch) -> None:
     assert list(workbench.runs(limit=2, maneuver_id=1).index) == [second, first]
 
 
-def test_a_run_that_is_not_there_is_not_waited_for(workbench: Workbench) -> None:
+def test_waiting_for_a_missing_run_is_refused(workbench: Workbench) -> None:
     with pytest.raises(RequestRefused, match="99"):
         workbench.wait(1, 99, timeout_s=PATIENCE_S)
 
@@ -78,9 +78,9 @@ def test_a_run_that_is_not_there_is_not_waited_for(workbench: Workbench) -> None
 def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
     run = workbench.submit(1, "EE", modes=[7, 9], band_hz=[0.5, 12.0], author="notebook")
     workbench.wait(run, timeout_s=PATIENCE_S)
-    answered = workbench.run(run)
-    assert (answered["state"], answered["author"]) == ("succeeded", "notebook")
-    assert answered["settings"]["band_hz"] == [0.5, 12.0]
+    result = workbench.run(run)
+    assert (result["state"], result["author"]) == ("succeeded", "notebook")
+    assert result["settings"]["band_hz"] == [0.5, 12.0]
     parameters: Any = workbench.parameters(run)
     assert parameters.loc["Cm_alpha", "std_error"] > 0
     covariance: Any = workbench.covariance(run)
@@ -89,19 +89,19 @@ def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
     assert sigma == pytest.approx(parameters.loc["Cm_alpha", "std_error"])
 
 
-def test_runs_and_predictions_stand_side_by_side(workbench: Workbench) -> None:
+def test_runs_and_predictions_are_compared(workbench: Workbench) -> None:
     other = workbench.submit(1, "EE", [7])
     workbench.wait(other, timeout_s=PATIENCE_S)
     table: Any = workbench.comparison([1, other], [1])
     (estimate, *_) = table.columns.get_level_values(0)
     parameters = workbench.parameters(1)
     assert table.loc["Cm_alpha", (estimate, "value")] == parameters.loc["Cm_alpha", "value"]
-    apart: Any = table["max_difference_sigma", ""]
-    assert float(apart["Cm_alpha"]) >= 0
-    assert apart.isna()["Cm_eta9"]  # which one run alone estimates
+    difference: Any = table["max_difference_sigma", ""]
+    assert float(difference["Cm_alpha"]) >= 0
+    assert difference.isna()["Cm_eta9"]  # estimated by one run only
 
 
-def test_models_are_those_of_python_control(workbench: Workbench, tmp_path) -> None:
+def test_models_are_python_control_objects(workbench: Workbench, tmp_path) -> None:
     model = workbench.model(1)
     assert isinstance(model, control.StateSpace)
     assert model.state_labels[:4] == ["alpha", "q", "theta", "eta7"]
@@ -120,10 +120,10 @@ def test_models_are_those_of_python_control(workbench: Workbench, tmp_path) -> N
         workbench.save_model(1, tmp_path / "model.xls")
 
 
-def test_the_model_has_the_poles_that_the_run_tells(workbench: Workbench) -> None:
-    told = [complex(pole["real"], pole["imag"]) for pole in workbench.run(1)["poles"]]
+def test_the_model_has_the_poles_of_the_run(workbench: Workbench) -> None:
+    reported = [complex(pole["real"], pole["imag"]) for pole in workbench.run(1)["poles"]]
     poles = workbench.model(1).poles()
-    for pole in told:
+    for pole in reported:
         assert np.abs(poles - pole).min() < 1e-6 * max(1.0, abs(pole))
 
 
@@ -136,7 +136,7 @@ def test_figures_are_plotly_figures_and_their_numbers_tables(workbench: Workbenc
     assert numbers["curve"].nunique() == 2
 
 
-def test_what_is_refused_says_why(workbench: Workbench) -> None:
+def test_a_refusal_states_its_reason(workbench: Workbench) -> None:
     with pytest.raises(RequestRefused, match="no run 999") as refused:
         workbench.run(999)
     assert (refused.value.status, refused.value.code) == (404, "unknown-record")
@@ -146,26 +146,26 @@ def test_what_is_refused_says_why(workbench: Workbench) -> None:
         workbench.submit(1, "EE", modes=[7], no_such_choice=1)
 
 
-def test_an_address_without_workbench_is_said_so(monkeypatch) -> None:
+def test_an_address_without_workbench_is_reported(monkeypatch) -> None:
     with pytest.raises(Unreachable, match="flexsid serve"):
         Workbench("http://127.0.0.1:9", timeout_s=5).aircraft()
 
 
-def test_a_run_that_is_cancelled_raises_when_waited_for(workbench: Workbench) -> None:
+def test_waiting_for_a_cancelled_run_raises(workbench: Workbench) -> None:
     run = workbench.submit(1, "OE", modes=[7, 9], max_iterations=1000)
     workbench.cancel(run)
     with pytest.raises(RunFailed, match=f"run {run} cancelled"):
         workbench.wait(run, timeout_s=PATIENCE_S)
 
 
-def test_tables_without_pandas_say_what_to_install(workbench: Workbench, monkeypatch) -> None:
+def test_tables_without_pandas_name_the_missing_package(workbench: Workbench, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(FlexsidError, match=r"pip install flexsid\[client\]"):
         workbench.aircraft()
     assert workbench.items("aircraft")[0]["name"] == "FLEX-28"
 
 
-def test_progress_is_one_line_where_somebody_watches() -> None:
+def test_progress_is_one_line_on_a_terminal() -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -186,7 +186,7 @@ def test_progress_is_one_line_where_somebody_watches() -> None:
     assert silent.getvalue() == ""
 
 
-def test_every_choice_of_the_interface_can_be_given(workbench: Workbench) -> None:
+def test_every_option_of_the_interface_can_be_given(workbench: Workbench) -> None:
     schemas = workbench.get("openapi.json")["components"]["schemas"]
     structure = set(schemas["StructureRequest"]["properties"])
     request = set(schemas["RunRequest"]["properties"])
@@ -194,7 +194,7 @@ def test_every_choice_of_the_interface_can_be_given(workbench: Workbench) -> Non
     assert request - {"maneuver_id", "method", "structure", "settings"} == client._REQUEST
 
 
-def test_a_run_takes_a_kept_structure(workbench: Workbench) -> None:
+def test_a_run_uses_a_saved_structure(workbench: Workbench) -> None:
     run = workbench.submit(1, "EE", structure_id=2, structure_version=1)
     workbench.wait(run, timeout_s=PATIENCE_S)
     assert workbench.run(run)["structure_id"] == 2
@@ -202,26 +202,26 @@ def test_a_run_takes_a_kept_structure(workbench: Workbench) -> None:
     assert workbench.run(rigid)["structure"]["modes"] == []
 
 
-def test_who_works_stands_with_what_is_asked_for(live_url: str) -> None:
+def test_the_analyst_is_stored_with_a_run(live_url: str) -> None:
     ann = Workbench(live_url, analyst="Zoë")
     assert ann.run(ann.submit(1, "EE", modes=[7], band_hz=[0.3, 10.0]))["author"] == "Zoë"
 
 
-def test_files_are_brought_in(workbench: Workbench, tmp_path: Path) -> None:
+def test_files_are_imported(workbench: Workbench, tmp_path: Path) -> None:
     time_s = np.arange(400) / 50.0
     table = np.column_stack([time_s, np.sin(time_s), np.cos(time_s)])
     record, mapping = tmp_path / "récord.csv", tmp_path / "mapping.toml"
     np.savetxt(record, table, delimiter=",", header="t,wf4,q", comments="")
     mapping.write_text(MAPPING)
-    maneuver = workbench.bring_in(record, mapping=mapping)
-    kept = workbench.get(f"maneuvers/{maneuver}")
-    assert [channel["name"] for channel in kept["channels"]] == ["wf4s", "q"]
+    maneuver = workbench.import_maneuver(record, mapping=mapping)
+    stored = workbench.get(f"maneuvers/{maneuver}")
+    assert [channel["name"] for channel in stored["channels"]] == ["wf4s", "q"]
     mapping.write_text(MAPPING.replace('"q"', '"r"'))
     with pytest.raises(RequestRefused, match=r"récord\.csv"):
-        workbench.bring_in(record, mapping=mapping)
+        workbench.import_maneuver(record, mapping=mapping)
 
 
-def test_a_record_on_the_runway_is_brought_in(workbench: Workbench, tmp_path: Path) -> None:
+def test_a_record_on_the_runway_is_imported(workbench: Workbench, tmp_path: Path) -> None:
     record, mapping = tmp_path / "runway.csv", tmp_path / "mapping.toml"
     samples = np.random.default_rng(1).normal(size=(400, 2))
     table = np.column_stack([np.arange(400) / 50.0, samples])
@@ -229,11 +229,11 @@ def test_a_record_on_the_runway_is_brought_in(workbench: Workbench, tmp_path: Pa
     parked = MAPPING.replace('label = "sent"', 'label = "before"\naxis = "ground"')
     mapping.write_text(parked)
     with pytest.raises(RequestRefused, match="airspeed 0, not 40"):
-        workbench.bring_in(record, mapping=mapping)
+        workbench.import_maneuver(record, mapping=mapping)
     mapping.write_text(parked.replace("value = 40", "value = 0"))
-    maneuver = workbench.bring_in(record, mapping=mapping)
-    kept = workbench.get(f"maneuvers/{maneuver}")
-    assert (kept["axis"], kept["condition"]["airspeed_m_s"], kept["airspeed_ratio"]) == (
+    maneuver = workbench.import_maneuver(record, mapping=mapping)
+    stored = workbench.get(f"maneuvers/{maneuver}")
+    assert (stored["axis"], stored["condition"]["airspeed_m_s"], stored["airspeed_ratio"]) == (
         *("ground", 0.0),
         None,
     )

@@ -1,4 +1,4 @@
-"""The demonstration campaign: complete, the same every time, and careful with what is there."""
+"""The demonstration campaign: complete, reproducible, and without changes to existing data."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.demo.campaign import PLAN, Card, add_aircraft, add_maneuver, fill
+from flexsid.demo.campaign import PLAN, Card, add_aircraft, add_campaign, add_maneuver
 from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
@@ -19,7 +19,7 @@ from flexsid.records.ground_test import GroundTestVerdict
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage import bulk
 from flexsid.storage.store import Store
-from flexsid.workflow.quality.ground_records import ground_tests
+from flexsid.workflow.quality.ground_records import compare_all_ground_records
 
 
 def test_plan_covers_the_envelope():
@@ -36,7 +36,7 @@ def test_plan_covers_the_envelope():
 
 @pytest.fixture
 def whole(campaign: Path, tmp_path: Path) -> Iterator[Store]:
-    """The campaign as ``fill`` leaves it in an empty workbench."""
+    """The campaign in an empty workbench."""
     file = tmp_path / "campaign.db"
     shutil.copy(campaign, file)
     assert file.stat().st_size < 250e6
@@ -51,21 +51,21 @@ def test_the_campaign_is_complete_and_one_flight_was_damaged(whole: Store):
     assert len(whole.maneuver_page(limit=None).items) == cards, "the ground is not listed"
     assert len(whole.maneuver_page(limit=None, ground=True).items) == 2 * len(PLAN)
     damaged = [sortie.number for sortie in PLAN if sortie.stiffness_lost]
-    found = {test.flight_number: test for test in ground_tests(whole)}
+    found = {test.flight_number: test for test in compare_all_ground_records(whole)}
     assert len(found) == len(PLAN)
     assert [n for n, t in found.items() if t.verdict is GroundTestVerdict.ALARM] == damaged
     assert {t.verdict for n, t in found.items() if n not in damaged} == {GroundTestVerdict.HEALTHY}
     assert "Inspect the structure" in found[damaged[0]].message
-    assert fill(whole) == 0
+    assert add_campaign(whole) == 0
 
 
-def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(
+def test_campaign_is_added_once_without_changes_to_user_data(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ):
     sortie = replace(PLAN[2], cards=PLAN[2].cards[:1])
     monkeypatch.setattr("flexsid.demo.campaign.PLAN", (sortie,))
     reported: list[tuple[float, str]] = []
-    added = fill(store, lambda fraction, message: reported.append((fraction, message)))
+    added = add_campaign(store, lambda fraction, message: reported.append((fraction, message)))
     assert added == 3 == len(store.maneuvers.find())
     assert [fraction for fraction, _ in reported] == sorted(fraction for fraction, _ in reported)
     assert reported[-1][0] == 1.0
@@ -80,11 +80,11 @@ def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(
     assert dropped.id is not None
     store.maneuvers.delete(dropped.id)
 
-    # A fill that was cut short goes on where it stopped, with the same noise.
-    assert fill(store) == 1
+    # An interrupted campaign is completed with the same noise.
+    assert add_campaign(store) == 1
     again = store.maneuvers.find(label="3-01 FTA 506")[0]
     np.testing.assert_array_equal(_first_samples(store, again), before)
-    assert fill(store) == 0
+    assert add_campaign(store) == 0
     assert len(store.aircraft.find()) == 1
     assert len(store.modal_tables.find()) == 2
     assert len(store.predictions.find()) == 2
@@ -95,10 +95,10 @@ def test_fill_flies_the_plan_once_and_keeps_what_the_user_added(
     ]
     assert store.maneuvers.find(flight_id=own.id)[0].label == "mine"
 
-    # What the user deletes stays away, also when the demonstration is started again.
+    # Maneuvers that the user deleted are not added again.
     assert again.id is not None
     bulk.change_maneuvers(store, [again.id], bulk.Action.DELETE)
-    assert fill(store) == 0
+    assert add_campaign(store) == 0
     labels = {item.label for item in store.maneuver_page(limit=None).items}
     assert "mine" in labels
     assert "3-01 FTA 506" not in labels
@@ -109,29 +109,29 @@ def _first_samples(store: Store, maneuver: Maneuver) -> np.ndarray:
     return store.arrays.get(channel.array)
 
 
-def test_kept_maneuver_has_condition_excitation_and_three_rates(store: Store):
+def test_stored_maneuver_has_condition_excitation_and_three_rates(store: Store):
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=9))
     assert flight.id is not None
     flown = fly(fta=503, modes_in_truth=2, seed=4, start_s=600.0, label="three rates")
-    kept = add_maneuver(store, flown, flight.id)
-    assert kept == store.maneuvers.get(kept.id or 0)
-    assert kept.airspeed_ratio == pytest.approx(0.65, rel=2e-3)
-    assert kept.condition.fuel_fraction == pytest.approx(0.5, abs=1e-4)
-    assert kept.condition.alpha_rad == pytest.approx(0.06, abs=0.01)
-    assert kept.excitation is not None
-    assert kept.excitation.start_s == 602.0
-    assert {len(own) for own in kept.excitation.harmonics.values()} == {25}
-    assert kept.max_input_correlation is not None
-    assert kept.max_input_correlation < 0.1
+    stored = add_maneuver(store, flown, flight.id)
+    assert stored == store.maneuvers.get(stored.id or 0)
+    assert stored.airspeed_ratio == pytest.approx(0.65, rel=2e-3)
+    assert stored.condition.fuel_fraction == pytest.approx(0.5, abs=1e-4)
+    assert stored.condition.alpha_rad == pytest.approx(0.06, abs=0.01)
+    assert stored.excitation is not None
+    assert stored.excitation.start_s == 602.0
+    assert {len(own) for own in stored.excitation.harmonics.values()} == {25}
+    assert stored.max_input_correlation is not None
+    assert stored.max_input_correlation < 0.1
 
-    channels = {channel.name: channel for channel in store.channels.find(maneuver_id=kept.id)}
+    channels = {channel.name: channel for channel in store.channels.find(maneuver_id=stored.id)}
     assert len(channels) == 5 + 45 + 5 + 8
     assert {channel.rate_hz for channel in channels.values()} == {1000.0, 200.0, 20.0}
     for channel in channels.values():
-        assert channel.start_s == kept.start_s
-        assert channel.n_samples / channel.rate_hz == pytest.approx(kept.duration_s)
+        assert channel.start_s == stored.start_s
+        assert channel.n_samples / channel.rate_hz == pytest.approx(stored.duration_s)
         samples = store.arrays.get(channel.array)
         assert samples.dtype == np.float32
         assert samples.shape == (channel.n_samples,)
@@ -142,7 +142,7 @@ def test_kept_maneuver_has_condition_excitation_and_three_rates(store: Store):
     }
 
 
-def test_a_maneuver_of_no_flight_is_refused(store: Store):
+def test_maneuver_without_flight_is_rejected(store: Store):
     with pytest.raises(FlexsidError):
         add_maneuver(store, fly(fta=503, noise=False), 12345)
     assert store.channels.find() == []

@@ -1,4 +1,4 @@
-"""One flown maneuver: what a user of the recordings relies on."""
+"""One simulated maneuver: properties of its recorded channels."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.demo.flex28 import INPUTS, load_truth
-from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design, fly
+from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design_fta, fly
 from flexsid.demo.recorder import FlownChannel
 from flexsid.records.maneuver import Role
 
@@ -29,7 +29,7 @@ def test_same_seed_same_samples_other_seed_other_noise():
 
 
 def test_trim_comes_first_and_rest_comes_last(quiet: FlownManeuver):
-    """Two seconds of trim, and at the end nothing moves any more."""
+    """Two seconds of trim, and rest at the end."""
     for name in ("q", "az_oal", "s_bend2r", "theta", "bfs"):
         own = channel(quiet, name)
         trim = own.samples[: round(TRIM_S * own.rate_hz)].astype(float)
@@ -49,8 +49,8 @@ def test_sensors_read_trim_in_native_units(quiet: FlownManeuver):
     assert channel(quiet, "s_bend1r").unit == "ustrain"
 
 
-def test_noise_is_the_sensors_own(quiet: FlownManeuver):
-    """At the lines of the analysis every channel is as noisy as the data sheet says."""
+def test_noise_is_that_of_the_sensors(quiet: FlownManeuver):
+    """At the analysis frequencies the noise of every channel is that of its data sheet."""
     noisy = fly(modes_in_truth=2, seed=3)
     expected = {"bfs": 0.00035, "q": 0.0012, "az_oal": 0.012, "alpha": 0.0008, "s_bend1r": 1.5}
     for name, std in expected.items():
@@ -71,7 +71,7 @@ def test_surfaces_follow_commands_within_the_actuators_limits():
     assert 0.15 < flown.max_input_correlation < 0.5
 
 
-def test_lateral_sensors_in_the_plane_of_symmetry_see_nothing(quiet: FlownManeuver):
+def test_lateral_sensors_in_the_plane_of_symmetry_measure_zero(quiet: FlownManeuver):
     assert np.ptp(channel(quiet, "ay_egi").samples) < 1e-5
     left, right = channel(quiet, "ay_wll").samples, channel(quiet, "ay_wlr").samples
     assert np.abs(left + right).max() < 1e-3 * np.ptp(left)
@@ -79,14 +79,14 @@ def test_lateral_sensors_in_the_plane_of_symmetry_see_nothing(quiet: FlownManeuv
 
 def test_recorded_command_is_the_design(quiet: FlownManeuver):
     command = channel(quiet, "wf3s_command")
-    assert quiet.excitation.harmonics == design(506, 2.0).harmonics()
+    assert quiet.excitation.harmonics == design_fta(506, 2.0).harmonics()
     first = round(TRIM_S * command.rate_hz)
     spectrum = np.abs(np.fft.rfft(command.samples[first : first + 4800].astype(float)))
     own = list(quiet.excitation.harmonics["wf3s"])
     assert np.delete(spectrum, own).max() < 1e-5 * spectrum[own].min()
 
 
-def test_truth_comes_along_by_name(quiet: FlownManeuver):
+def test_truth_is_returned_by_name(quiet: FlownManeuver):
     truth = quiet.truth.named()
     assert truth["CZ_alpha"] == pytest.approx(-4.651281)
     assert truth["CQ7_alpha"] == pytest.approx(0.2368546)

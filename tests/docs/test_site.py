@@ -1,4 +1,4 @@
-"""The documentation builds without a warning, and what it shows as a program runs."""
+"""The documentation builds without a warning, and its programs run."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What the tutorials print comes out when their commands are followed.
+"""The numbers of the tutorials are reproduced by their commands.
 
-``RENEW_NUMBERS=1 .venv/bin/pytest tests/docs/test_tutorials.py`` writes the tables anew; read the
-sentences beside them then.
+``RENEW_NUMBERS=1 .venv/bin/pytest tests/docs/test_tutorials.py`` updates the tables; check the
+text beside them afterwards.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from flexsid.demo.campaign import PLAN, SEED, add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, flutter
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, analyse_flutter
 
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "tutorials"
@@ -38,13 +38,13 @@ def database_url(migrated_file: Path, tmp_path: Path) -> str:
 def follow(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
 ) -> Callable[[str], str]:
-    """Carry out the commands of a tutorial as a shell reads them; return what they print."""
+    """Return a function that executes the commands of a tutorial and returns their output."""
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         monkeypatch.setenv(name, "1")
     monkeypatch.setenv("FLEXSID_DATABASE", database_url)
     monkeypatch.chdir(tmp_path)
 
-    def carry_out(tutorial: str) -> str:
+    def execute(tutorial: str) -> str:
         text = (TUTORIALS / f"{tutorial}.md").read_text(encoding="utf-8")
         blocks = re.findall(r"^    (?:flexsid|for|FREE)\b.*\n(?:    .*\n)*", text, re.MULTILINE)
         script = "\n".join(['flexsid() { printf "%s\\t" "$@"; echo; }', *blocks])
@@ -53,21 +53,21 @@ def follow(
             assert main(command.rstrip("\t").split("\t")) == 0, command
         return capsys.readouterr().out
 
-    return carry_out
+    return execute
 
 
 Found = dict[str, tuple[float | None, float | None]]
 
 
-def agree(cell: str, value: float | None, std_error: float | None) -> bool:
-    """Whether a cell says what was found, to one unit of its last digit."""
+def cells_agree(cell: str, value: float | None, std_error: float | None) -> bool:
+    """Return whether a cell agrees with the result to one unit of its last digit."""
     return all(
         found == pytest.approx(float(printed), abs=1.01 * 10.0 ** -_places(printed))
         for printed, found in zip(cell.split(" ± "), (value, std_error), strict=True)
     )
 
 
-def renewed(cell: str, value: float | None, std_error: float | None) -> str:
+def format_cell(cell: str, value: float | None, std_error: float | None) -> str:
     return " ± ".join(
         f"{found:.{_places(printed)}f}".replace("-", "−")
         for printed, found in zip(cell.split(" ± "), (value, std_error), strict=True)
@@ -82,27 +82,27 @@ def check_table(store: Store, tutorial: str) -> None:
     """Compare the estimates of runs 1 to 3 with the columns of the table."""
     file = TUTORIALS / f"{tutorial}.md"
     text = file.read_text(encoding="utf-8")
-    columns = [estimates(store, run_id) for run_id in (1, 2, 3)]
+    columns = [read_estimates(store, run_id) for run_id in (1, 2, 3)]
     wrong = {}
     for name, row in re.findall(r"^\| ([^|]+) \| (.*\d.*) \|$", text, re.MULTILINE):
         cells = row.split(" | ")
         for place, found in enumerate(columns):
             cell = cells[place]
-            if not agree(cell.replace("−", "-"), *found[name]):
-                cells[place] = wrong[cell] = renewed(cell, *found[name])
+            if not cells_agree(cell.replace("−", "-"), *found[name]):
+                cells[place] = wrong[cell] = format_cell(cell, *found[name])
         text = text.replace(row, " | ".join(cells))
     if os.environ.get("RENEW_NUMBERS") == "1":
         file.write_text(text, encoding="utf-8")
     else:
-        assert not wrong, f"{file.name} says otherwise: {wrong}"
+        assert not wrong, f"{file.name} differs from the results: {wrong}"
 
 
-def estimates(store: Store, run_id: int) -> Found:
+def read_estimates(store: Store, run_id: int) -> Found:
     run = store.runs.get(run_id)
     assert run.result is not None
     found: Found = {p.name: (p.value, p.std_error) for p in run.result.parameters}
-    ahead = flutter(store, FlutterQuery(run_ids=(run_id,)))
-    found["flutter [m/s]"] = (ahead.airspeed_m_s, ahead.airspeed_std_m_s)
+    prediction = analyse_flutter(store, FlutterQuery(run_ids=(run_id,)))
+    found["flutter [m/s]"] = (prediction.airspeed_m_s, prediction.airspeed_std_m_s)
     return found
 
 
@@ -123,11 +123,11 @@ def test_the_demonstration(store: Store, follow: Callable[[str], str]) -> None:
     printed = follow("demonstration")
     check_table(store, "demonstration")
     text = (TUTORIALS / "demonstration.md").read_text(encoding="utf-8")
-    told = [(float(a), float(b)) for a, b in re.findall(r"([\d.]+) ± ([\d.]+) m/s", text)]
+    printed_values = [(float(a), float(b)) for a, b in re.findall(r"([\d.]+) ± ([\d.]+) m/s", text)]
     sentences = re.findall(r"^Flutter .* at ([\d.]+) ± ([\d.]+) m/s", printed, re.MULTILINE)
     found = [(float(a), float(b)) for a, b in sentences]
-    assert len(told) == len(found)
-    for one, other in zip(told, found, strict=True):
+    assert len(printed_values) == len(found)
+    for one, other in zip(printed_values, found, strict=True):
         assert one == pytest.approx(other, abs=0.11)
     (low, high) = re.findall(r"between \+([\d.]+)% and \+([\d.]+)%", printed)[0]
     assert f"{float(low):.0f} to {float(high):.0f} %" in text
@@ -135,7 +135,7 @@ def test_the_demonstration(store: Store, follow: Callable[[str], str]) -> None:
 
 @pytest.mark.skipif(
     not MAEWING1.is_dir(),
-    reason="the mAEWing1 data are not here; examples/maewing1 says where from",
+    reason="the mAEWing1 data are not here; examples/maewing1 names the source",
 )
 def test_maewing1(store: Store, tmp_path: Path, follow: Callable[[str], str]) -> None:
     for file in MAEWING1.iterdir():

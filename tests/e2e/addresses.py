@@ -1,4 +1,4 @@
-"""Every address of the workbench, read from its route tree, so that no page is forgotten."""
+"""Every address of the workbench, read from its route tree, so that no page is missed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 SOURCES = Path(__file__).parents[2] / "frontend" / "src"
 
-# Which record a page shows; a route with $id that is not named here fails the walk. Names in
+# Record that a page shows; a route with $id that is missing here fails the walk. Names in
 # braces are records of the fixture ``records``.
 SHOWN = {
     "/maneuvers/$id": "2",
@@ -23,7 +23,7 @@ SHOWN = {
     "/decisions/$id": "{decision}",
 }
 
-# What an address holds beside its tab; by route, or by route and tab.
+# Search parameters beside the tab; by route, or by route and tab.
 HELD = {
     "/compare": "runs={runs}&predictions=1,2",
     "/flutter": "runs={runs}",
@@ -33,10 +33,10 @@ HELD = {
     "/excitation/$id": "run={run}",
     "/maneuvers/$id spectra": "low=1&high=6",
     "/maneuvers/$id bode": "models={run}",
-    "/structures gvt": "responses=1",
+    "/modal-data gvt": "responses=1",
 }
 
-# Further states of a page that look unlike its first.
+# Further states of a page.
 STATES = {
     "campaign-nothing": "/campaign?search=no+such+maneuver",
     "flight-uncut": "/flights/4",
@@ -67,10 +67,11 @@ def addresses() -> dict[str, str]:
 
 
 def _routes() -> Iterator[tuple[str, str | None]]:
-    """Path of every route, and the reader of what its address holds."""
+    """Path of every route that is not a redirect, and the parser of its search parameters."""
     text = (SOURCES / "routes.tsx").read_text(encoding="utf-8")
-    made = text.split("createRoute({")[1:]
-    for route in made:
+    for route in text.split("createRoute({")[1:]:
+        if "redirect({" in route:
+            continue
         path = re.search(r'path: "([^"]+)"', route)
         assert path, f"no path in {route[:200]}"
         view = re.search(r"validateSearch: (\w+)", route)
@@ -78,7 +79,7 @@ def _routes() -> Iterator[tuple[str, str | None]]:
 
 
 def _tabs(view: str | None) -> list[str]:
-    """Tabs that the reader of an address knows."""
+    """Tabs in the parser of the search parameters."""
     text = (SOURCES / "views.ts").read_text(encoding="utf-8")
     reader = re.search(rf"export const {view} = view\((.*?)\n?\}}\)\);", text, re.DOTALL)
     named = reader and re.search(r"\btab: oneOf\(search\.tab, (\w+)\)", reader[1])
@@ -95,7 +96,7 @@ def _name(path: str) -> str:
 
 def _address(path: str, tab: str) -> str:
     if "$id" in path:
-        assert path in SHOWN, f"say in {Path(__file__).name} which record {path} shows"
+        assert path in SHOWN, f"add the record that {path} shows to SHOWN in {Path(__file__).name}"
         held = HELD.get(f"{path} {tab}", HELD.get(path, ""))
         path = path.replace("$id", SHOWN[path])
     else:

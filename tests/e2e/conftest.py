@@ -1,4 +1,4 @@
-"""A server with the demonstration campaign, and a browser that looks at it."""
+"""Fixtures: a server with the demonstration campaign, and a browser."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 @pytest.fixture
 def own_server(campaign: Path, tmp_path: Path) -> Iterator[str]:
-    """Address of a server of one test, for what would change what others see."""
+    """Address of a server of one test, for tests that change the data."""
     database = tmp_path / "own.db"
     shutil.copy(campaign, database)
     port = free_port()
@@ -80,7 +80,7 @@ ServingOn = Callable[[Path, Path], AbstractContextManager[str]]
 
 @pytest.fixture(scope="session")
 def serving_on() -> ServingOn:
-    """Serve a database of one's own: its file and that of the log; to be used in a ``with``."""
+    """Context manager that serves a database, from its file and that of the log."""
 
     @contextmanager
     def serve(database: Path, log: Path) -> Iterator[str]:
@@ -125,21 +125,21 @@ def compared(server: str) -> list[int]:
 
 @pytest.fixture
 def page(browser: Browser, server: str) -> Iterator[Page]:
-    """A page that fails the test when the console complains or a request fails."""
+    """A page that fails the test on console errors or failed requests."""
     with watched_page(browser, server) as page:
         yield page
 
 
 @pytest.fixture
 def refused(browser: Browser, server: str) -> Iterator[Page]:
-    """The same for tests in which the server is to refuse something (422)."""
+    """The same, where the server may refuse a request (422)."""
     with watched_page(browser, server, refused=422) as page:
         yield page
 
 
 @pytest.fixture
 def two_pages(browser: Browser, own_server: str) -> Iterator[tuple[Page, Page]]:
-    """Pages of two browsers that know nothing of each other; stale edits are to be refused."""
+    """Pages of two independent browsers, where stale edits may be refused (409)."""
     with (
         watched_page(browser, own_server, refused=409) as one,
         watched_page(browser, own_server, refused=409) as other,
@@ -149,28 +149,28 @@ def two_pages(browser: Browser, own_server: str) -> Iterator[tuple[Page, Page]]:
 
 @contextmanager
 def watched_page(browser: Browser, server: str, refused: int | None = None) -> Iterator[Page]:
-    """A page that fails its test when the console complains or an answer is a refusal."""
-    complaints: list[str] = []
+    """A page that fails its test on console errors or refused requests."""
+    problems: list[str] = []
 
-    def heard(said: ConsoleMessage) -> None:
-        if said.type in ("error", "warning") and not (
-            refused is not None and str(refused) in said.text
+    def record_message(message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning") and not (
+            refused is not None and str(refused) in message.text
         ):
-            complaints.append(said.text)
+            problems.append(message.text)
 
-    def answered(answer: Response) -> None:
-        if answer.status >= 400 and answer.status != refused:
-            complaints.append(f"{answer.status} {answer.url}")
+    def record_response(response: Response) -> None:
+        if response.status >= 400 and response.status != refused:
+            problems.append(f"{response.status} {response.url}")
 
     context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
     page = context.new_page()
     page.set_default_timeout(PATIENCE_MS)
-    page.on("console", heard)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("response", answered)
+    page.on("console", record_message)
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("response", record_response)
     yield page
     context.close()
-    assert not complaints, "\n".join(complaints)
+    assert not problems, "\n".join(problems)
 
 
 def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
@@ -182,22 +182,22 @@ def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Pat
         except (urllib.error.URLError, ConnectionError, TimeoutError):
             return False
 
-    wait_until(is_healthy, "an answer of the server")
+    wait_until(is_healthy, "a response of the server")
 
 
 def _estimate(server: str, maneuver: int, method: str) -> int:
-    wish = {"maneuver_id": maneuver, "method": method, "structure": {"modes": [7, 9]}}
+    specification = {"maneuver_id": maneuver, "method": method, "structure": {"modes": [7, 9]}}
     request = urllib.request.Request(
         f"{server}/api/v1/runs",
-        data=json.dumps(wish).encode(),
+        data=json.dumps(specification).encode(),
         headers={"Content-Type": "application/json"},
     )
-    with urllib.request.urlopen(request) as answer:
-        run = json.load(answer)["id"]
+    with urllib.request.urlopen(request) as response:
+        run = json.load(response)["id"]
 
     def has_succeeded() -> bool:
-        with urllib.request.urlopen(f"{server}/api/v1/jobs/{run}") as answer:
-            state = json.load(answer)["state"]
+        with urllib.request.urlopen(f"{server}/api/v1/jobs/{run}") as response:
+            state = json.load(response)["state"]
         assert state in ("queued", "running", "succeeded"), state
         return state == "succeeded"
 

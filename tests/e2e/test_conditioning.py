@@ -1,4 +1,4 @@
-"""From a whole flight to a maneuver that can be trusted: cut, judged, corrected, undone."""
+"""From a whole flight to a corrected maneuver: cut, check, correct, undo."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ def test_a_flight_is_cut_and_its_faults_are_corrected(page: Page):
     page.goto("/flights/4")
     expect(page.get_by_test_id("found-maneuvers").locator("tbody tr")).to_have_count(2)
     expect(page.get_by_test_id("figure-flight-history")).to_have_attribute("data-drawn", "true")
-    page.get_by_role("button", name="Look").first.click()
+    page.get_by_role("button", name="Show").first.click()
     expect(page).to_have_url(re.compile(r"from=500.*to=530"))
     page.get_by_label("From [s]").fill("499")
     page.get_by_label("Maneuver", exact=True).fill("brushed")
     page.get_by_test_id("cut-window").click()
     page.get_by_test_id("flight-maneuvers").get_by_role("link", name="brushed").click()
     page.get_by_test_id("tab-quality").click()
-    verdict = page.get_by_test_id("quality-doubtful")
+    verdict = page.get_by_test_id("quality-questionable")
     expect(verdict).to_contain_text("az_mar is +")
     expect(verdict).to_contain_text("az_cf has 1 spike")
     page.get_by_test_id("take-delay").click()
@@ -32,11 +32,11 @@ def test_a_flight_is_cut_and_its_faults_are_corrected(page: Page):
     expect(steps.filter(has_text="az_cf")).to_have_count(1)
     expect(page.get_by_test_id("quality-good")).to_contain_text("sensors agree with the others")
     page.get_by_role("button", name=re.compile("Undo the delay of az_mar")).click()
-    expect(page.get_by_test_id("quality-doubtful")).to_contain_text("az_mar")
+    expect(page.get_by_test_id("quality-questionable")).to_contain_text("az_mar")
     expect(steps.filter(has_text="az_mar")).to_have_count(1)
 
 
-def test_a_campaign_is_looked_at_beside_the_work(page: Page):
+def test_a_campaign_is_checked_in_the_background(page: Page):
     page.goto("/quality")
     page.get_by_test_id("assess").click()
     expect(page.get_by_test_id("assessing")).to_contain_text("of")

@@ -1,4 +1,4 @@
-"""Every page, in both themes and two widths: nothing breaks, overflows or shuts anybody out."""
+"""Every page, in both themes and two widths: no errors, overflow or accessibility violations."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ PAGES = addresses()
 
 @pytest.fixture(scope="module")
 def records(server: str, compared: list[int]) -> dict[str, str]:
-    """Records that pages show: one of everything that can be asked for."""
+    """Records that pages show: one of each kind."""
     workbench = Workbench(server)
     modes = {"modes": [7, 9]}
     search = {"maneuver_ids": [2], "method": "EE", "structure": modes}
-    asked = workbench.post("searches", {**search, "settings": {"draws": 2}})["id"]
+    search_id = workbench.post("searches", {**search, "settings": {"draws": 2}})["id"]
     fre = workbench.submit(2, "FRE", modes=[7, 9])
     cancelled = workbench.submit(2, "OE", modes=[7, 9, 10])
     workbench.cancel(cancelled)
@@ -48,16 +48,17 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     excitation = {"name": "FTA 503", "fta": 503, "duration_s": 24.0, "rate_hz": 100.0}
     sizes = {"first_harmonic": 6, "peaks": [0.01, 0.02, 0.04], "effort": "quick"}
     design = workbench.post("designs", {**excitation, **sizes})["id"]
-    decision = _say(server, "decisions", proposal)["id"]
+    decision = _post_as_analyst(server, "decisions", proposal)["id"]
     comment = {"text": "within 2 σ of zero everywhere", "derivative": "CZ_q"}
-    _say(server, f"decisions/{decision}/comments", comment)
-    rehearsed = workbench.post(
-        f"designs/{design}/rehearsals", {"run_id": compared[0], "level": 1, "controller_id": None}
+    _post_as_analyst(server, f"decisions/{decision}/comments", comment)
+    simulated = workbench.post(
+        f"designs/{design}/preflight-simulations",
+        {"run_id": compared[0], "level": 1, "controller_id": None},
     )
     workbench.wait(fre, timeout_s=PATIENCE_S)
     jobs = workbench.items("jobs", batch_id=batched["id"])
     workbench.wait(*(job["id"] for job in jobs), timeout_s=PATIENCE_S)
-    for path in (f"searches/{asked}", f"tasks/{rehearsed['id']}"):
+    for path in (f"searches/{search_id}", f"tasks/{simulated['id']}"):
         wait_until(
             lambda path=path: workbench.get(path)["state"] not in ("queued", "running"), path
         )
@@ -67,22 +68,22 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
         "fre": str(fre),
         "cancelled": str(cancelled),
         "batch": str(batched["id"]),
-        "search": str(asked),
+        "search": str(search_id),
         "design": str(design),
         "decision": str(decision),
     }
 
 
-def _say(server: str, path: str, body: object) -> dict[str, Any]:
-    """Send what only somebody with a name may."""
+def _post_as_analyst(server: str, path: str, body: object) -> dict[str, Any]:
+    """Send a request that requires the name of an analyst."""
     headers = {"Content-Type": "application/json", "X-Flexsid-Analyst": "Ann"}
     request = Request(f"{server}/api/v1/{path}", json.dumps(body).encode(), headers)
-    with urlopen(request) as answer:
-        return json.load(answer)
+    with urlopen(request) as response:
+        return json.load(response)
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_page_is_whole_for_everybody(
+def test_a_page_has_no_errors_overflow_or_violations(
     browser: Browser, server: str, records: dict[str, str], name: str
 ):
     refused = 404 if name == "no-such-record" else None
@@ -92,7 +93,7 @@ def test_a_page_is_whole_for_everybody(
 
 def _walk(page: Page, name: str, address: str) -> None:
     axe = _axe()
-    if name != "start":  # who says nothing about himself is asked before he may propose
+    if name != "start":  # an unnamed analyst has to enter a name before a proposal
         page.add_init_script("localStorage.setItem('flexsid.analyst', 'Bo')")
     page.goto(address)
     _settled(page)
@@ -125,7 +126,7 @@ _FIGURES_FIT = """() => [...document.querySelectorAll(".js-plotly-plot")].every(
 
 
 def _settled(page: Page) -> None:
-    """Nothing is loading, and every figure is drawn."""
+    """Wait until everything is loaded and every figure is drawn."""
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=PATIENCE_MS)
     expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=PATIENCE_MS)
@@ -133,7 +134,7 @@ def _settled(page: Page) -> None:
 
 
 def _fits(page: Page, where: str) -> None:
-    """No sideways scrolling, once figures have followed the window."""
+    """Check that the page does not scroll sideways once figures are resized."""
     over = 0
     for _ in range(50):
         over = page.evaluate(
@@ -148,14 +149,14 @@ def _fits(page: Page, where: str) -> None:
 def _violations(page: Page, axe: str) -> list[str]:
     # Evaluated by the debugger, which the content security policy does not bind.
     page.evaluate(axe)
-    answer = page.evaluate(
+    report = page.evaluate(
         "() => axe.run(document, {resultTypes: ['violations'], runOnly:"
         " ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa']})"
     )
     return [
         f"{violation['id']}: {violation['help']}\n    "
         + "\n    ".join(re.sub(r"\s+", " ", node["html"])[:160] for node in violation["nodes"][:5])
-        for violation in answer["violations"]
+        for violation in report["violations"]
     ]
 
 

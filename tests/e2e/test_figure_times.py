@@ -1,4 +1,4 @@
-"""How long a reader waits for each figure, printed as JSON lines: `pytest -s -m e2e`."""
+"""Time until each figure is drawn, printed as JSON lines: `pytest -s -m e2e`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FIGURES = {
     "ground-test": "/flights/{flight}/mini-gvt",
 }
 
-# Notes for every figure's kind when it was asked for and when it stood drawn.
+# Records the times of request and drawing for every kind of figure.
 WATCH = """
 window.drawnAt = {};
 new MutationObserver(() => {
@@ -46,16 +46,16 @@ def test_every_figure_of_a_maneuver_is_drawn(page: Page, server: str):
         page.goto(path.format(id=maneuver["id"], flight=maneuver["flight_id"]))
         figure = page.get_by_test_id(f"figure-{kind}").first
         expect(figure).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
-        asked, answered, drawn = page.evaluate(READ, kind)
+        requested, received, drawn = page.evaluate(READ, kind)
         line = {
             "name": f"figure {name}",
-            "drawn_ms": round(drawn - asked),
-            "answered_ms": round(answered - asked),
+            "drawn_ms": round(drawn - requested),
+            "received_ms": round(received - requested),
             "duration_s": maneuver["duration_s"],
         }
         print(json.dumps(line))
 
 
 def _longest(server: str) -> dict[str, float]:
-    with urllib.request.urlopen(f"{server}/api/v1/maneuvers?sort=-duration_s&limit=1") as answer:
-        return json.load(answer)["items"][0]
+    with urllib.request.urlopen(f"{server}/api/v1/maneuvers?sort=-duration_s&limit=1") as response:
+        return json.load(response)["items"][0]

@@ -1,4 +1,4 @@
-"""Before the next flight: what an excitation would tell, and how far flutter is."""
+"""Preparation of the next flight: excitation design and flutter prediction."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from waiting import PATIENCE_MS
 pytestmark = pytest.mark.e2e
 
 
-def test_a_designed_excitation_is_looked_at_and_checked(page: Page):
+def test_a_designed_excitation_is_shown_and_checked(page: Page):
     page.goto("/excitation")
     page.get_by_role("button", name="Design FTA 500", exact=True).click()
     link = page.get_by_test_id("designs-table").get_by_role("link", name="FTA 500").first
@@ -30,22 +30,22 @@ def test_a_designed_excitation_is_looked_at_and_checked(page: Page):
     expect(checks).to_contain_text("exceeded")
 
 
-def test_the_next_test_point_is_answered(page: Page, server: str):
+def test_the_margin_of_the_next_test_point_is_shown(page: Page, server: str):
     maneuver = _get(f"{server}/api/v1/maneuvers?fta=506&limit=1&sort=airspeed_ratio")["items"][0]
-    wish = {
+    specification = {
         "maneuver_id": maneuver["id"],
         "method": "EE",
         "structure": {"modes": [7, 9], "fixed": {}},
         "settings": {},
     }
-    run = _post(f"{server}/api/v1/runs", wish)
+    run = _post(f"{server}/api/v1/runs", specification)
     page.goto(f"/runs/{run['id']}")
     expect(page.get_by_test_id("parameter-table")).to_be_visible(timeout=PATIENCE_MS)
     page.goto("/flutter")
-    expect(page.get_by_text("No runs chosen")).to_be_visible()
+    expect(page.get_by_text("No runs selected")).to_be_visible()
     page.goto(f"/flutter?runs={run['id']}&next=45")
-    answer = page.get_by_test_id("next-point")
-    expect(answer).to_contain_text("Next point at 45.0 m/s", timeout=PATIENCE_MS)
+    margin = page.get_by_test_id("next-point")
+    expect(margin).to_contain_text("Next point at 45.0 m/s", timeout=PATIENCE_MS)
     expect(page.get_by_test_id("structures").locator("tbody tr")).to_have_count(2)
     drawn = ("v-omega-zeta", "flutter-forecast", "root-locus", "flutter-map", "equivalent-modes")
     for kind in drawn:
@@ -58,13 +58,13 @@ def _drawn(page: Page, kind: str) -> None:
 
 
 def _get(address: str) -> dict:
-    with urllib.request.urlopen(address) as answer:
-        return json.load(answer)
+    with urllib.request.urlopen(address) as response:
+        return json.load(response)
 
 
 def _post(address: str, content: dict) -> dict:
     request = urllib.request.Request(
         address, json.dumps(content).encode(), {"Content-Type": "application/json"}
     )
-    with urllib.request.urlopen(request) as answer:
-        return json.load(answer)
+    with urllib.request.urlopen(request) as response:
+        return json.load(response)

@@ -1,4 +1,4 @@
-"""Recorded data come in through the page, and bad data are refused in words."""
+"""Import of recorded data through the page, and messages on bad data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ name = "FLEX-28"
 [flight]
 number = 77
 [maneuver]
-label = "brought by hand"
+label = "imported by hand"
 [maneuver.condition]
 airspeed = { value = 38.0, unit = "m/s" }
 density = { value = 1.05, unit = "kg/m3" }
@@ -61,7 +61,7 @@ def test_a_record_becomes_a_maneuver(page: Page, tmp_path: Path, mapping: Path):
     expect(page.get_by_test_id("mapping-preview")).to_have_attribute("data-drawn", "true")
     page.get_by_test_id("import-submit").click()
     expect(page).to_have_url(re.compile(r"/maneuvers/\d+"))
-    expect(page.get_by_role("heading", name="brought by hand")).to_be_visible()
+    expect(page.get_by_role("heading", name="imported by hand")).to_be_visible()
     expect(page.get_by_test_id("figure-time-history")).to_have_attribute("data-drawn", "true")
 
 
@@ -71,12 +71,12 @@ def test_a_proposal_is_corrected_and_survives_a_reload(page: Page, tmp_path: Pat
     unit = page.get_by_role("textbox", name="Unit of flap")
     unit.fill("rad")
     page.get_by_role("combobox", name="Role of flap").select_option("input")
-    expect(page.get_by_test_id("mapping-question")).to_contain_text("Is flap really in rad?")
+    expect(page.get_by_test_id("mapping-query")).to_contain_text("Check the unit of flap: rad")
     page.reload()
-    expect(page.get_by_test_id("mapping-question")).to_be_visible()
+    expect(page.get_by_test_id("mapping-query")).to_be_visible()
     expect(page.get_by_test_id("import-submit")).to_be_disabled()
-    page.get_by_role("button", name="It is in deg").click()
-    expect(page.get_by_test_id("mapping-question")).to_have_count(0)
+    page.get_by_role("button", name="Use deg").click()
+    expect(page.get_by_test_id("mapping-query")).to_have_count(0)
     page.get_by_role("textbox", name="Flight number").fill("79")
     guesses = page.get_by_test_id("mapping-guesses")
     expect(guesses).to_contain_text("50 Hz, 200 samples in 4 s")

@@ -17,20 +17,20 @@ def test_a_brushed_band_is_shared_and_fitted(page: Page):
     expect(page).to_have_url(re.compile(r"low=.*high="))
     band = page.get_by_test_id("band-bar")
     expect(band).to_contain_text("Hz")
-    told = band.inner_text().split(" Hz")[0]
+    band_text = band.inner_text().split(" Hz")[0]
     page.get_by_test_id("tab-bode").click()
     figure = _drawn(page, "bode")
-    expect(band).to_contain_text(told)
+    expect(band).to_contain_text(band_text)
     low, high = figure.locator(".js-plotly-plot").evaluate("plot => plot.layout.xaxis.range")
-    assert 10**low == pytest.approx(float(told.split(" to ")[0]), rel=0.01)
-    assert 10**high == pytest.approx(float(told.split(" to ")[1]), rel=0.01)
+    assert 10**low == pytest.approx(float(band_text.split(" to ")[0]), rel=0.01)
+    assert 10**high == pytest.approx(float(band_text.split(" to ")[1]), rel=0.01)
     page.get_by_test_id("run-band").click()
     expect(page.get_by_label("Band from")).to_have_value(re.compile(r"^\d"))
 
 
 def test_a_band_without_data_is_named_beside_the_form(refused: Page):
     refused.goto("/maneuvers/2/new-run?low=60&high=90")
-    expect(refused.get_by_role("alert")).to_contain_text("between 60 and 90 Hz")
+    expect(refused.get_by_test_id("problem")).to_contain_text("between 60 and 90 Hz")
     expect(refused.get_by_label("Band from")).to_have_value(re.compile(r"^60"))
 
 
@@ -56,14 +56,14 @@ def test_a_window_in_time_holds_in_every_tab_over_time(page: Page):
     expect(page).to_have_url(re.compile("from=.*to="))
     band = page.get_by_test_id("band-bar")
     expect(band).to_contain_text(" s")
-    told = [float(part) for part in band.inner_text().split(" s")[0].split(" to ")]
+    window = [float(part) for part in band.inner_text().split(" s")[0].split(" to ")]
     page.get_by_test_id("tab-time").click()
     figure = _drawn(page, "time-history")
     shown = figure.locator(".js-plotly-plot").evaluate("plot => plot._fullLayout.xaxis.range")
-    assert shown == pytest.approx(told, abs=0.5)
+    assert shown == pytest.approx(window, abs=0.5)
 
 
-def test_figures_are_kept_as_json_and_sent_nowhere(page: Page):
+def test_figures_are_downloaded_and_not_uploaded(page: Page):
     page.goto("/maneuvers/2?tab=spectra")
     figure = _drawn(page, "spectrum")
     expect(figure.get_by_role("button", name="Zoom")).to_have_count(1)
@@ -71,16 +71,16 @@ def test_figures_are_kept_as_json_and_sent_nowhere(page: Page):
         figure.get_by_role("button", name=re.compile("Share|cloud", re.IGNORECASE))
     ).to_have_count(0)
     figure.get_by_role("button", name=re.compile("Download")).click()
-    with page.expect_download() as kept:
+    with page.expect_download() as download:
         page.get_by_role("menuitem", name="JSON").click()
-    assert kept.value.suggested_filename == "flexsid-spectrum-2.json"
+    assert download.value.suggested_filename == "flexsid-spectrum-2.json"
     figure.get_by_role("button", name=re.compile("Download")).click()
-    with page.expect_download() as kept:
+    with page.expect_download() as download:
         page.get_by_role("menuitem", name="CSV").click()
-    assert kept.value.suggested_filename == "flexsid-spectrum-2.csv"
+    assert download.value.suggested_filename == "flexsid-spectrum-2.csv"
 
 
-def test_a_symbol_tells_its_meaning(page: Page):
+def test_a_symbol_is_found_in_the_glossary(page: Page):
     page.goto("/glossary?search=dynamic_pressure")
     expect(page.get_by_test_id("glossary-table").locator("tbody tr")).to_have_count(1)
 

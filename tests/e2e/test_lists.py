@@ -18,7 +18,7 @@ def test_maneuvers_are_tagged_deleted_and_brought_back(page: Page):
         rows.nth(place).get_by_role("checkbox").check()
     page.get_by_test_id("bulk-tag").click()
     page.get_by_test_id("tag-text").fill("second look")
-    page.get_by_role("button", name="Put on").click()
+    page.get_by_role("button", name="Add tag").click()
     expect(rows.nth(1)).to_contain_text("second look")
     page.get_by_test_id("bulk-delete").click()
     expect(rows).to_have_count(6)
@@ -67,6 +67,6 @@ def test_the_palette_finds_records_of_every_kind(page: Page):
     page.get_by_test_id("filter-clear").click()
     expect(page).to_have_url(re.compile(r"/runs$"))
     page.keyboard.press("Control+k")
-    for typed, kind in (("SP + SW1B", "structure"), ("closed", "view"), ("pitch rate", "symbol")):
+    for typed, kind in (("SP + SW1B", "structure"), ("closed", "page"), ("pitch rate", "symbol")):
         page.get_by_test_id("palette-text").fill(typed)
         expect(page.get_by_role("option", name=re.compile(kind)).first).to_be_visible()

@@ -21,7 +21,7 @@ PRINTOUT = "1    JOB\n      EIGENVALUE =  9.869604E+02\n" + (
 
 
 def test_modes_are_seen_over_fuel_and_drawn(page: Page):
-    page.goto("/structures")
+    page.goto("/modal-data")
     _drawn(page, "modes-against-fuel")
     expect(page.get_by_test_id("modes").locator("tbody tr").first).to_contain_text("SW1B")
     page.get_by_role("tab", name="Shapes").click()
@@ -31,24 +31,26 @@ def test_modes_are_seen_over_fuel_and_drawn(page: Page):
     expect(shape).to_have_attribute("aria-label", re.compile("SW1B"))
     shape.focus()
     page.keyboard.press("ArrowLeft")
-    page.get_by_role("switch", name="Two side by side").click()
+    page.get_by_role("switch", name="Side by side").click()
     expect(page.get_by_test_id("mode-shape")).to_have_count(2)
     page.reload()
     expect(page.get_by_test_id("mode-shape")).to_have_count(2, timeout=PATIENCE_MS)
 
 
-def test_sources_sensors_orders_and_tests_are_told(page: Page):
-    page.goto("/structures?tab=mac&fuel=0&other_fuel=100")
+def test_correlation_observability_order_and_vibration_test_are_shown(page: Page):
+    page.goto("/modal-data?tab=mac&fuel=0&other_fuel=100")
     _drawn(page, "mac")
     expect(page.get_by_test_id("paired-modes").locator("tbody tr")).to_have_count(25)
     page.get_by_role("tab", name="Sensors").click()
     expect(page.get_by_test_id("observability")).to_contain_text("az_oar", timeout=PATIENCE_MS)
     expect(page.get_by_test_id("candidates").locator("tbody tr").first).to_be_visible()
     page.get_by_role("tab", name="Model order").click()
-    expect(page.get_by_test_id("order-proposal")).to_contain_text("This condition needs SP + SW1B")
+    expect(page.get_by_test_id("order-proposal")).to_contain_text(
+        "Modes required at this condition: SP + SW1B"
+    )
     _drawn(page, "model-order")
     _drawn(page, "reduced-responses")
-    page.get_by_role("tab", name="Vibration test").click()
+    page.get_by_role("tab", name="Ground vibration test").click()
     _drawn(page, "stabilisation")
     expect(page.get_by_test_id("found-modes").locator("tbody tr").nth(5)).to_be_visible()
 
@@ -57,14 +59,14 @@ def test_a_structure_is_imported_with_what_is_asked(page: Page, tmp_path: Path):
     files = {"wing.bdf": DECK, "wing.f06": PRINTOUT}
     for name, text in files.items():
         (tmp_path / name).write_text(text)
-    page.goto("/structures?tab=files")
+    page.goto("/modal-data?tab=files")
     page.get_by_test_id("structure-files").set_input_files([tmp_path / name for name in files])
     expect(page.get_by_text("1 mode shapes at 3 nodes")).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_label("Name", exact=True).fill("Beam")
-    for question, answer in (("length_unit", "ft"), ("generalized_mass", "unknown")):
-        page.get_by_test_id(f"answer-{question}").click()
-        page.get_by_role("option", name=answer, exact=True).click()
-    page.get_by_role("button", name="Keep these modes").click()
+    for field, choice in (("length_unit", "ft"), ("generalized_mass", "unknown")):
+        page.get_by_test_id(f"response-{field}").click()
+        page.get_by_role("option", name=choice, exact=True).click()
+    page.get_by_role("button", name="Save modes").click()
     expect(page.get_by_test_id("modes").locator("tbody tr")).to_have_count(1, timeout=PATIENCE_MS)
     expect(page.get_by_test_id("modes")).to_contain_text("5.000")
 

@@ -20,7 +20,7 @@ from flexsid.client import Workbench
 pytestmark = pytest.mark.e2e
 
 ROOT = Path(__file__).parents[2]
-KEPT = ROOT / "docs" / "assets" / "pictures"
+PUBLISHED = ROOT / "docs" / "assets" / "pictures"
 TAKEN = Path(__file__).parent / "screenshots"
 
 PAGES = {
@@ -70,9 +70,9 @@ def test_the_pictures_of_the_documentation_can_be_taken(
     page.screenshot(path=taken)
     context.close()
     if os.environ.get("RENEW_PICTURES") == "1":
-        KEPT.mkdir(parents=True, exist_ok=True)
-        shutil.copy(taken, KEPT / file)
-    assert (KEPT / file).is_file()
+        PUBLISHED.mkdir(parents=True, exist_ok=True)
+        shutil.copy(taken, PUBLISHED / file)
+    assert (PUBLISHED / file).is_file()
 
 
 def test_every_picture_is_shown_somewhere() -> None:

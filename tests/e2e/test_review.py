@@ -31,7 +31,7 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     ann, bo = analysts
     server = own_server
     maneuver = _get(f"{server}/api/v1/maneuvers?fta=506&limit=1&sort=airspeed_ratio")["items"][0]
-    structure = _kept(server, maneuver["aircraft_id"])
+    structure = _save_structure(server, maneuver["aircraft_id"])
 
     # Both open the same structure, and both change it.
     for page in (ann, bo):
@@ -42,7 +42,7 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(_cell(ann, "CZ_q")).to_be_focused()
     ann.keyboard.press("Space")
     expect(_count(ann)).to_contain_text("1 absent")
-    ann.get_by_label("Why this version").fill("CZ_q is never significant")
+    ann.get_by_label("Reason for this version").fill("CZ_q is never significant")
     ann.get_by_test_id("save-structure").click()
     expect(ann.get_by_test_id("structure-version")).to_have_value(re.compile("Version 2"))
 
@@ -74,10 +74,10 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(ann).to_have_url(re.compile(r"/decisions/\d+$"))
     address = ann.url
     expect(_state(ann)).to_have_attribute("data-state", "open")
-    ann.get_by_test_id("say").fill("what do you think?")
+    ann.get_by_test_id("comment-text").fill("what do you think?")
     expect(ann.get_by_test_id("vote-approve")).to_have_count(0)
 
-    # Bo is told, comments on a derivative, and asks for changes.
+    # Bo is notified, comments on a derivative, and requests changes.
     expect(bo.get_by_test_id("notifications")).to_contain_text("waiting")
     bo.get_by_test_id("notifications").click()
     bo.get_by_role("link", name="SP + SW1B + SW1T without CZ_q").first.click()
@@ -85,11 +85,11 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(_state(bo)).to_be_visible()
     _cell(bo, "Cm_eta9").focus()
     expect(bo).to_have_url(re.compile("derivative=Cm_eta9"))
-    bo.get_by_test_id("say").fill("this one is better held at the prediction")
+    bo.get_by_test_id("comment-text").fill("this one is better held at the prediction")
     bo.get_by_test_id("comment").click()
     expect(bo.get_by_test_id("thread")).to_contain_text("better held at the prediction")
-    bo.get_by_role("button", name="On the whole").click()
-    bo.get_by_test_id("say").fill("propose version 3, please")
+    bo.get_by_role("button", name="Whole proposal").click()
+    bo.get_by_test_id("comment-text").fill("propose version 3, please")
     bo.get_by_test_id("vote-request-changes").click()
     expect(_state(bo)).to_have_attribute("data-state", "changes-requested")
 
@@ -98,11 +98,11 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     ann.get_by_test_id("revise").click()
     ann.get_by_role("combobox", name="Version of structure").click()
     ann.get_by_role("option", name=re.compile("version 3")).click()
-    ann.get_by_test_id("proposal-reasoning").fill("as Bo says, Cm_eta9 is held as well")
+    ann.get_by_test_id("proposal-reasoning").fill("as Bo proposes, Cm_eta9 is held as well")
     ann.get_by_test_id("send-proposal").click()
     expect(_state(ann)).to_have_attribute("data-state", "open")
-    expect(bo.get_by_test_id("revised")).to_contain_text("as Bo says")
-    bo.get_by_test_id("say").fill("agreed")
+    expect(bo.get_by_test_id("revised")).to_contain_text("as Bo proposes")
+    bo.get_by_test_id("comment-text").fill("agreed")
     bo.get_by_test_id("vote-approve").click()
     expect(bo.get_by_text("revised before your vote arrived")).to_be_visible()
     bo.get_by_test_id("read-revision").click()
@@ -125,8 +125,8 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     trail = _get(f"{server}/api/v1{address.removeprefix(server)}/audit")
     (audited,) = trail["decisions"]
     assert audited["whole"]
-    told = [(one["author"], one["vote"] or one["kind"]) for one in audited["events"]]
-    assert told == [
+    events = [(one["author"], one["vote"] or one["kind"]) for one in audited["events"]]
+    assert events == [
         ("Ann", "proposed"),
         ("Bo", "commented"),
         ("Bo", "request-changes"),
@@ -149,21 +149,21 @@ def _state(page: Page) -> Locator:
     return page.get_by_test_id("decision-state")
 
 
-def _kept(server: str, aircraft_id: int) -> int:
-    wanted = {
+def _save_structure(server: str, aircraft_id: int) -> int:
+    content = {
         "aircraft_id": aircraft_id,
         "name": "SP + SW1B + SW1T, for review",
         "structure": {"modes": [7, 9]},
     }
     request = urllib.request.Request(
         f"{server}/api/v1/model-structures",
-        json.dumps(wanted).encode(),
+        json.dumps(content).encode(),
         {"Content-Type": "application/json"},
     )
-    with urllib.request.urlopen(request) as answer:
-        return json.load(answer)["id"]
+    with urllib.request.urlopen(request) as response:
+        return json.load(response)["id"]
 
 
 def _get(address: str) -> dict:
-    with urllib.request.urlopen(address) as answer:
-        return json.load(answer)
+    with urllib.request.urlopen(address) as response:
+        return json.load(response)

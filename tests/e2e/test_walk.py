@@ -60,9 +60,9 @@ def _filter(page: Page) -> None:
     page.get_by_test_id("filter-fta").click()
     page.get_by_role("option", name=re.compile(r"506 \(\d+\)")).click()
     expect(page).to_have_url(re.compile("fta=506"))
-    with page.expect_response(re.compile(r"/maneuvers\?.*max_airspeed_ratio=0.7")) as answer:
+    with page.expect_response(re.compile(r"/maneuvers\?.*max_airspeed_ratio=0.7")) as response:
         page.get_by_test_id("filter-max-ratio").fill("0.7")
-    left = len(answer.value.json()["items"])
+    left = len(response.value.json()["items"])
     assert 0 < left < before
     expect(rows).to_have_count(left)
     for row in rows.all():
@@ -82,8 +82,8 @@ def _look_at_maneuver(page: Page) -> None:
 
 def _submit_runs(page: Page) -> None:
     page.get_by_test_id("new-run").click()
-    for method, wanted in (("OE", True), ("FRE", False), ("EE", True)):
-        page.get_by_test_id(f"method-{method}").set_checked(wanted)
+    for method, is_selected in (("OE", True), ("FRE", False), ("EE", True)):
+        page.get_by_test_id(f"method-{method}").set_checked(is_selected)
     for mode in (7, 9):
         page.get_by_test_id(f"mode-{mode}").set_checked(True)
     expect(page.get_by_test_id("free-count")).to_have_text(re.compile("44 of 44 free"))

@@ -12,7 +12,7 @@ import pytest
 
 
 def assert_drawable(spec: dict[str, Any]) -> None:
-    """Plotly knows every field, the wire carries it, and no NaN is in it."""
+    """Return a check that plotly accepts a figure, that it is JSON, and that it has no NaN."""
     assert set(spec) == {"data", "layout"}
     go.Figure(spec)  # raises on an unknown field or a wrong value
     json.dumps(orjson.loads(orjson.dumps(spec)), allow_nan=False)

@@ -59,7 +59,7 @@ def test_envelope_falls_back_to_airspeed_where_flutter_is_unknown(drawable):
     assert "shapes" not in spec["layout"]
 
 
-def test_an_fta_keeps_its_look_whatever_else_is_shown():
+def test_style_of_an_fta_is_independent_of_others():
     alone = envelope(Envelope(marks=(mark(1, 506, 0.6),)))["data"][0]["marker"]
     beside = envelope(Envelope(marks=(mark(1, 503, 0.6), mark(2, 506, 0.6))))["data"][1]["marker"]
     assert alone == beside
@@ -83,7 +83,7 @@ def histories() -> ChannelHistories:
     )
 
 
-def test_time_history_has_own_units_per_row_and_keeps_peaks(drawable, numbers, histories):
+def test_time_history_has_own_units_per_row_and_retains_peaks(drawable, numbers, histories):
     spec = time_history(histories)
     drawable(spec)
     surface, accelerometer = spec["data"]
@@ -106,13 +106,13 @@ def test_time_history_shows_lost_samples_as_gaps(drawable, numbers, histories):
     assert numbers(spec["data"][0]["y"])[10] is None
 
 
-def test_spectrum_colours_lines_by_owner(drawable, numbers):
+def test_spectrum_colours_harmonics_by_assigned_input(drawable, numbers):
     spec = spectrum(
         Spectra(
             maneuver_id=7,
             inputs=("bfs", "wf4s"),
             frequency_hz=np.array([0.25, 0.5, 0.75, 1.0]),
-            owners=("bfs", "wf4s", "bfs", ""),
+            assigned_inputs=("bfs", "wf4s", "bfs", ""),
             names=("bfs", "wf4s"),
             units=("rad", "rad"),
             magnitude=np.deg2rad(np.array([[4.0, 1.0], [1.0, 4.0], [4.0, 1.0], [0.5, 0.5]])),
@@ -120,11 +120,11 @@ def test_spectrum_colours_lines_by_owner(drawable, numbers):
     )
     drawable(spec)
     first_row = [trace for trace in spec["data"] if trace["yaxis"] == "y"]
-    assert [trace["meta"]["owner"] for trace in first_row] == ["bfs", "wf4s", ""]
+    assert [trace["meta"]["assigned_input"] for trace in first_row] == ["bfs", "wf4s", ""]
     assert numbers(first_row[0]["y"]) == pytest.approx([4.0, 4.0])
     assert first_row[0]["marker"]["color"] != first_row[1]["marker"]["color"]
     assert "[deg s]" in spec["layout"]["yaxis"]["title"]["text"]
-    assert sum(trace["showlegend"] for trace in spec["data"]) == 3, "each owner is named once"
+    assert sum(trace["showlegend"] for trace in spec["data"]) == 3, "one legend entry each"
 
 
 @pytest.mark.parametrize(
@@ -232,6 +232,6 @@ def test_bode_is_in_display_units_with_modes_named(drawable, numbers):
         time_history(ChannelHistories(maneuver_id=1, traces=(), excitation_s=None, points=10)),
     ],
 )
-def test_nothing_to_show_says_so(drawable, spec):
+def test_empty_figure_has_a_message(drawable, spec):
     drawable(spec)
     assert spec["layout"]["annotations"][0]["text"]

@@ -94,7 +94,7 @@ def test_residual_is_relative_to_its_noise(drawable):
     assert len(heatmap["y"]) == 3
 
 
-def test_parameter_correlation_marks_pairs_that_cannot_be_told_apart(drawable):
+def test_parameter_correlation_marks_pairs_above_the_limit(drawable):
     value = ParameterCorrelation(
         run_id=5,
         names=("Cm_alpha", "Cm_q", "CQ7_eta7"),
@@ -108,7 +108,7 @@ def test_parameter_correlation_marks_pairs_that_cannot_be_told_apart(drawable):
     assert "sub" in spec["layout"]["xaxis"]["ticktext"][0]
 
 
-def test_poles_tell_frequency_and_damping(drawable):
+def test_poles_have_frequency_and_damping(drawable):
     value = PoleMap(
         groups=(
             PoleGroup(

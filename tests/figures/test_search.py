@@ -15,13 +15,13 @@ STEPS = (
     SearchStep(action="drop", term="Cm_q", f=3.0, n_terms=1, r_squared=0.8, pse=1.5, bic=10.0),
 )
 TERM = SearchTerm(
-    name="Cm_alpha", chosen=True, value=-0.7, std_error=0.01, f=4900.0, support=0.5,
+    name="Cm_alpha", selected=True, value=-0.7, std_error=0.01, f=4900.0, support=0.5,
     stability=1.0, inflation=1.2,
 )  # fmt: skip
 GROUP = TermGroup(
     name="Cm",
     path=STEPS,
-    terms=(TERM, replace(TERM, name="Cm_q", chosen=False, value=None, stability=0.1)),
+    terms=(TERM, replace(TERM, name="Cm_q", selected=False, value=None, stability=0.1)),
     dependencies=(),
     r_squared=0.8,
     pse=1.5,
@@ -39,7 +39,7 @@ def test_path_and_stability_are_figures_that_plotly_takes():
     assert [trace["y"] for trace in bars["data"]] == [[100.0], [10.0], [50.0, 50.0]]
 
 
-def test_what_there_is_nothing_to_draw_of_says_so():
+def test_empty_search_figures_have_a_message():
     assert not figures.search_path(replace(GROUP, path=()))["data"]
     undrawn = tuple(replace(term, stability=None) for term in GROUP.terms)
     assert not figures.search_stability(replace(GROUP, terms=undrawn))["data"]

@@ -29,7 +29,7 @@ def test_every_colour_stands_out_on_both_pages(colour, page):
     assert contrast(colour, page) >= 3.0
 
 
-def test_what_colour_tells_a_symbol_tells_too():
+def test_meanings_of_colours_are_also_shown_by_symbols():
     for looks in (style.METHODS.values(), style.PREDICTIONS, map(style.of_index, range(7))):
         listed = list(looks)
         assert len({colour for colour, _ in listed}) == len(listed)

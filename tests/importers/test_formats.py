@@ -1,4 +1,4 @@
-"""Formats of recorders: what another program wrote comes back exactly, with units and clocks."""
+"""Formats of recorders: files of other programs are read exactly, with units and clocks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from scipy.io import savemat
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.confined import read_all
+from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile
 
 RNG = np.random.default_rng(3)
@@ -43,7 +43,7 @@ def test_text_in_columns_of_fixed_width_without_blanks_between(tmp_path: Path, w
     np.testing.assert_array_equal(numbered.arrays["2"], values[:, 1])
 
 
-def test_a_row_of_units_below_the_names_is_kept(tmp_path: Path) -> None:
+def test_units_are_read_from_the_second_header_row(tmp_path: Path) -> None:
     source = write(tmp_path / "flight.tsv", "t\tq\taz\ns\tdeg/s\t[g]\n0\t1\t2\n1\t2\t3\n")
     assert source.units == {"t": "s", "q": "deg/s", "az": "[g]"}
     assert source.first_row == 3
@@ -124,11 +124,11 @@ def test_hdf5_never_reads_outside_its_file(tmp_path: Path) -> None:
         file["c/a"] = file["a"]
 
     for spoil, words in (
-        (external, "keeps its samples elsewhere"),
-        (virtual, "keeps its samples elsewhere"),
+        (external, "is external or virtual"),
+        (virtual, "is external or virtual"),
         (link, "is a link"),
         (soft, "is a link"),
-        (circle, "nested without end"),
+        (circle, "is nested more than"),
     ):
         with h5py.File(tmp_path / "flight.h5", "w") as file:
             spoil(file)

@@ -1,4 +1,4 @@
-"""mAEWing1: the real flight maneuver, its modes and derivatives come in by the shipped mapping.
+"""mAEWing1: a flight maneuver, modes and derivatives are imported by the shipped mapping.
 
 Published values: eigenvalues and flutter speeds computed from the authors' own
 matrices (states u, w, theta, q, h and six modes; ours leaves out u and h).
@@ -35,7 +35,7 @@ INPUTS = ("bfs", "wf1s", "wf2s", "wf3s")
 MODES = (7, 8, 9, 10, 11, 12)
 
 pytestmark = pytest.mark.skipif(
-    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; examples/maewing1 says where from"
+    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; see examples/maewing1"
 )
 
 
@@ -90,7 +90,7 @@ def test_channels_condition_and_excitation(store: Store, imported: Imported) -> 
         assert store.arrays.get(channels[name].array).mean() == pytest.approx(-9.81, rel=0.03)
 
 
-def test_each_input_owns_its_harmonics(store: Store, imported: Imported) -> None:
+def test_each_input_has_its_harmonics(store: Store, imported: Imported) -> None:
     maneuver = imported.maneuver
     assert maneuver is not None
     excitation = maneuver.excitation
@@ -136,8 +136,8 @@ def test_derivatives_rebuild_published_eigenvalues_and_flutter(
     assert brentq(growth, 28.0, 38.0) == pytest.approx(flutter_speed, abs=0.02)
 
 
-def test_wing_sensors_see_what_the_authors_model_says(store: Store, imported: Imported) -> None:
-    """A sudden deflection shows in D: locations, mode shapes, axes and signs in one matrix.
+def test_wing_sensors_match_the_published_model(store: Store, imported: Imported) -> None:
+    """D depends on locations, mode shapes, axes and signs.
 
     Our C cannot equal theirs, which also rolls: the FEM is not quite symmetric.
     """
@@ -148,7 +148,7 @@ def test_wing_sensors_see_what_the_authors_model_says(store: Store, imported: Im
     np.testing.assert_allclose(model.state_space(table).D, theirs, rtol=1e-4)
 
 
-def test_pitch_rate_answers_as_in_the_authors_model(store: Store, imported: Imported) -> None:
+def test_pitch_rate_response_matches_the_published_model(store: Store, imported: Imported) -> None:
     published = loadmat(FLIGHT / "geri_ss23_NOM.mat")
     A, B, C = (published[name] for name in "ABC")
     ours = build(store, imported, 23.0).state_space(derivatives(store, imported, 0))
@@ -159,7 +159,7 @@ def test_pitch_rate_answers_as_in_the_authors_model(store: Store, imported: Impo
         np.testing.assert_allclose(found, expected, rtol=0.06)
 
 
-def test_the_conditioned_record_and_the_stored_waveforms_come_in_too(
+def test_conditioned_record_and_stored_waveforms_are_imported(
     store: Store, imported: Imported
 ) -> None:
     examples = ROOT / "examples/maewing1"

@@ -1,4 +1,4 @@
-"""Mapping: every mistake is refused with the key that holds it."""
+"""Mapping: every mistake is rejected, and the message names its key."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.importers.mapping import parse_mapping
-from flexsid.workflow.aircraft.aircraft_models import default_outputs
+from flexsid.workflow.aircraft.aircraft_models import list_default_outputs
 
 GOOD = """
 [aircraft]
@@ -57,7 +57,7 @@ def test_a_good_mapping_is_read() -> None:
         ("number = 3", "numbr = 3", "'flight.number' is missing"),
         ("number = 3", 'number = 3\nnumer = "x"', "'flight.numer' is not a key.*'number'"),
         ("number = 3", 'number = "three"', "'flight.number' must be a whole number"),
-        ('"2026-05-31"', '"31 May"', "'flight.date' must be written"),
+        ('"2026-05-31"', '"31 May"', "'flight.date' must have the form"),
         ('unit = "deg"\n', 'unit = "degrees"\n', r"'channels\[1\].unit'.*Unknown unit 'degrees'"),
         ('unit = "kt"', 'unit = "kg"', "'maneuver.condition.airspeed.unit' measures mass"),
         ('unit = "kt"', 'unit = "kn"', "'maneuver.condition.airspeed.unit'.*Unknown unit 'kn'"),
@@ -77,7 +77,7 @@ def test_a_mistake_is_named(old: str, new: str, message: str) -> None:
 
 
 def test_a_mapping_of_nothing_is_refused() -> None:
-    with pytest.raises(BadInput, match="nothing to import"):
+    with pytest.raises(BadInput, match="has nothing to import"):
         parse_mapping('[aircraft]\nname = "X-1"\n')
 
 
@@ -120,6 +120,6 @@ def test_parts_of_left_and_right_follow_their_sign_rule() -> None:
         "ay_tipa": {"ay_tipl": 0.5, "ay_tipr": 0.5},
     }
     recorded = ["az_tipl", "az_tipr", "ay_tipl", "ay_tipr"]
-    assert default_outputs(part.definition, recorded) == ("az_tips", "ay_tips")
+    assert list_default_outputs(part.definition, recorded) == ("az_tips", "ay_tips")
     with pytest.raises(BadInput, match=r"'aircraft\.pairs' may hold"):
         parse_mapping(PAIRS.replace('"antisymmetric"', '"both"') + GOOD[GOOD.index("[flight]") :])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers import confined
-from flexsid.importers.modal_data import StructureAnswers, extract_structure
+from flexsid.importers import sandbox
+from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.nastran.frames import Frames
 
@@ -49,7 +49,7 @@ def test_decks_are_read_in_all_formats_and_local_systems_resolved(tmp_path):
     file.write_text(DECK)
     deck = read(bulk, file)
     assert deck["grid/id"].tolist() == [1, 2, 3, 4]
-    assert deck["grid/cd"].tolist() == [0, 1, 0, 2]  # blank is what GRDSET says
+    assert deck["grid/cd"].tolist() == [0, 1, 0, 2]  # blank defaults to GRDSET
     assert deck["deck/include"].tolist() == ["../elsewhere.bdf"]  # named, never opened
     frames = Frames(group(deck, "grid"), group(deck, "frame"))
     places = frames.places()
@@ -66,13 +66,13 @@ def test_decks_are_read_in_all_formats_and_local_systems_resolved(tmp_path):
 @pytest.mark.parametrize(
     ("deck", "message"),
     [
-        ("GRID,1,5,0.,0.,0.\n", "coordinate system 5 is used but defined in none"),
-        ("GRID,1,5,0.,0.,0.\nCORD2R,5,5,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n", "defined by itself"),
+        ("GRID,1,5,0.,0.,0.\n", "coordinate system 5 is used but not defined"),
+        ("GRID,1,5,0.,0.,0.\nCORD2R,5,5,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n", "refers to itself"),
         ("GRID,1,5,0.,0.,0.\nCORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n", "lie on one line"),
         ("GRID,1,5,0.,0.,0.\nCORD1R,5,7,8,9\n", "node 7, which is in none"),
     ],
 )
-def test_systems_that_cannot_be_are_refused(tmp_path, deck, message):
+def test_invalid_coordinate_systems_are_rejected(tmp_path, deck, message):
     file = tmp_path / "wing.bdf"
     file.write_text(deck)
     fields = read(bulk, file)
@@ -80,7 +80,7 @@ def test_systems_that_cannot_be_are_refused(tmp_path, deck, message):
         Frames(group(fields, "grid"), group(fields, "frame")).places()
 
 
-def test_a_line_that_is_no_entry_is_named(tmp_path):
+def test_invalid_entry_is_named(tmp_path):
     file = tmp_path / "wing.bdf"
     file.write_text("GRID,1,,0.,0.,0.\nGRID,2,,zero,0.,0.\n")
     with pytest.raises(UnreadableFile, match="line 2"):
@@ -106,7 +106,7 @@ def test_eigenvectors_are_printed_over_several_pages(tmp_path):
     assert found["shape/values"][1, 1].tolist() == [0.1, -2.0, 0.0, 0.0, 3.0, 0.0]
     assert found["shape/radians"] == pytest.approx([50.0, 50.0])
     file.write_text("an empty printout\n")
-    with pytest.raises(UnreadableFile, match="neither eigenvalues nor"):
+    with pytest.raises(UnreadableFile, match="no eigenvalues, eigenvectors or"):
         read(f06, file)
 
 
@@ -140,7 +140,7 @@ def printed_table(eigenvalue, header="SUBCASE 1", below=""):
 
 
 def test_modes_of_several_subcases_are_not_mixed(tmp_path):
-    """Mode 1 of subcase 2 has a node that mode 1 of subcase 1 lacks: it stays out."""
+    """Mode 1 of subcase 2 has a node that mode 1 of subcase 1 lacks: it is excluded."""
     file = tmp_path / "wing.f06"
     second = {"header": "SUBCASE 2", "eigenvalue": 400.0}
     file.write_text(
@@ -166,7 +166,7 @@ def test_modes_of_several_subcases_are_not_mixed(tmp_path):
     assert "subcase 2" in found["refused"][0]
 
 
-def test_what_looks_like_modes_and_is_not_is_left_out_and_named(tmp_path):
+def test_tables_other_than_modes_are_skipped_and_noted(tmp_path):
     file = tmp_path / "wing.f06"
     relative = printed_page(below="     (RELATIVE TO ENFORCED MOTION INPUT)")
     twisted = PAGE.format(
@@ -197,7 +197,7 @@ def test_what_looks_like_modes_and_is_not_is_left_out_and_named(tmp_path):
     with pytest.raises(UnreadableFile, match=r"buckling shapes .*; 1 buckling factors"):
         read(f06, file)
     file.write_text(printed_page() + printed_page(value=2.0))
-    with pytest.raises(UnreadableFile, match="mode 1 has another value at node 11"):
+    with pytest.raises(UnreadableFile, match="mode 1 has two different values at node 11"):
         read(f06, file)
     file.write_text(printed_page() + printed_page(node=12) + printed_page(mode=2))
     assert "mode 2 is not given at node 12" in read(f06, file)["refused"][0]
@@ -206,7 +206,7 @@ def test_what_looks_like_modes_and_is_not_is_left_out_and_named(tmp_path):
     assert "complex" in read(punch, punched)["refused"][0]
 
 
-def test_replicated_nodes_and_open_defaults_are_kept(tmp_path):
+def test_replicated_nodes_and_open_defaults_are_read(tmp_path):
     file = tmp_path / "wing.bdf"
     file.write_text(
         "GRID,101,17,1.0,10.5,,17\n=,*(1),=,*(0.2),==\n=(2)\n"
@@ -269,7 +269,7 @@ def write_op2(
     before: str = "",
     subcases: tuple[int, ...] = (1,),
 ) -> None:
-    """Two nodes and two modes, as Nastran lays them down, in words of 4 or 8 bytes.
+    """Two nodes and two modes, in Nastran format, in words of 4 or 8 bytes.
 
     Shapes lie in ``table``; before it another one, ``before``, holds them ten times as large.
     A coordinate system 5 is turned by 90 degrees about z; node 2 has its displacements in it.
@@ -371,7 +371,7 @@ def test_coordinate_systems_of_output_files_are_read_in_either_precision(tmp_pat
         ({"subcases": (1, 2)}, "the modes of subcase 2; those of subcase 1 are read"),
     ],
 )
-def test_tables_beside_the_modes_are_not_taken_for_them(tmp_path, wrong, what):
+def test_tables_other_than_modes_are_not_read(tmp_path, wrong, what):
     file = tmp_path / "wing.op2"
     write_op2(file, **wrong)
     found = read(op2, file)
@@ -389,7 +389,7 @@ def test_tables_beside_the_modes_are_not_taken_for_them(tmp_path, wrong, what):
         ({"table": "ROUGV1"}, "relative to an enforced motion"),
     ],
 )
-def test_displacements_that_are_no_modes_are_named(tmp_path, wrong, what):
+def test_displacements_other_than_modes_are_noted(tmp_path, wrong, what):
     file = tmp_path / "wing.op2"
     write_op2(file, **wrong)
     found = read(op2, file)
@@ -397,19 +397,19 @@ def test_displacements_that_are_no_modes_are_named(tmp_path, wrong, what):
     assert what in " | ".join(found["refused"])
 
 
-def test_shapes_that_are_in_basic_directions_are_not_turned_again(tmp_path):
-    """Tables whose names begin with B are basic; others lie in each node's own system."""
-    answers = StructureAnswers(name="w", length_unit="m", generalized_mass="unknown")
+def test_shapes_in_basic_directions_are_not_transformed(tmp_path):
+    """Tables with names in B are in basic axes; others in the displacement system of each node."""
+    options = ModalDataOptions(name="w", length_unit="m", generalized_mass="unknown")
     expected = {"OUGV1": [-1.0, 1.0, 1.0], "BOPHIG": [1.0, 1.0, 1.0]}  # of node 2, mode 1
     for table, direction in expected.items():
         write_op2(tmp_path / "wing.op2", table=table)
-        raw = extract_structure(confined.read_all([tmp_path / "wing.op2"]), answers)
+        raw = extract_modal_data(sandbox.read_all([tmp_path / "wing.op2"]), options)
         assert raw.shape[0, 0, 1, :3] * [-1, 1, -1] == pytest.approx(direction)
 
 
 @needs_fem
 def test_the_modes_of_maewing1_come_from_its_output_file():
-    (source,) = confined.read_all([FEM / "sol103_maewing1_femv4p2p1.op2"]).items
+    (source,) = sandbox.read_all([FEM / "sol103_maewing1_femv4p2p1.op2"]).items
     found = source.arrays
     hertz = found["shape/radians"] / (2.0 * np.pi)
     assert hertz.size == 20
@@ -417,7 +417,7 @@ def test_the_modes_of_maewing1_come_from_its_output_file():
     printed = read(f06, FEM / "sol103_maewing1_femv4p2p1.f06")
     assert printed["mode/mass"] == pytest.approx(np.ones(20))
     assert hertz[6:] == pytest.approx(printed["mode/radians"][6:] / (2.0 * np.pi), rel=3e-7)
-    # The printout keeps the largest component of each mode: they agree to its last digit.
+    # The printed largest component of each mode agrees to its last digit.
     largest = np.abs(found["shape/values"]).max(axis=1)
     assert largest == pytest.approx(printed["shape/largest"], rel=1e-6, abs=1e-12)
 
@@ -425,7 +425,7 @@ def test_the_modes_of_maewing1_come_from_its_output_file():
 @needs_fem
 def test_the_deck_of_maewing1_gives_the_nodes_of_its_output_file():
     parts = sorted([*FEM.glob("*.bdf"), *FEM.glob("*.dat")])
-    sources = confined.read_all(parts).items
+    sources = sandbox.read_all(parts).items
     grids: dict[str, list[np.ndarray]] = {}
     frames: dict[str, np.ndarray] = {}
     for source in sources:

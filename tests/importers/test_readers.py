@@ -1,4 +1,4 @@
-"""Readers: what was written comes back exactly; what is not what it says is refused."""
+"""Readers: written data are read exactly; invalid content is rejected."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import pytest
 from scipy.io import savemat
 
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers.confined import read_all
 from flexsid.importers.readers import open_file
+from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile
 
 
@@ -97,7 +97,7 @@ def test_matlab_7_3_never_reads_outside_its_file(tmp_path: Path) -> None:
     path = tmp_path / "outside.mat"
     with h5py.File(path, "w") as file:
         file.create_dataset("stolen", (8,), "u1", external=[(str(secret), 0, 8)])
-    with pytest.raises(UnreadableFile, match="'stolen' keeps its samples elsewhere"):
+    with pytest.raises(UnreadableFile, match="'stolen' is external or virtual"):
         read(path)
     with h5py.File(path, "w") as file:
         file["linked"] = h5py.ExternalLink(str(secret), "/x")
@@ -124,7 +124,7 @@ def test_a_cut_off_matlab_file_is_refused(tmp_path: Path) -> None:
         read(path)
 
 
-def test_numpy_archives_keep_precision(tmp_path: Path) -> None:
+def test_numpy_archives_are_read_in_full_precision(tmp_path: Path) -> None:
     path = tmp_path / "record.npz"
     np.savez(path, q=Q.astype(np.float32), names=np.array(["q", "alpha"]))
     sources = read_all([path])
@@ -139,7 +139,7 @@ def test_pickles_are_never_loaded(tmp_path: Path) -> None:
         read(path)
 
 
-def test_an_array_that_claims_more_than_it_holds_is_refused(tmp_path: Path) -> None:
+def test_array_with_false_size_is_rejected(tmp_path: Path) -> None:
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         header, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
@@ -169,11 +169,11 @@ def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         ("flight.mat", struct.pack(">5i", 1000, 2, 1, 0, 2) + b"q\0" + bytes(16), "MATLAB 4"),
         ("flight.csv", b't_s,al"pha\n0,1\n', 'row 1, column 2: a quotation mark in al"pha'),
         ("flight.csv", b't_s,"q\n0,1\n', "row 1, column 2: a quotation mark"),
-        ("flight.xls", b"whatever", "files of kind '.xls' cannot be read"),
+        ("flight.xls", b"whatever", "the suffix '.xls' is not supported"),
         ("flight.npz", b"PK\x03\x04" + zlib.compress(b"x" * 100), "the archive is damaged"),
     ],
 )
-def test_content_must_be_what_the_suffix_says(
+def test_content_must_match_the_suffix(
     tmp_path: Path, name: str, content: bytes, message: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
@@ -181,7 +181,7 @@ def test_content_must_be_what_the_suffix_says(
         read(tmp_path / name)
 
 
-def test_an_upload_is_called_by_its_owner_s_name(tmp_path: Path) -> None:
+def test_messages_use_the_original_name_of_an_upload(tmp_path: Path) -> None:
     path = tmp_path / "tmp83nf"
     path.write_bytes(b"")
     with pytest.raises(UnreadableFile, match=r"flight\.csv is empty: row 1, column 1"):
@@ -191,7 +191,7 @@ def test_an_upload_is_called_by_its_owner_s_name(tmp_path: Path) -> None:
 def test_a_missing_field_is_named_with_close_matches(tmp_path: Path) -> None:
     path = tmp_path / "record.npz"
     np.savez(path, airspeed=1.0)
-    with pytest.raises(BadInput, match=r"No column or field 'airspeeds' .* Close: airspeed"):
+    with pytest.raises(BadInput, match=r"No column or field 'airspeeds' .* Similar: airspeed"):
         read_all([path]).numbers("airspeeds")
 
 

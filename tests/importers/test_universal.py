@@ -1,4 +1,4 @@
-"""Universal files: samples of pyuff, and what is refused."""
+"""Universal files: samples of pyuff, and rejected content."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers import confined, universal
-from flexsid.importers.modal_data import StructureAnswers, extract_structure
-from flexsid.importers.responses import ResponseAnswers, extract_responses
+from flexsid.importers import sandbox, universal
+from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
+from flexsid.importers.responses import ResponseOptions, extract_responses
 
 UFF = Path(__file__).parents[3] / "shared" / "data" / "uff"
 needs_samples = pytest.mark.skipif(not UFF.exists(), reason="the UFF samples are not here")
 
 
 def read(name: str) -> dict[str, np.ndarray]:
-    (source,) = confined.read_all([UFF / name]).items
+    (source,) = sandbox.read_all([UFF / name]).items
     return dict(source.arrays)
 
 
@@ -90,7 +90,7 @@ NONE
 """
 
 
-def test_complex_shapes_whose_numbers_touch(tmp_path):
+def test_complex_shapes_without_blanks_between_numbers(tmp_path):
     file = tmp_path / "test.uff"
     file.write_text(SHAPE.format(char=2, count=3))
     found = {field.path: field.samples for field in universal.read(file).fields}
@@ -109,7 +109,7 @@ def test_complex_shapes_whose_numbers_touch(tmp_path):
         ("    -1\n    58\nshort\n    -1\n", "its header is not of 11 lines"),
     ],
 )
-def test_what_cannot_be_used_is_refused_with_the_reason(tmp_path, text, message):
+def test_unusable_content_is_rejected_with_the_reason(tmp_path, text, message):
     file = tmp_path / "test.uff"
     file.write_text(text)
     with pytest.raises(UnreadableFile, match=message):
@@ -129,7 +129,7 @@ def block(kind: int, text: str) -> str:
 
 
 def system(number: int, kind: int, rows=((0, 1, 0), (-1, 0, 0), (0, 0, 1), (2, 0, 0))) -> str:
-    """A system of data set 2420, turned by 90 degrees about z and moved by 2 along x."""
+    """A system of data set 2420, rotated by 90 degrees about z and shifted by 2 along x."""
     matrix = "".join("".join(f"{x:25.16E}" for x in row) + "\n" for row in rows)
     return f"{number:10d}{kind:10d}{8:10d}\nCS{number}\n{matrix}"
 
@@ -147,8 +147,8 @@ def mode(values: dict[int, tuple[float, ...]]) -> str:
 def extracted(tmp_path, text: str):
     file = tmp_path / "test.unv"
     file.write_text(text)
-    answers = StructureAnswers(name="x", length_unit="m", generalized_mass="unknown")
-    return extract_structure(confined.read_all([file]), answers)
+    options = ModalDataOptions(name="x", length_unit="m", generalized_mass="unknown")
+    return extract_modal_data(sandbox.read_all([file]), options)
 
 
 @pytest.mark.parametrize(
@@ -168,8 +168,8 @@ def test_displacements_in_systems_of_data_set_2420_are_turned(tmp_path, kind, ex
     assert raw.nodes[0] == pytest.approx([5.0, 0.0, 0.0])
 
 
-def test_places_of_nodes_are_in_the_system_that_their_data_set_means(tmp_path):
-    """2411 gives places in the part; 15 and 781 in the system named."""
+def test_node_coordinates_are_in_the_system_of_their_data_set(tmp_path):
+    """Data set 2411 uses the part system; 15 and 781 use the named system."""
     systems = block(2420, "         1\npart\n" + system(7, 0))
     shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
     place = (1.0, 0.0, 0.0)
@@ -180,20 +180,20 @@ def test_places_of_nodes_are_in_the_system_that_their_data_set_means(tmp_path):
     assert raw.nodes[0] == pytest.approx([2.0, 1.0, 0.0])
 
 
-def test_a_coordinate_system_that_is_not_understood_is_refused_or_noted(tmp_path):
+def test_invalid_coordinate_systems_are_rejected_or_noted(tmp_path):
     shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
     nodes = block(2411, node(1, (1.0, 0.0, 0.0), displacement=9))
     raw = extracted(tmp_path, nodes + shapes)
-    assert any("coordinate systems 9 are defined by no data set" in note for note in raw.notes)
+    assert any("coordinate systems 9 are not defined by a data set" in note for note in raw.notes)
     systems = block(2420, "         1\npart\n" + system(7, 0))
-    with pytest.raises(BadInput, match="coordinate system 9 is used but defined in none"):
+    with pytest.raises(BadInput, match="coordinate system 9 is used but not defined"):
         extracted(tmp_path, systems + nodes + shapes)
     skewed = system(9, 0, ((1, 0, 0), (1, 1, 0), (0, 0, 1), (0, 0, 0))) + system(7, 0)
     skewed = block(2420, "         1\npart\n" + skewed)
-    with pytest.raises(BadInput, match="coordinate system 9 is used but defined in none"):
+    with pytest.raises(BadInput, match="coordinate system 9 is used but not defined"):
         extracted(tmp_path, skewed + nodes + shapes)
     raw = extracted(tmp_path, skewed + block(2411, node(1, (1.0, 0.0, 0.0))) + shapes)
-    assert any("not that of three right-handed unit vectors" in note for note in raw.notes)
+    assert any("does not consist of right-handed unit vectors" in note for note in raw.notes)
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ def test_a_coordinate_system_that_is_not_understood_is_refused_or_noted(tmp_path
     [
         (
             block(2411, node(1, (1.0, 0.0, 0.0))) + block(781, node(1, (2.0, 0.0, 0.0))),
-            "node 1 is defined twice",
+            "node 1 has two different definitions",
         ),
         (
             "".join(
@@ -212,11 +212,11 @@ def test_a_coordinate_system_that_is_not_understood_is_refused_or_noted(tmp_path
         ),
         (
             "".join(block(2420, "         1\npart\n" + system(7, kind)) for kind in (0, 1)),
-            "coordinate system 7 is defined twice",
+            "coordinate system 7 has two different definitions",
         ),
     ],
 )
-def test_data_sets_that_contradict_each_other_are_refused(tmp_path, text, message):
+def test_contradictory_data_sets_are_rejected(tmp_path, text, message):
     file = tmp_path / "test.unv"
     file.write_text(text)
     with pytest.raises(UnreadableFile, match=message):
@@ -248,21 +248,21 @@ def responses(tmp_path, *texts: str, unit: str = "m/s2"):
     files = [tmp_path / f"r{n}.uff" for n in range(len(texts))]
     for file, text in zip(files, texts, strict=True):
         file.write_text(text)
-    answers = ResponseAnswers(name="GVT", response_unit=unit, force_unit="N", length_unit="m")
-    return extract_responses(confined.read_all(files), answers)
+    options = ResponseOptions(name="GVT", response_unit=unit, force_unit="N", length_unit="m")
+    return extract_responses(sandbox.read_all(files), options)
 
 
 def test_spectra_and_coherences_do_not_overwrite_frequency_responses(tmp_path):
     beside = "".join(function(1, 9, (10.0 * kind) * ONES, kind=kind) for kind in (2, 3, 6, 9, 12))
     raw = responses(tmp_path, function(1, 9, ONES) + beside)
     assert np.abs(raw.values).max() == 1.0
-    assert any("1 cross spectra, which are no complex" in note for note in raw.notes)
+    assert any("1 cross spectra, which are not complex" in note for note in raw.notes)
     with pytest.raises(BadInput, match="no frequency responses"):
         responses(tmp_path, beside)
 
 
 def test_responses_of_all_files_are_one_matrix(tmp_path):
-    """One file per reference; a point that one file lacks is left out and counted."""
+    """One file per reference; a point that one file lacks is excluded and counted."""
     first = function(1, 8, ONES) + function(2, 8, 2.0 * ONES) + function(3, 8, 3.0 * ONES)
     second = function(1, 9, 4.0 * ONES) + function(2, 9, 5.0 * ONES)
     raw = responses(tmp_path, first, second)
@@ -276,14 +276,26 @@ def test_responses_of_all_files_are_one_matrix(tmp_path):
 @pytest.mark.parametrize(
     ("texts", "unit", "message"),
     [
-        ((function(1, 8, ONES), function(1, 9, ONES, start=3.0)), "m/s2", "other frequencies"),
-        ((function(1, 8, ONES), function(1, 8, 2.0 * ONES)), "m/s2", "comes a second time"),
+        (
+            (function(1, 8, ONES), function(1, 9, ONES, start=3.0)),
+            "m/s2",
+            "frequencies of r1.uff differ",
+        ),
+        (
+            (function(1, 8, ONES), function(1, 8, 2.0 * ONES)),
+            "m/s2",
+            "is repeated with other values",
+        ),
         ((function(1, 8, ONES, quantity=11, unit="m/s"),), "m/s2", "are of velocity by the file"),
-        ((function(1, 8, ONES, per=12),), "m/s2", "are of acceleration by the file, forces"),
+        (
+            (function(1, 8, ONES, per=12),),
+            "m/s2",
+            "are of acceleration by the file, expected forces",
+        ),
         ((function(1, 8, ONES, unit="g"),), "m/s2", "gives its responses in g"),
     ],
 )
-def test_responses_that_do_not_fit_together_are_refused(tmp_path, texts, unit, message):
+def test_inconsistent_responses_are_rejected(tmp_path, texts, unit, message):
     with pytest.raises(BadInput, match=message):
         responses(tmp_path, *texts, unit=unit)
 
@@ -304,17 +316,19 @@ def test_units_that_files_state_are_one_system_or_noted(tmp_path):
     shapes = block(55, mode({1: (1.0, 0.0, 0.0)}))
     nodes = block(2411, node(1, (1.0, 0.0, 0.0)))
 
-    def extracted_of(unit: str | None, *texts: str):
+    def extract(unit: str | None, *texts: str):
         files = [tmp_path / f"u{n}.unv" for n in range(len(texts))]
         for file, text in zip(files, texts, strict=True):
             file.write_text(text)
-        answers = StructureAnswers(name="x", length_unit=unit, generalized_mass="unknown")
-        return extract_structure(confined.read_all(files), answers)
+        options = ModalDataOptions(name="x", length_unit=unit, generalized_mass="unknown")
+        return extract_modal_data(sandbox.read_all(files), options)
 
     with pytest.raises(BadInput, match=r"states its unit of length as 1 in SI, .* as 0\.001"):
-        extracted_of(None, units(1.0) + nodes, units(1000.0) + shapes)
-    raw = extracted_of(None, units(1000.0) + nodes, shapes)
+        extract(None, units(1.0) + nodes, units(1000.0) + shapes)
+    raw = extract(None, units(1000.0) + nodes, shapes)
     assert raw.nodes[0, 0] == pytest.approx(0.001)
-    assert "u1.unv states no units: taken in those of u0.unv." in raw.notes
-    raw = extracted_of("m", units(1000.0) + nodes, shapes)
-    assert any("states a length of 0.001 m: not used" in note for note in raw.notes)
+    assert "u1.unv states no units; the units of u0.unv are used." in raw.notes
+    raw = extract("m", units(1000.0) + nodes, shapes)
+    assert any(
+        "states a unit of length of 0.001 m, which is not used" in note for note in raw.notes
+    )

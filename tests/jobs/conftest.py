@@ -1,4 +1,4 @@
-"""Steps that do what their task says, and both kinds of workers to carry them out."""
+"""A stub pipeline controlled by its tasks, and both kinds of workers to execute it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from waiting import wait_until
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.steps import Steps
+from flexsid.jobs.pipeline import JobPipeline
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage.store import Store
 
@@ -24,9 +24,9 @@ Until = Callable[..., EstimationRun]
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave one combination of executor and database of each fault in ``make test``, in turn.
+    """Mark all but one combination of executor and database of each fault as long.
 
-    All combinations are run by ``make test-long``.
+    ``make test-long`` runs all combinations.
     """
     cases: dict[str, list[pytest.Function]] = {}
     for item in items:
@@ -64,17 +64,17 @@ def executor(request: pytest.FixtureRequest) -> str | None:
 
 
 @pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch) -> Steps:
+def pipeline(monkeypatch: pytest.MonkeyPatch) -> JobPipeline:
     # The workers find the stub by the path that they inherit.
     monkeypatch.syspath_prepend(str(HERE))
-    import stub_steps
+    import stub_pipeline
 
-    return stub_steps.load()
+    return stub_pipeline.load()
 
 
 @pytest.fixture
-def dispatcher(store: Store, steps: Steps, executor: str | None) -> Iterator[Dispatcher]:
-    made = Dispatcher(store, steps, make_workers(steps.compute, executor, 2))
+def dispatcher(store: Store, pipeline: JobPipeline, executor: str | None) -> Iterator[Dispatcher]:
+    made = Dispatcher(store, pipeline, make_workers(pipeline.compute, executor, 2))
     yield made
     made.stop()
 
@@ -100,11 +100,11 @@ def start_server(
     """Start a server of its own on the test's database, with one worker."""
     started: list[subprocess.Popen[bytes]] = []
 
-    def start(patience_s: float = 60.0) -> subprocess.Popen[bytes]:
+    def start(lease_timeout_s: float = 60.0) -> subprocess.Popen[bytes]:
         server = subprocess.Popen(
             [
                 *(sys.executable, str(HERE / "stub_server.py")),
-                *(database_url, executor or "", str(patience_s)),
+                *(database_url, executor or "", str(lease_timeout_s)),
             ],
             env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
         )

@@ -1,4 +1,4 @@
-"""Several computers and a database server that goes away: nothing is lost, nothing done twice."""
+"""Several computers and an interrupted database server: no run is lost or executed twice."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexsid.jobs import cluster as cluster_module
 from flexsid.jobs import health
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.steps import Steps
+from flexsid.jobs.pipeline import JobPipeline
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import leases, run_log
 from flexsid.storage.store import Store
@@ -53,7 +53,7 @@ def test_two_dask_workers_share_a_batch_and_one_that_stops_loses_nothing(
     assert all(place.startswith("tcp://") for place in places)
     for run in runs:
         assert run.id is not None
-        kinds = [event.kind for event in run_log.of_run(store, run.id)]
+        kinds = [event.kind for event in run_log.read_log(store, run.id)]
         assert kinds.count("succeeded") == 1
 
 
@@ -74,7 +74,7 @@ def test_a_database_that_restarts_is_waited_for(
     for run in runs:
         assert until(run).state is RunState.SUCCEEDED
         assert run.id is not None
-        kinds = [event.kind for event in run_log.of_run(store, run.id)]
+        kinds = [event.kind for event in run_log.read_log(store, run.id)]
         assert kinds.count("succeeded") == 1
 
 
@@ -82,13 +82,13 @@ def test_a_database_that_restarts_is_waited_for(
 def test_a_scheduler_that_goes_away_is_waited_for(
     store: Store,
     add_run: AddRun,
-    steps: Steps,
+    pipeline: JobPipeline,
     until: Until,
     tmp_path: Path,
 ) -> None:
     own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
     runs = [add_run(author="brief") for _ in range(10)]
-    dispatcher = Dispatcher(store, steps, make_workers(steps.compute, own.address))
+    dispatcher = Dispatcher(store, pipeline, make_workers(pipeline.compute, own.address))
     dispatcher.start()
     try:
         until(runs[2])
@@ -101,34 +101,34 @@ def test_a_scheduler_that_goes_away_is_waited_for(
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-def test_a_run_whose_last_worker_is_gone_waits_in_the_queue_and_health_says_so(
+def test_a_run_without_a_worker_waits_in_the_queue_and_health_is_degraded(
     store: Store,
     add_run: AddRun,
-    steps: Steps,
+    pipeline: JobPipeline,
     until: Until,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cluster_module, "_ALONE_S", 0.2)
+    monkeypatch.setattr(cluster_module, "_NO_WORKER_S", 0.2)
     monkeypatch.setattr(health, "_GRACE_S", 0.5)
     own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
     watch = health.QueueHealth(store)
     runs = [add_run(author=f"hold-once {tmp_path}/begun"), add_run(author="brief")]
-    workers = make_workers(steps.compute, own.address)
-    dispatcher = Dispatcher(store, steps, workers, patience_s=1.0)
+    workers = make_workers(pipeline.compute, own.address)
+    dispatcher = Dispatcher(store, pipeline, workers, lease_timeout_s=1.0)
     dispatcher.start()
     try:
         wait_until(lambda: (tmp_path / "begun").exists())
         own.workers[0].kill()
         wait_until(lambda: {run.state for run in store.runs.find()} == {RunState.QUEUED})
-        wait_until(lambda: watch.look()[1].state is health.PartState.DEGRADED)
-        dispatch, computing = watch.look()
+        wait_until(lambda: watch.check()[1].state is health.PartState.DEGRADED)
+        dispatch, computing = watch.check()
         assert dispatch.state is health.PartState.OK
         assert "No worker" in computing.text
         assert "dask worker" in computing.text
         own.add_worker()
         assert {until(run).state for run in runs} == {RunState.SUCCEEDED}
-        wait_until(lambda: watch.look()[1].state is health.PartState.OK)
+        wait_until(lambda: watch.check()[1].state is health.PartState.OK)
     finally:
         dispatcher.stop()
         own.close()
@@ -138,13 +138,13 @@ def test_a_dispatcher_that_is_gone_or_stands_still_is_found(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = health.QueueHealth(store)
-    assert [part.state for part in watch.look()] == [health.PartState.STARTING] * 2
+    assert [part.state for part in watch.check()] == [health.PartState.STARTING] * 2
     monkeypatch.setattr(health, "_GRACE_S", 0.0)
-    assert [part.state for part in watch.look()] == [health.PartState.DEGRADED] * 2
+    assert [part.state for part in watch.check()] == [health.PartState.DEGRADED] * 2
     lease = leases.take(store, leases.read(store), "elsewhere")
     assert lease is not None
     status = {"server": "s", "place": "p", "workers": 1, "running": []}
     assert leases.renew(store, lease, status) is not None
-    assert [part.state for part in watch.look()] == [health.PartState.OK] * 2
-    monkeypatch.setattr(health, "_STILL_S", 0.0)
-    assert "stood still" in watch.look()[0].text
+    assert [part.state for part in watch.check()] == [health.PartState.OK] * 2
+    monkeypatch.setattr(health, "_STALLED_S", 0.0)
+    assert "not responded" in watch.check()[0].text

@@ -1,4 +1,4 @@
-"""Every run ends once, in the right state, whatever happens to workers and servers."""
+"""Every run ends exactly once, in the right state, despite faults of workers and servers."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ import pytest
 import sqlalchemy as sa
 from sqlalchemy import event
 
-from flexsid.jobs.direct import carry_out
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.steps import Steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import JobPipeline
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
@@ -34,10 +34,10 @@ IsOver = Callable[[int], None]
 
 def _kinds(store: Store, run: EstimationRun) -> list[str]:
     assert run.id is not None
-    return [line.kind for line in run_log.of_run(store, run.id) if line.kind != "said"]
+    return [line.kind for line in run_log.read_log(store, run.id) if line.kind != "logged"]
 
 
-def test_what_is_queued_is_carried_out(
+def test_queued_runs_are_executed(
     store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
 ) -> None:
     before = add_run(author="compute")
@@ -71,7 +71,7 @@ def test_what_is_queued_is_carried_out(
         ("sleep", "time-limit", "longer than 0.5 s"),
     ],
 )
-def test_a_run_that_cannot_be_done_fails_in_words(
+def test_a_failed_run_has_a_code_and_a_message(
     store: Store,
     add_run: AddRun,
     dispatcher: Dispatcher,
@@ -120,7 +120,7 @@ def test_a_killed_worker_costs_an_attempt_not_the_run(
 
 
 @pytest.mark.parametrize("error", [BrokenPipeError("broken pipe"), ValueError("no such task")])
-def test_a_task_that_no_worker_took_ends_its_run_all_the_same(
+def test_a_task_that_cannot_be_submitted_is_retried_or_fails(
     store: Store,
     add_run: AddRun,
     dispatcher: Dispatcher,
@@ -128,7 +128,7 @@ def test_a_task_that_no_worker_took_ends_its_run_all_the_same(
     monkeypatch: pytest.MonkeyPatch,
     error: Exception,
 ) -> None:
-    """So it is where a worker is killed between its start and its first task."""
+    """This happens if a worker is killed between its start and its first task."""
     run = add_run(author="compute")
     submit = dispatcher._workers.submit
     left = [error]
@@ -185,9 +185,9 @@ def test_stopping_is_quick_and_leaves_the_run_for_the_next_server(
 
 
 def test_the_most_urgent_starts_first(
-    store: Store, steps: Steps, add_run: AddRun, until: Until
+    store: Store, pipeline: JobPipeline, add_run: AddRun, until: Until
 ) -> None:
-    single = Dispatcher(store, steps, make_workers(steps.compute, None, 1))
+    single = Dispatcher(store, pipeline, make_workers(pipeline.compute, None, 1))
     runs = [add_run(author="compute", priority=k) for k in (0, 5, -1, 5)]
     single.start()
     ended = [until(run) for run in runs]
@@ -209,7 +209,7 @@ def test_a_run_waits_for_the_one_it_starts_from(
     assert ended.started_at >= begun.finished_at
 
 
-def test_what_waits_for_a_failure_fails_with_it_and_both_can_be_asked_for_again(
+def test_runs_that_depend_on_a_failed_run_fail_and_can_be_retried(
     store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
 ) -> None:
     first = add_run(author="refuse")
@@ -228,12 +228,12 @@ def test_what_waits_for_a_failure_fails_with_it_and_both_can_be_asked_for_again(
     assert until(third, RunState.SUCCEEDED).attempt == 1
 
 
-def test_one_run_can_be_carried_out_without_a_server(
-    store: Store, maneuver: Maneuver, steps: Steps
+def test_a_run_can_be_executed_without_a_server(
+    store: Store, maneuver: Maneuver, pipeline: JobPipeline
 ) -> None:
-    said: list[str] = []
+    messages: list[str] = []
     assert maneuver.id is not None
-    wanted = EstimationRun(
+    requested = EstimationRun(
         maneuver_id=maneuver.id,
         method=Method.EE,
         structure=Structure(fixed={}),
@@ -241,13 +241,15 @@ def test_one_run_can_be_carried_out_without_a_server(
     )
 
     def state(task: str) -> RunState:
-        run = replace(wanted, author=task)
-        return carry_out(store, run, steps, lambda progress: said.append(progress.message)).state
+        run = replace(requested, author=task)
+        return execute_run(
+            store, run, pipeline, lambda progress: messages.append(progress.message)
+        ).state
 
     assert state("compute") is RunState.SUCCEEDED
     assert state("refuse") is RunState.FAILED
     assert state("stumble") is RunState.FAILED
-    assert said == ["half way"] * 3
+    assert messages == ["half way"] * 3
 
 
 def test_a_full_disk_loses_no_result(
@@ -257,7 +259,7 @@ def test_a_full_disk_loses_no_result(
     lift = _fill_disk(store, backend)
     dispatcher.start()
     until(run, RunState.RUNNING)
-    time.sleep(2.0)  # in which the result is there and cannot be stored
+    time.sleep(2.0)  # the result is computed meanwhile and cannot be stored
     assert run.id is not None
     assert store.runs.get(run.id).state is RunState.RUNNING
     lift()
@@ -266,7 +268,7 @@ def test_a_full_disk_loses_no_result(
 
 
 @pytest.mark.parametrize("executor", [None], ids=["local"])
-def test_a_start_that_the_database_kept_but_did_not_confirm_is_made_again(
+def test_a_claim_that_was_stored_but_not_confirmed_is_repeated(
     store: Store,
     add_run: AddRun,
     dispatcher: Dispatcher,
@@ -291,7 +293,7 @@ def test_a_start_that_the_database_kept_but_did_not_confirm_is_made_again(
 
 
 def _fill_disk(store: Store, backend: str) -> Callable[[], None]:
-    """Let no result be written; progress and leases still fit into what is allocated."""
+    """Refuse to store results; progress and leases still fit into the reserved space."""
     if backend == "sqlite":
 
         def refuse(connection, cursor, statement, parameters, context, executemany) -> None:
@@ -344,7 +346,7 @@ def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
     assert until(run, RunState.RUNNING).attempt == 2
 
 
-def test_a_frozen_server_is_relieved_and_finds_out_when_it_thaws(
+def test_a_stopped_server_loses_the_lease_and_detects_it_when_continued(
     store: Store,
     add_run: AddRun,
     start_server: Callable[..., object],
@@ -354,9 +356,9 @@ def test_a_frozen_server_is_relieved_and_finds_out_when_it_thaws(
     tmp_path: Path,
 ) -> None:
     held = add_run(author=f"hold-once {tmp_path}/pid")
-    first = start_server(patience_s=4.0)
+    first = start_server(lease_timeout_s=4.0)
     frozen_worker = process_of(tmp_path / "pid")
-    start_server(patience_s=4.0)
+    start_server(lease_timeout_s=4.0)
     os.kill(first.pid, signal.SIGSTOP)  # type: ignore[attr-defined]
     others = [add_run(author="compute") for _ in range(5)]
     for run in (held, *others):

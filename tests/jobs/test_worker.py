@@ -1,4 +1,4 @@
-"""A worker that is held to its memory."""
+"""The memory limit of a worker."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from waiting import PATIENCE_S
 
 FIRST_PRODUCT = """
-from flexsid.jobs.worker import _at_most
-with _at_most({memory_mb}):
+from flexsid.jobs.worker import _limit_memory
+with _limit_memory({memory_mb}):
     import numpy as np
     import scipy.linalg
     matrix = np.eye(200)
@@ -20,8 +20,8 @@ print("done")
 
 
 @pytest.mark.parametrize("memory_mb", [24, 64])
-def test_the_first_product_of_matrices_does_not_hang_for_want_of_memory(memory_mb: int) -> None:
-    """OpenBLAS asks for its buffers then, and where it gets none it asks for ever."""
+def test_the_first_matrix_product_does_not_hang_at_the_memory_limit(memory_mb: int) -> None:
+    """OpenBLAS reserves its buffers at the first product and retries without end if that fails."""
     ended = subprocess.run(
         [sys.executable, "-c", FIRST_PRODUCT.format(memory_mb=memory_mb)],
         capture_output=True,

@@ -1,4 +1,4 @@
-"""The compose file is valid, and the services it starts answer their health checks.
+"""The compose file is valid, and the services it starts pass their health checks.
 
 No engine is needed: each service's own command is started here, in the order of
 ``depends_on``, with PostgreSQL from the distribution's package.
@@ -29,7 +29,7 @@ COMPOSE = ROOT / "docker-compose.yml"
 INPUT = re.compile(r"\$\{(\w+)(?::([-?])([^}]*))?\}")
 
 
-def test_the_compose_file_is_one() -> None:
+def test_the_compose_file_is_valid() -> None:
     check = subprocess.run(
         [
             *(sys.executable, "-m", "check_jsonschema"),
@@ -42,18 +42,18 @@ def test_the_compose_file_is_one() -> None:
     assert check.returncode == 0, check.stdout + check.stderr
 
 
-def test_it_has_no_secret_of_its_own() -> None:
+def test_it_contains_no_secret() -> None:
     with pytest.raises(AssertionError, match="DB_PASSWORD"):
         services({})
 
 
-def test_nothing_but_loopback_is_published() -> None:
+def test_only_loopback_ports_are_published() -> None:
     for service in services({"DB_PASSWORD": "x"}).values():
         for port in service.get("ports", ()):
             assert port.startswith("127.0.0.1:")
 
 
-def test_whoever_runs_code_binds_loopback_alone() -> None:
+def test_scheduler_and_workers_bind_loopback_only() -> None:
     found = services({"DB_PASSWORD": "x"})
     for name in ("scheduler", "worker"):
         command = found[name]["command"]
@@ -68,7 +68,7 @@ def test_whoever_runs_code_binds_loopback_alone() -> None:
 
 
 def _check_loopback_only(pids: set[int]) -> None:
-    """Look at every socket that a service, or a process below it, listens on."""
+    """Check every socket on which a service or one of its child processes listens."""
     for pid in pids | _children(pids):
         own: set[str] = set()
         with suppress(OSError):  # it may have ended
@@ -81,7 +81,7 @@ def _check_loopback_only(pids: set[int]) -> None:
 
 
 def _children(pids: set[int]) -> set[int]:
-    """Return all processes below these."""
+    """Return all descendants of these processes."""
     found: set[int] = set()
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
@@ -91,22 +91,22 @@ def _children(pids: set[int]) -> set[int]:
     return found | _children(found) if found else found
 
 
-def test_every_service_answers_its_own_health_check_and_nobody_outside(
+def test_every_service_is_healthy_and_listens_on_loopback_only(
     started: dict[str, str],
 ) -> None:
     port = started["PORT"]
 
-    def crew() -> dict[str, Any] | None:
+    def worker_pool() -> dict[str, Any] | None:
         address = f"http://127.0.0.1:{port}/api/v1/jobs/status"
-        with urllib.request.urlopen(address, timeout=PATIENCE_S) as answer:
-            found = json.load(answer)["crew"]
+        with urllib.request.urlopen(address, timeout=PATIENCE_S) as response:
+            found = json.load(response)["worker_pool"]
         return found if found is not None and found["workers"] == 1 else None
 
-    assert wait_until(crew, "a worker")["place"].startswith("Dask cluster")
+    assert wait_until(worker_pool, "a worker")["place"].startswith("Dask cluster")
     with urllib.request.urlopen(
         f"http://127.0.0.1:{port}/api/v1/health", timeout=PATIENCE_S
-    ) as answer:
-        health = json.load(answer)
+    ) as response:
+        health = json.load(response)
     assert {part["name"]: part["state"] for part in health["parts"]} == dict.fromkeys(
         ("database", "dispatcher", "workers", "clock"), "ok"
     )
@@ -117,9 +117,9 @@ def test_every_service_answers_its_own_health_check_and_nobody_outside(
 
 @pytest.fixture
 def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[dict[str, str]]:
-    """Every service, started as the file says, on ports that are free here."""
+    """Every service, started as in the file, on free ports."""
     inputs = {
-        "DB_PASSWORD": "not-looked-at",
+        "DB_PASSWORD": "not-checked",
         "DB_PORT": str(postgresql.port),
         "DASK_PORT": str(_free_port()),
         "PORT": str(_free_port()),
@@ -135,7 +135,7 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
             )
             service = found.pop(ready)
             environment = _environment(service, inputs, name)
-            if ready == "db":  # its image does what our cluster has done: make and start
+            if ready == "db":  # the image does what the test cluster has done: create and start
                 assert service["command"][0] == "postgres"
                 environment |= {"PGPORT": inputs["DB_PORT"]}
             else:
@@ -157,7 +157,7 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
 
 
 def services(inputs: dict[str, str]) -> dict[str, Any]:
-    """Services of the file with ``${...}`` filled in, as an engine does it."""
+    """Services of the file with ``${...}`` filled in, as a container engine does."""
 
     def fill(found: re.Match[str]) -> str:
         name, kind, text = found.groups()
@@ -197,7 +197,7 @@ def _wait_until_healthy(
 ) -> None:
     kind, *command = test
     assert kind == "CMD"
-    if name == "db":  # our cluster has no such database
+    if name == "db":  # the test cluster has no such database
         command = [part for part in command if not part.startswith("--dbname")]
     deadline = time.monotonic() + PATIENCE_S
     while subprocess.run(command, env=environment, capture_output=True, check=False).returncode:

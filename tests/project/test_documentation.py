@@ -1,4 +1,4 @@
-"""What is not documented fails."""
+"""Commands, variables and links of the documentation are complete."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _commands() -> set[str]:
 
 
 def _table(heading: str) -> set[str]:
-    """First column of the table under a heading of the README."""
+    """Return the first column of the table under a heading of the README."""
     section = README.split(f"\n## {heading}\n")[1].split("\n## ")[0]
     return set(re.findall(r"^\| `([^`]+)`", section, re.MULTILINE))
 
@@ -41,7 +41,7 @@ def test_the_readme_lists_exactly_the_commands():
 
 
 @pytest.mark.parametrize("command", sorted(_table("Command line")))
-def test_every_command_explains_itself_and_takes_a_database(command):
+def test_every_command_has_help_and_a_database_option(command):
     text = _help(command.removeprefix("flexsid "))
     assert "--database" in text
 
@@ -62,7 +62,7 @@ def test_every_make_target_of_the_readme_exists():
     assert named <= targets
 
 
-def test_links_of_the_documents_lead_somewhere():
+def test_links_of_the_documents_exist():
     for document in [*ROOT.glob("*.md"), *ROOT.glob(".github/*.md"), *ROOT.glob("*/README.md")]:
         text = document.read_text()
         links = re.findall(r"\]\(([^)#:]+)\)", text)

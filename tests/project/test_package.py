@@ -1,4 +1,4 @@
-"""What is shipped: the wheel, the lock, the container."""
+"""The wheel, the lock file and the metadata."""
 
 from __future__ import annotations
 
@@ -39,35 +39,35 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     return set(zipfile.ZipFile(built).namelist())
 
 
-def test_the_wheel_carries_page_migrations_and_demonstration(wheel):
+def test_the_wheel_contains_page_migrations_and_demonstration(wheel):
     assert "flexsid/frontend_dist/index.html" in wheel
     assert "flexsid/migrations/env.py" in wheel
     assert any(re.match(r"flexsid/migrations/versions/\w+\.py", name) for name in wheel)
     assert "flexsid/demo/data/flex28.json" in wheel
 
 
-def test_the_wheel_carries_nothing_else(wheel):
+def test_the_wheel_contains_nothing_else(wheel):
     roots = {name.split("/")[0] for name in wheel}
     assert roots == {"flexsid", f"flexsid-{flexsid.__version__}.dist-info"}
     assert not [name for name in wheel if "node_modules" in name or name.endswith(".pyc")]
 
 
-def test_the_lock_answers_every_requirement():
+def test_the_lock_satisfies_every_requirement():
     locked: dict[str, list[Version]] = {}
     for name, pinned in re.findall(r"^([\w.-]+)==([\w.]+)", LOCK, re.MULTILINE):
         locked.setdefault(canonicalize_name(name), []).append(Version(pinned))
-    wanted = [*PROJECT["project"]["dependencies"], *PROJECT["dependency-groups"]["test"]]
-    for requirement in map(Requirement, wanted):
+    requirements = [*PROJECT["project"]["dependencies"], *PROJECT["dependency-groups"]["test"]]
+    for requirement in map(Requirement, requirements):
         versions = locked.get(canonicalize_name(requirement.name), [])
         assert versions, f"{requirement.name} is not locked: run `make lock`"
         assert all(requirement.specifier.contains(pinned) for pinned in versions), requirement
 
 
-def test_locks_name_no_package_index():
+def test_lock_files_name_no_package_index():
     assert "://" not in LOCK
     page = json.loads((ROOT / "frontend" / "package-lock.json").read_text())
     assert not [name for name, package in page["packages"].items() if "resolved" in package]
 
 
-def test_the_installed_metadata_is_of_this_version():
+def test_the_installed_metadata_has_this_version():
     assert version("flexsid") == flexsid.__version__

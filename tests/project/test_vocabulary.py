@@ -1,4 +1,4 @@
-"""Words of the field: those that were replaced do not come back."""
+"""Replaced words do not return."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The project's vocabulary: words that were replaced, and where they still are."""
+"""The vocabulary of the project: replaced words and their occurrences."""
 
 from __future__ import annotations
 
@@ -10,18 +10,25 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 VOCABULARY = ROOT / "vocabulary.txt"
 CHECKED = {".py", ".md", ".ts", ".tsx", ".css", ".html", ".toml"}
-# Migrations and the changelog name what once was; the rest is installed or generated.
-PASSED_OVER = {
+# Migrations and the changelog contain former names; the rest is installed or generated.
+EXCLUDED = {
     *("node_modules", ".venv", ".git", ".cache", "dist", "frontend_dist", "var", "versions"),
-    *("schema.gen.ts", "CHANGELOG.md", "vocabulary.txt", "vocabulary.py"),
+    *(
+        "schema.gen.ts",
+        "CHANGELOG.md",
+        "vocabulary.txt",
+        "vocabulary.py",
+        "test_vocabulary.py",
+        "sealed_names.py",
+    ),
 }
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
-_NAME = re.compile(r"[A-Za-z_]\w*")
+_NAME = re.compile(r"[A-Za-z_][\w-]*")
 
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """Replacements by phrase (words in lower case) and by name, and names that are passed over."""
+    """Replacements by phrase (words in lower case) and by name, and allowed names."""
 
     phrases: dict[tuple[str, ...], str]
     names: dict[str, str]
@@ -50,16 +57,18 @@ def read_vocabulary(path: Path = VOCABULARY) -> Vocabulary:
 def checked_files(folder: Path = ROOT) -> Iterator[Path]:
     """Text files of the project below a folder, or the file itself."""
     for path in [folder] if folder.is_file() else sorted(folder.rglob("*")):
-        parts = path.resolve().relative_to(ROOT).parts
-        if path.suffix in CHECKED and path.is_file() and not PASSED_OVER.intersection(parts):
+        parts = path.absolute().relative_to(ROOT).parts
+        if path.suffix in CHECKED and path.is_file() and not EXCLUDED.intersection(parts):
             yield path
 
 
 def find_words(text: str, vocabulary: Vocabulary) -> list[tuple[int, str, str]]:
-    """Find replaced words: number of the line, the word, and the one to use."""
+    """Return replaced words: line number, word, and replacement."""
     longest = max(map(len, vocabulary.phrases))
     found: list[tuple[int, str, str]] = []
     for number, line in enumerate(text.splitlines(), start=1):
+        if line.endswith("# earlier name"):  # of what was stored, which is read for ever
+            continue
         words: list[str] = []
         for name in _NAME.findall(line):
             if name in vocabulary.names:

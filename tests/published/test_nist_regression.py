@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.batch import regress_batch
-from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.estimation.batch_regression import regress_many
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 
 SETS = json.loads(Path(__file__).with_name("nist_linear_regression.json").read_text())
 EXACT_FITS = ("Wampler1", "Wampler2")  # certified standard errors are zero
@@ -56,12 +56,12 @@ def test_certified_values(name, how, record_property):
     names = tuple(f"B{k}" for k in range(X.shape[1]))
     if how == "batch":
         values, errors = (
-            one[0, 0] for one in regress_batch(X[None].copy(), y[None, :, None].copy())
+            one[0, 0] for one in regress_many(X[None].copy(), y[None, :, None].copy())
         )
     else:
         n, p = X.shape
         alike = np.full(n, 1e-6 * np.mean(np.abs(y) ** 2))
-        white = Disturbance(np.zeros((n, p, p)), np.zeros((n, p)), alike)
+        white = ErrorsInVariables(np.zeros((n, p, p)), np.zeros((n, p)), alike)
         found = regress(X, y, names, white if how == "weighted" else None)
         values, errors = found.values, np.sqrt(np.diag(found.covariance))
     errors = errors * np.sqrt(padding)

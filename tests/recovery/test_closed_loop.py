@@ -10,14 +10,14 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.controller import ControlLaw, Controller
 from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.flutter.closed_loop import closed_loop
+from flexsid.workflow.flutter.closed_loop import analyse_closed_loop
 from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
 
@@ -26,37 +26,37 @@ def flown(store: Store, ratio: float) -> int:
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
     maneuver = add_maneuver(store, fly(airspeed_ratio=ratio, seed=4), flight.id or 0)
-    wanted = EstimationRun(
+    run = EstimationRun(
         maneuver_id=maneuver.id or 0,
         method=Method.OE,
         structure=Structure(modes=(7, 9, 11, 12), fixed={}),
         settings=RunSettings(),
     )
-    return carry_out(store, wanted, estimation_steps(), lambda progress: None).id or 0
+    return execute_run(store, run, load_estimation_pipeline(), lambda progress: None).id or 0
 
 
 def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     """The true closed loop is stable up to 1.262 of the open-loop flutter speed at half fuel."""
-    question = FlutterQuery(run_ids=(flown(store, 0.95),))
+    query = FlutterQuery(run_ids=(flown(store, 0.95),))
     (controller,) = store.controllers.find()
-    answer = closed_loop(store, question, controller.id or 0)
+    result = analyse_closed_loop(store, query, controller.id or 0)
     true = load_truth().flutter_speed_at(0.5)
-    assert answer.lost_m_s == pytest.approx(1.262 * true, rel=0.02)
-    assert answer.low_m_s is not None
-    assert answer.lost_m_s is not None
-    assert answer.spread_m_s > 0.0, "the run alone puts it elsewhere"
-    assert answer.low_m_s < 1.262 * true < (answer.high_m_s or 0.0)
-    assert answer.low_m_s <= answer.lost_m_s <= (answer.high_m_s or 0.0)
-    assert f"{answer.lost_m_s:.1f} m/s" in answer.sentence
-    outer = next(margin for margin in answer.margins if margin.surface == "wf4s")
-    held = answer.airspeed_m_s < answer.lost_m_s
+    assert result.lost_m_s == pytest.approx(1.262 * true, rel=0.02)
+    assert result.low_m_s is not None
+    assert result.lost_m_s is not None
+    assert result.spread_m_s > 0.0, "the run alone puts it elsewhere"
+    assert result.low_m_s < 1.262 * true < (result.high_m_s or 0.0)
+    assert result.low_m_s <= result.lost_m_s <= (result.high_m_s or 0.0)
+    assert f"{result.lost_m_s:.1f} m/s" in result.sentence
+    outer = next(margin for margin in result.margins if margin.surface == "wf4s")
+    held = result.airspeed_m_s < result.lost_m_s
     assert np.isfinite(outer.disk[held]).all()
     assert np.isnan(outer.disk[~held]).all()
     assert outer.disk[0] > outer.disk[held][-1] > 0.0
-    unstable = [np.real(root).max() > 0.01 for root in answer.open_roots]
+    unstable = [np.real(root).max() > 0.01 for root in result.open_roots]
     assert any(unstable[k] for k in np.flatnonzero(held))
     for draw in (figures.closed_loop_margins, figures.closed_loop_roots):
-        assert draw(answer)["data"]
+        assert draw(result)["data"]
 
     weak = add_controller(
         store,
@@ -68,7 +68,7 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
             laws=(ControlLaw(airspeed_m_s=0.0, A=(), B=(), C=((),), D=((1e-9,),)),),
         ),
     )
-    alone = closed_loop(store, question, weak.id or 0)
+    alone = analyse_closed_loop(store, query, weak.id or 0)
     assert alone.lost_m_s == pytest.approx(true, rel=0.03)
     stranger = add_controller(
         store,
@@ -81,4 +81,4 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
         ),
     )
     with pytest.raises(BadInput, match="nowhere"):
-        closed_loop(store, question, stranger.id or 0)
+        analyse_closed_loop(store, query, stranger.id or 0)

@@ -1,4 +1,4 @@
-"""A user relies on: the errors told before a flight are those that flying it gives."""
+"""A user relies on: standard errors predicted before a flight agree with those after it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.excitation_designs import create_design, wish_for
-from flexsid.workflow.excitation.predicted_accuracy import expected_errors
-from flexsid.workflow.runs.estimation import compute, keep, prepare
+from flexsid.workflow.excitation.excitation_designs import create_design, specify_design
+from flexsid.workflow.excitation.predicted_accuracy import predict_errors
+from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 BEFORE = 2.0  # degrees of the body flap in the maneuver that is known
 PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, degrees, modes
@@ -37,28 +37,28 @@ def estimated(
     run = store.runs.add(request)
     claimed = queue.claim(store, run.id)
     assert claimed is not None
-    computed = compute(prepare(store, run), lambda progress: None)
-    return keep(store, run.id or 0, claimed.attempt, computed)
+    computed = compute_run(prepare(store, run), lambda progress: None)
+    return store_result(store, run.id or 0, claimed.attempt, computed)
 
 
 def planned(store: Store, fta: int, peak_deg: float) -> ExcitationDesign:
     peak = float(np.deg2rad(peak_deg))
-    wish = wish_for(fta, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
-    return create_design(store, f"FTA {fta}", wish, fta)
+    specification = specify_design(fta, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
+    return create_design(store, f"FTA {fta}", specification, fta)
 
 
 @pytest.mark.parametrize("ratio", [0.56, 0.95])
 def test_expected_errors_are_those_of_the_flight(store: Store, ratio: float):
-    """Feedback, actuators, noise of inputs and modes left out are all in what is flown."""
+    """The flight includes feedback, actuators, input noise and unmodelled modes."""
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9)).id or 0
     for fta, peak_deg, modes in PLANNED:
         before = estimated(store, flight, ratio, (fta, BEFORE, modes), seed=1)
-        told = expected_errors(store, planned(store, fta, peak_deg), before.id or 0)
+        predicted = predict_errors(store, planned(store, fta, peak_deg), before.id or 0)
         after = estimated(store, flight, ratio, (fta, peak_deg, modes), seed=2)
         assert after.result is not None
         found = {row.name: row.std_error for row in after.result.parameters}
-        ratios = [row.std_error / (found[row.name] or np.nan) for row in told.items]
+        ratios = [row.std_error / (found[row.name] or np.nan) for row in predicted.items]
         assert 0.8 < np.median(ratios) < 1.25
-        assert told.lines_outside == 0
-        assert "as recorded" in told.surfaces
+        assert predicted.lines_outside == 0
+        assert "as recorded" in predicted.surfaces

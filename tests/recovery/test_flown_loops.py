@@ -12,7 +12,7 @@ from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import fly
-from flexsid.demo.true_responses import true_responses
+from flexsid.demo.true_responses import compute_true_responses
 from flexsid.errors import BadInput
 from flexsid.records.flight import Flight
 from flexsid.storage.store import Store
@@ -30,7 +30,7 @@ def true_loop(omega: np.ndarray, surface: str) -> np.ndarray:
     gains = np.zeros((len(INPUTS), 2))
     speed = RATIO * truth.flutter_speed_at(FUEL)
     gains[[INPUTS.index(name) for name in law.surfaces]] = law.gains_at(speed)
-    H = true_responses(RATIO, FUEL, omega, ("q", "theta")).values
+    H = compute_true_responses(RATIO, FUEL, omega, ("q", "theta")).values
     L = (lag * servo)[:, None, None] * (gains @ H)
     k = INPUTS.index(surface)
     return 1.0 / np.linalg.inv(np.eye(len(INPUTS)) + L)[:, k, k] - 1.0
@@ -59,7 +59,7 @@ def test_loops_and_their_errors_are_true(store: Store, noise: bool):
     assert "phase" in spec["data"][INPUTS.index(widest.surface)]["name"]
 
 
-def test_without_what_a_loop_needs_it_is_said_what_is_missing(store: Store):
+def test_missing_elements_of_a_loop_are_reported(store: Store):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=4))
     maneuver = add_maneuver(store, fly(fta=503, seed=2), flight.id or 0)

@@ -18,18 +18,18 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_analysis import (
     FlutterQuery,
-    Others,
-    flutter,
-    flutter_map,
-    flutter_roots,
+    UnmodelledModes,
+    analyse_flutter,
+    map_flutter_speed,
+    trace_flutter_roots,
 )
-from flexsid.workflow.flutter.flutter_models import Group, models_of
-from flexsid.workflow.flutter.test_point_margin import is_safe, margin_of
-from flexsid.workflow.runs.estimation import compute, keep, prepare
+from flexsid.workflow.flutter.flutter_models import Group, fuse_runs
+from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
+from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 ESTIMATED = (7, 9, 11, 12)
 PREDICTED = (15, 17, 18, 22)
@@ -38,7 +38,7 @@ FUEL = 0.5
 
 @pytest.fixture
 def runs(store: Store) -> dict[str, tuple[int, ...]]:
-    """Runs with the higher modes as predicted, and without them, at two airspeeds."""
+    """Runs with predicted higher modes, and without them, at two airspeeds."""
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
     maneuvers = [
@@ -46,7 +46,7 @@ def runs(store: Store) -> dict[str, tuple[int, ...]]:
         for ratio, fuel in ((0.65, 0.7), (0.80, FUEL))
     ]
     surfaces = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
-    free = derivative_names(ESTIMATED, surfaces)
+    free = list_derivative_names(ESTIMATED, surfaces)
     found: dict[str, tuple[int, ...]] = {"with": (), "without": ()}
     for maneuver in maneuvers:
         for kind, structure in (
@@ -62,46 +62,46 @@ def runs(store: Store) -> dict[str, tuple[int, ...]]:
             run = store.runs.add(request)
             claimed = queue.claim(store, run.id)
             assert claimed is not None
-            computed = compute(prepare(store, run), lambda progress: None)
-            keep(store, run.id or 0, claimed.attempt, computed)
+            computed = compute_run(prepare(store, run), lambda progress: None)
+            store_result(store, run.id or 0, claimed.attempt, computed)
             found[kind] += (run.id or 0,)
     return found
 
 
-def test_the_next_point_is_answered_with_its_margin(store: Store, runs):
+def test_the_next_test_point_has_its_margin(store: Store, runs):
     every = (*runs["with"], *runs["without"])
-    answer = flutter(store, FlutterQuery(run_ids=every))
+    result = analyse_flutter(store, FlutterQuery(run_ids=every))
     truth = load_truth().flutter_speed_at(FUEL)
-    assert answer.fuel_fraction == pytest.approx(FUEL, abs=1e-4)
-    assert answer.airspeed_m_s == pytest.approx(truth, rel=0.01)
-    assert answer.low_m_s is not None
-    assert answer.high_m_s is not None
-    assert answer.low_m_s < truth < answer.high_m_s
-    assert answer.sentence.startswith("Flutter of SW1B with the short period at")
-    assert answer.participation[0].name == "SW1B"
-    assert (answer.searched_from_m_s, answer.searched_to_m_s) == pytest.approx(
-        (0.35 * answer.tested_m_s, 2.0 * answer.tested_m_s)
+    assert result.fuel_fraction == pytest.approx(FUEL, abs=1e-4)
+    assert result.airspeed_m_s == pytest.approx(truth, rel=0.01)
+    assert result.low_m_s is not None
+    assert result.high_m_s is not None
+    assert result.low_m_s < truth < result.high_m_s
+    assert result.sentence.startswith("Flutter of SW1B with the short period at")
+    assert result.participation[0].name == "SW1B"
+    assert (result.searched_from_m_s, result.searched_to_m_s) == pytest.approx(
+        (0.35 * result.tested_m_s, 2.0 * result.tested_m_s)
     )
-    assert f"Searched from 16.6 to {answer.searched_to_m_s:.1f} m/s" in answer.sentence
-    assert [one.held_modes for one in answer.structures] == [PREDICTED, ()]
-    assert [one.preferred for one in answer.structures] == [True, False]
-    assert len(answer.runs) == 2
-    assert answer.next_point.startswith("Next point at 48.9 m/s: margin +2")
-    beyond = flutter(store, FlutterQuery(run_ids=every, next_m_s=62.0))
-    assert "lies beyond flutter" in beyond.next_point
-    assert [tracker.airspeed_m_s for tracker in answer.trackers] == [None] * 3
-    assert "three" in answer.trackers[0].sentence
-    assert answer.equivalents == (), "two points are no line with an error"
-    assert [one.mode for one in answer.equivalent_points] == list(ESTIMATED) * 2
-    first = answer.equivalent_points[0]
+    assert f"Searched from 16.6 to {result.searched_to_m_s:.1f} m/s" in result.sentence
+    assert [one.held_modes for one in result.structures] == [PREDICTED, ()]
+    assert [one.preferred for one in result.structures] == [True, False]
+    assert len(result.runs) == 2
+    assert result.test_point_margin.startswith("Next point at 48.9 m/s: margin +2")
+    beyond = analyse_flutter(store, FlutterQuery(run_ids=every, next_m_s=62.0))
+    assert "lies beyond flutter" in beyond.test_point_margin
+    assert [tracker.airspeed_m_s for tracker in result.trackers] == [None] * 3
+    assert "three" in result.trackers[0].sentence
+    assert result.equivalents == (), "two points are no line with an error"
+    assert [one.mode for one in result.equivalent_points] == list(ESTIMATED) * 2
+    first = result.equivalent_points[0]
     assert (first.frequency_hz or 0.0) == pytest.approx(3.87, rel=0.05)
     assert (first.frequency_std_hz or 1.0) < 0.05
-    assert all(1.0 < (run.separation or 0.0) < 4.0 for run in answer.runs)
-    assert (answer.margin or 0.0) == pytest.approx(truth / answer.tested_m_s - 1.0, abs=0.02)
-    early, late = answer.progress
+    assert all(1.0 < (run.separation or 0.0) < 4.0 for run in result.runs)
+    assert (result.margin or 0.0) == pytest.approx(truth / result.tested_m_s - 1.0, abs=0.02)
+    early, late = result.progress
     assert (early.n_runs, late.n_runs) == (1, 2)
-    assert late.airspeed_m_s == pytest.approx(answer.airspeed_m_s)
-    assert (late.low_m_s, late.high_m_s) == pytest.approx((answer.low_m_s, answer.high_m_s))
+    assert late.airspeed_m_s == pytest.approx(result.airspeed_m_s)
+    assert (late.low_m_s, late.high_m_s) == pytest.approx((result.low_m_s, result.high_m_s))
     assert (early.low_m_s or 0.0) < truth < (early.high_m_s or 0.0)
 
 
@@ -117,31 +117,35 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store,
     )
     claimed = queue.claim(store, again.id)
     assert claimed is not None
-    computed = compute(prepare(store, again), lambda progress: None)
-    keep(store, again.id or 0, claimed.attempt, computed)
+    computed = compute_run(prepare(store, again), lambda progress: None)
+    store_result(store, again.id or 0, claimed.attempt, computed)
     alone, twice = (
-        flutter(store, FlutterQuery(run_ids=ids, others=Others.RESIDUALIZED))
+        analyse_flutter(
+            store, FlutterQuery(run_ids=ids, unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+        )
         for ids in ((first.id or 0,), (first.id or 0, again.id or 0))
     )
     assert twice.airspeed_m_s == pytest.approx(alone.airspeed_m_s, rel=1e-4)
     assert twice.airspeed_std_m_s == pytest.approx(alone.airspeed_std_m_s, rel=0.02)
 
 
-def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
+def test_out_of_band_modes_are_included_from_a_prediction(store: Store, runs):
     truth = load_truth().flutter_speed_at(FUEL)
-    carried = flutter(store, FlutterQuery(run_ids=runs["without"]))
-    assert carried.airspeed_m_s == pytest.approx(truth, rel=0.005)
-    assert "15, 17, 18, 22 as predicted by Panel code, in a second fit" in carried.sentence
-    best, bare = carried.structures
-    assert (best.held_modes, best.source, best.left_out_modes) == (PREDICTED, "Panel code", ())
-    assert (bare.held_modes, bare.source, bare.left_out_modes) == ((), None, PREDICTED)
+    included = analyse_flutter(store, FlutterQuery(run_ids=runs["without"]))
+    assert included.airspeed_m_s == pytest.approx(truth, rel=0.005)
+    assert "15, 17, 18, 22 with derivatives of Panel code, in a second fit" in included.sentence
+    best, bare = included.structures
+    assert (best.held_modes, best.source, best.unmodelled_modes) == (PREDICTED, "Panel code", ())
+    assert (bare.held_modes, bare.source, bare.unmodelled_modes) == ((), None, PREDICTED)
     assert best.preferred
     assert best.airspeed_m_s is not None
     assert bare.airspeed_m_s is not None
-    assert carried.spread_m_s == pytest.approx(abs(bare.airspeed_m_s - best.airspeed_m_s))
-    alone = flutter(store, FlutterQuery(run_ids=runs["without"], others=Others.RESIDUALIZED))
+    assert included.spread_m_s == pytest.approx(abs(bare.airspeed_m_s - best.airspeed_m_s))
+    alone = analyse_flutter(
+        store, FlutterQuery(run_ids=runs["without"], unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+    )
     assert alone.airspeed_m_s == bare.airspeed_m_s
-    assert "15, 17, 18, 22 left out" in alone.sentence
+    assert "15, 17, 18, 22 omitted" in alone.sentence
     assert abs(best.airspeed_m_s - truth) < abs(bare.airspeed_m_s - truth)
     fewer = alone.structures[1]
     assert fewer.modes == ESTIMATED[:-1], "a single structure is compared with one mode fewer"
@@ -151,22 +155,24 @@ def test_modes_that_runs_left_out_are_carried_as_predicted(store: Store, runs):
     assert (alone.low_m_s or np.nan) < truth < (alone.high_m_s or np.nan)
 
 
-def test_modes_are_not_carried_where_the_data_speak_against_them(store: Store):
+def test_out_of_band_modes_are_excluded_if_they_fit_the_data_worse(store: Store):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
     flown = fly(airspeed_ratio=0.80, fuel=FUEL, seed=1, modes_in_truth=4)
     maneuver = add_maneuver(store, flown, flight.id or 0)
-    told = {
-        method: flutter(store, FlutterQuery(run_ids=(_estimated(store, maneuver.id or 0, method),)))
+    results = {
+        method: analyse_flutter(
+            store, FlutterQuery(run_ids=(_estimated(store, maneuver.id or 0, method),))
+        )
         for method in (Method.OE, Method.EE)
     }
     truth = load_truth().flutter_speed_at(FUEL)
-    for answer in told.values():
-        assert answer.structures[0].held_modes == ()
-        assert answer.airspeed_m_s == pytest.approx(truth, rel=0.015)
-        assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan)
-    assert "further modes fit the data worse" in told[Method.OE].sentence
-    assert "fit the data worse" not in told[Method.EE].sentence, "its sensors see them anyway"
+    for result in results.values():
+        assert result.structures[0].held_modes == ()
+        assert result.airspeed_m_s == pytest.approx(truth, rel=0.015)
+        assert (result.low_m_s or np.nan) < truth < (result.high_m_s or np.nan)
+    assert "further modes fit the data worse" in results[Method.OE].sentence
+    assert "fit the data worse" not in results[Method.EE].sentence, "its sensors see them anyway"
 
 
 def _estimated(
@@ -188,7 +194,9 @@ def _estimated(
     )
     claimed = queue.claim(store, run.id)
     assert claimed is not None
-    keep(store, run.id or 0, claimed.attempt, compute(prepare(store, run), lambda progress: None))
+    store_result(
+        store, run.id or 0, claimed.attempt, compute_run(prepare(store, run), lambda progress: None)
+    )
     return run.id or 0
 
 
@@ -201,38 +209,40 @@ def test_a_model_whose_unstable_root_no_data_excited_predicts_nothing(store: Sto
     run = _estimated(
         store, maneuver.id or 0, Method.EE, (7, 9), fixed={"CQ9_etadot9": 0.2, "CQ9_eta9": 0.0}
     )
-    question = FlutterQuery(run_ids=(run,), others=Others.RESIDUALIZED)
-    answer = flutter(store, question)
-    assert answer.airspeed_m_s is None
-    assert answer.low_m_s is None
-    assert "SW1T (10.8 Hz in vacuo) lies outside the band of their data" in answer.refusal
-    assert answer.sentence.startswith("No flutter speed is predicted.")
-    assert "no flutter speed can be predicted" in answer.next_point
-    assert not answer.safe
-    assert answer.runs[0].airspeed_m_s is None
-    assert answer.refusal in answer.runs[0].sentence
-    assert all(step.airspeed_m_s is None for step in answer.progress)
-    assert np.isnan(flutter_map(store, question).airspeed_m_s).all()
-    assert flutter_roots(store, question).flutter is None
+    query = FlutterQuery(run_ids=(run,), unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+    result = analyse_flutter(store, query)
+    assert result.airspeed_m_s is None
+    assert result.low_m_s is None
+    assert "SW1T (10.8 Hz in vacuo) lies outside the band of their data" in result.refusal
+    assert result.sentence.startswith("No flutter speed is predicted.")
+    assert "no flutter speed can be predicted" in result.test_point_margin
+    assert not result.safe
+    assert result.runs[0].airspeed_m_s is None
+    assert result.refusal in result.runs[0].sentence
+    assert all(step.airspeed_m_s is None for step in result.progress)
+    assert np.isnan(map_flutter_speed(store, query).airspeed_m_s).all()
+    assert trace_flutter_roots(store, query).flutter is None
     one = _estimated(store, maneuver.id or 0, Method.OE, (7,))
-    both = flutter(store, FlutterQuery(run_ids=(run, one), others=Others.RESIDUALIZED))
+    both = analyse_flutter(
+        store, FlutterQuery(run_ids=(run, one), unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+    )
     assert both.structures[0].modes == (7,), "a model that flight allows is preferred"
     assert both.airspeed_m_s is not None
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-def test_a_maneuver_beyond_flutter_in_closed_loop_keeps_its_flutter_speed(store: Store):
+def test_a_maneuver_beyond_flutter_in_closed_loop_retains_its_flutter_speed(store: Store):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
     flown = fly(airspeed_ratio=1.09, fuel=FUEL, peak_deg=1.2, seed=1)
     maneuver = add_maneuver(store, flown, flight.id or 0)
     run = _estimated(store, maneuver.id or 0, Method.OE)
-    answer = flutter(store, FlutterQuery(run_ids=(run,)))
+    result = analyse_flutter(store, FlutterQuery(run_ids=(run,)))
     truth = load_truth().flutter_speed_at(FUEL)
-    assert not answer.refusal
-    assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan) < answer.tested_m_s
-    assert f"run {run} was flown and identifies this open-loop root as unstable" in answer.sentence
-    assert not answer.safe
+    assert not result.refusal
+    assert (result.low_m_s or np.nan) < truth < (result.high_m_s or np.nan) < result.tested_m_s
+    assert f"run {run} was flown and identifies this open-loop root as unstable" in result.sentence
+    assert not result.safe
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
@@ -246,27 +256,29 @@ def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(s
     arrays = {**table.arrays, "omega": store.arrays.put(0.97 * omega)}
     off = store.modal_tables.add(replace(table, id=None, name="not updated", arrays=arrays))
     run = _estimated(store, maneuver.id or 0, Method.OE, modal_table_id=off.id)
-    answer = flutter(store, FlutterQuery(run_ids=(run,)))
+    result = analyse_flutter(store, FlutterQuery(run_ids=(run,)))
     truth = load_truth().flutter_speed_at(maneuver.condition.fuel_fraction)
-    assert answer.airspeed_m_s is not None
-    without = 1.96 * np.hypot(answer.airspeed_std_m_s or np.nan, answer.spread_m_s)
-    assert abs(answer.airspeed_m_s - truth) > without, "else the case shows nothing"
-    assert (answer.low_m_s or np.nan) < truth < (answer.high_m_s or np.nan)
+    assert result.airspeed_m_s is not None
+    without = 1.96 * np.hypot(result.airspeed_std_m_s or np.nan, result.spread_m_s)
+    assert abs(result.airspeed_m_s - truth) > without, "else the case shows nothing"
+    assert (result.low_m_s or np.nan) < truth < (result.high_m_s or np.nan)
 
 
 def test_everything_is_drawn(store: Store, runs):
-    question = FlutterQuery(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
-    roots = flutter_roots(store, question)
+    query = FlutterQuery(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
+    roots = trace_flutter_roots(store, query)
     assert {branch.name for branch in roots.branches} >= {"SP", "SW1B", "SW1T"}
     assert figures.v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
     assert len(figures.root_locus(roots)["data"]) == len(roots.branches)
-    told = flutter(store, question)
-    assert figures.flutter_forecast(told)["data"]
-    assert len(figures.equivalent_modes(told)["data"]) == 2 * len(ESTIMATED)
+    results = analyse_flutter(store, query)
+    assert figures.flutter_forecast(results)["data"]
+    assert len(figures.equivalent_modes(results)["data"]) == 2 * len(ESTIMATED)
     assert {branch.name for branch in roots.branches if branch.held} == {"S15", "S17", "S18", "S22"}
-    pressure = flutter_roots(store, question, Along.DYNAMIC_PRESSURE)
-    assert pressure.flutter == pytest.approx(0.5 * told.density_kg_m3 * (roots.flutter or 0.0) ** 2)
-    over = flutter_roots(store, replace(question, next_m_s=57.0), Along.FUEL)
+    pressure = trace_flutter_roots(store, query, Along.DYNAMIC_PRESSURE)
+    assert pressure.flutter == pytest.approx(
+        0.5 * results.density_kg_m3 * (roots.flutter or 0.0) ** 2
+    )
+    over = trace_flutter_roots(store, replace(query, next_m_s=57.0), Along.FUEL)
     at_asked = int(np.argmin(np.abs(over.at - 0.3)))
     speed = int(np.argmin(np.abs(roots.airspeed_m_s - 57.0)))
     for branch in over.branches:
@@ -276,7 +288,7 @@ def test_everything_is_drawn(store: Store, runs):
     for drawn in (pressure, over):
         assert figures.v_omega_zeta(drawn)["layout"]["meta"]["note"] == drawn.note
         assert figures.root_locus(drawn)["data"]
-    table = flutter_map(store, question)
+    table = map_flutter_speed(store, query)
     assert (np.diff(table.airspeed_m_s, axis=0) > 0.0).all(), "thinner air delays flutter"
     assert figures.flutter_map(table)["data"][0]["type"] == "heatmap"
 
@@ -298,49 +310,49 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
         run = store.runs.add(request)
         claimed = queue.claim(store, run.id)
         assert claimed is not None
-        computed = compute(prepare(store, run), lambda progress: None)
-        keep(store, run.id or 0, claimed.attempt, computed)
+        computed = compute_run(prepare(store, run), lambda progress: None)
+        store_result(store, run.id or 0, claimed.attempt, computed)
         ids += (run.id or 0,)
     truth = load_truth().flutter_speed_at(FUEL)
-    constant = flutter(store, FlutterQuery(run_ids=ids))
-    drifting = flutter(store, FlutterQuery(run_ids=ids, trend=True))
+    constant = analyse_flutter(store, FlutterQuery(run_ids=ids))
+    drifting = analyse_flutter(store, FlutterQuery(run_ids=ids, trend=True))
     assert constant.airspeed_m_s is not None
     assert drifting.airspeed_m_s is not None
     assert abs(drifting.airspeed_m_s - truth) < abs(constant.airspeed_m_s - truth)
-    assert "drift with dynamic pressure" in drifting.sentence
+    assert "vary with dynamic pressure" in drifting.sentence
     assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
-    two = flutter(store, FlutterQuery(run_ids=ids[:2], trend=True))
-    assert "a drift needs more points" in two.sentence
+    two = analyse_flutter(store, FlutterQuery(run_ids=ids[:2], trend=True))
+    assert "a trend needs more points" in two.sentence
 
 
-def test_what_stands_against_the_next_point_is_said(store: Store, runs):
-    answer = models_of(store, FlutterQuery(run_ids=runs["without"]))
-    assert is_safe(answer, 48.0)
-    best = answer.best
+def test_reasons_against_the_next_test_point_are_reported(store: Store, runs):
+    fused = fuse_runs(store, FlutterQuery(run_ids=runs["without"]))
+    assert is_safe(fused, 48.0)
+    best = fused.best
     locus = best.prediction.locus
     calm = replace(locus, roots=np.where(np.real(locus.roots) > 0.0, -1.0, locus.roots))
     wild = replace(locus, roots=locus.roots + 50.0)
 
-    def told(prediction: FlutterPrediction, *others: Group) -> tuple[str, bool]:
+    def describe(prediction: FlutterPrediction, *others: Group) -> tuple[str, bool]:
         changed = replace(best, prediction=prediction)
-        changed_answer = replace(answer, best=changed, groups=[changed, *others])
-        return margin_of(changed_answer, 48.0), is_safe(changed_answer, 48.0)
+        changed_runs = replace(fused, best=changed, groups=[changed, *others])
+        return describe_margin(changed_runs, 48.0), is_safe(changed_runs, 48.0)
 
     never = replace(best.prediction, crossing=None, locus=calm)
-    assert told(never)[1]
-    assert "no instability is in sight up to" in told(never)[0]
+    assert describe(never)[1]
+    assert "no instability is predicted up to" in describe(never)[0]
     for prediction, others, words in (
         (replace(best.prediction, crossing=None, locus=wild), [], "unstable already"),
-        (never, answer.groups[1:], "another structure"),
-        (replace(best.prediction, airspeed_std=np.nan), [], "how sure is not known"),
+        (never, fused.groups[1:], "another structure"),
+        (replace(best.prediction, airspeed_std=np.nan), [], "uncertainty unknown"),
         (replace(best.prediction, locus=wild), [], "unstable there"),
     ):
-        sentence, safe = told(prediction, *others)
+        sentence, safe = describe(prediction, *others)
         assert words in sentence
         assert not safe
-    assert "up to" in margin_of(
+    assert "up to" in describe_margin(
         replace(
-            answer, best=replace(best, prediction=never), groups=[replace(best, prediction=never)]
+            fused, best=replace(best, prediction=never), groups=[replace(best, prediction=never)]
         ),
         500.0,
     )
@@ -348,4 +360,4 @@ def test_what_stands_against_the_next_point_is_said(store: Store, runs):
 
 def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):
     with pytest.raises(BadInput, match="at least one run"):
-        flutter(store, FlutterQuery(run_ids=()))
+        analyse_flutter(store, FlutterQuery(run_ids=()))

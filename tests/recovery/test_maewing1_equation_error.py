@@ -16,12 +16,12 @@ from flexsid.workflow.importing.flight_import import import_files
 from flexsid.workflow.runs.computation import (
     ComputedRun,
     EstimationTask,
-    any_start,
-    motion_of,
-    parameters_of,
-    remarks_on_motion,
+    get_first_start,
+    reconstruct_with_out_of_band_modes,
+    select_free_parameters,
+    warn_of_sensor_noise,
 )
-from flexsid.workflow.runs.estimation import compute, prepare
+from flexsid.workflow.runs.estimation import compute_run, prepare
 
 PROJECT = Path(__file__).parents[2]
 FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"
@@ -38,7 +38,8 @@ FREE = (
 )  # fmt: skip
 
 pytestmark = pytest.mark.skipif(
-    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; examples/maewing1 says where from"
+    not FLIGHT.is_dir(),
+    reason="the mAEWing1 data are not here; see examples/maewing1 for their source",
 )
 
 
@@ -64,8 +65,8 @@ def flown(store: Store) -> Fits:
         settings=RunSettings(band_hz=(0.45, 18.6)),
     )
     task = prepare(store, request)
-    oe = compute(prepare(store, replace(request, method=Method.OE)), lambda progress: None)
-    return Fits(task, oe, compute(task, lambda progress: None))
+    oe = compute_run(prepare(store, replace(request, method=Method.OE)), lambda progress: None)
+    return Fits(task, oe, compute_run(task, lambda progress: None))
 
 
 def test_equation_error_agrees_with_output_error(flown: Fits) -> None:
@@ -75,7 +76,7 @@ def test_equation_error_agrees_with_output_error(flown: Fits) -> None:
     place = ee.names.index("CQ7_eta7")
     assert ee.values[place] == pytest.approx(0.08, abs=0.05)
     assert flown.ee.start == "none needed"  # no mode was reconstructed besides
-    assert any("too few to find the noise of" in warning for warning in flown.ee.warnings)
+    assert any("too few to estimate the noise of" in warning for warning in flown.ee.warnings)
     assert any("the sensors disagree" in warning for warning in flown.ee.warnings)
 
 
@@ -85,20 +86,20 @@ def test_synthetic_records_have_no_bias(flown: Fits, records: int) -> None:
     task = flown.task
     data = task.maneuvers[0]
     lines = data.measured
-    parameters = parameters_of(task, any_start(task), ())
+    parameters = select_free_parameters(task, get_first_start(task), ())
     truth = flown.oe.estimate.values
     response = data.model.response(parameters.table(truth), lines.omega)
     y = lines.instruments * (response @ lines.inputs.values[:, :, None])[:, :, 0]
-    level = motion_of(data)[0].noise
+    level = reconstruct_with_out_of_band_modes(data)[0].noise
     error = []
     for seed in range(records):
         rng = np.random.default_rng(seed)
         noise = (rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)) / np.sqrt(2.0)
         outputs = replace(lines.outputs, values=y + level * noise)
         one = replace(data, measured=replace(lines, outputs=outputs))
-        motion, companions = motion_of(one)
-        assert companions == ()
-        assert remarks_on_motion(one, motion)
+        motion, out_of_band = reconstruct_with_out_of_band_modes(one)
+        assert out_of_band == ()
+        assert warn_of_sensor_noise(one, motion)
         found = equation_error(data.model, motion, lines.inputs, parameters)
         error.append((found.values - truth) / found.std_errors)
     assert np.abs(np.mean(error, axis=0)).max() < 1.0

@@ -1,4 +1,4 @@
-"""Fly FLEX-28 with all its modes and get its motion back from the sensors, with honest errors."""
+"""Reconstruction of the motion of FLEX-28 from its sensors, with valid standard errors."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
-from flexsid.demo.flights import SETTLE_S, TRIM_S, design, fly
+from flexsid.demo.flights import SETTLE_S, TRIM_S, design_fta, fly
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
 from flexsid.records.flight import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.measurements.reconstruction import reconstruct
-from flexsid.workflow.runs.estimation import compute, prepare
+from flexsid.workflow.runs.estimation import compute_run, prepare
 
 CASES = [(0.65, 2.0, 11), (1.05, 1.2, 12)]
 EXCITED = [(*case, fta) for case in CASES for fta in (503, 506)]
@@ -25,7 +25,7 @@ KINDS = ("eta", "etadot", "etaddot")
 def true_motion(ratio: float, peak_deg: float, fta: int) -> dict[str, np.ndarray]:
     """What truly moved, at the rate of the simulation, by name."""
     truth = load_truth()
-    multisine = design(fta, peak_deg)
+    multisine = design_fta(fta, peak_deg)
     n = round((TRIM_S + multisine.period_s + SETTLE_S) * RATE_HZ)
     excitation = np.zeros((n, 5))
     first, count = round(TRIM_S * RATE_HZ), round(multisine.period_s * RATE_HZ)
@@ -45,13 +45,13 @@ def true_motion(ratio: float, peak_deg: float, fta: int) -> dict[str, np.ndarray
 def flight_id(store: Store) -> int:
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
-    kept = store.flights.add(Flight(aircraft_id=aircraft.id, number=60))
-    assert kept.id is not None
-    return kept.id
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=60))
+    assert flight.id is not None
+    return flight.id
 
 
 @pytest.mark.parametrize(("ratio", "peak_deg", "seed", "fta"), EXCITED)
-def test_modal_motion_is_reconstructed_with_honest_errors(
+def test_modal_motion_is_reconstructed_with_valid_standard_errors(
     store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int, fta: int
 ):
     """The lines of FTA 503 end at half the frequency of the second mode."""
@@ -82,13 +82,13 @@ def test_equation_error_from_reconstruction_is_unbiased(
     flown = fly(airspeed_ratio=ratio, fuel=0.5, peak_deg=peak_deg, modes_in_truth=2, seed=seed)
     maneuver = add_maneuver(store, flown, flight_id)
     assert maneuver.id is not None
-    wanted = EstimationRun(
+    run = EstimationRun(
         maneuver_id=maneuver.id,
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    estimate = compute(prepare(store, wanted), lambda progress: None).estimate
+    estimate = compute_run(prepare(store, run), lambda progress: None).estimate
     truth = flown.truth.named()
     z = (estimate.values - [truth[name] for name in estimate.names]) / estimate.std_errors
     assert np.sqrt(np.mean(z**2)) < 1.5

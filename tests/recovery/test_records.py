@@ -18,8 +18,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.workflow.importing.flight_import import import_files, import_maneuver
 from flexsid.workflow.runs.computation import ComputedRun
-from flexsid.workflow.runs.estimation import compute, prepare
-from flexsid.workflow.structure_determination.searches import prepare_search, search
+from flexsid.workflow.runs.estimation import compute_run, prepare
+from flexsid.workflow.structure_determination.searches import compute_search, prepare_search
 
 PROJECT = Path(__file__).parents[2]
 SHARED = PROJECT.parent / "shared" / "data"
@@ -42,7 +42,8 @@ flex28 = pytest.mark.skipif(
     not FLEX28.is_dir(), reason="independent FLEX-28 records are not beside the project"
 )
 geri = pytest.mark.skipif(
-    not FLIGHT.is_dir(), reason="the mAEWing1 data are not here; examples/maewing1 says where from"
+    not FLIGHT.is_dir(),
+    reason="the mAEWing1 data are not here; see examples/maewing1 for their source",
 )
 
 
@@ -60,7 +61,7 @@ def estimate(
         structure=structure,
         settings=settings or RunSettings(),
     )
-    return compute(prepare(store, request), lambda progress: None)
+    return compute_run(prepare(store, request), lambda progress: None)
 
 
 @flex28
@@ -114,7 +115,7 @@ def test_flown_maneuver_is_explained_better_than_by_its_authors(store, method, m
         imported.maneuver.id,
         method,
         Structure(modes=modes, outputs=tuple(AUTHORS), fixed={}),
-        # Two surfaces cannot tell all derivatives of two modes apart.
+        # With two surfaces not all derivatives of two modes are identifiable.
         RunSettings(band_hz=(0.5, 18.5), prior_spread=0.5 if len(modes) > 1 else None),
     ).estimate
     assert found.outcome is Outcome.CONVERGED
@@ -142,27 +143,27 @@ def test_structure_of_the_flown_maneuver_beside_the_masks_of_its_authors(store):
     """Their control derivatives are found; eta9 in C_Z and C_m is not, and ended at a bound.
 
     CQ9_wf2s has no support where none of the six outputs is taken as exact: four motions leave
-    too little to find the noise of three of them, which the search says.
+    too little to estimate the noise of three of them, which the search reports.
     """
     mapping = PROJECT / "examples" / "maewing1" / "maewing1.toml"
     imported = import_files(store, [FLIGHT / name for name in GERI_FILES], mapping)
     assert imported.maneuver is not None
     assert imported.maneuver.id is not None
-    wanted = StructureSearch(
+    requested = StructureSearch(
         aircraft_id=imported.maneuver.aircraft_id,
         maneuver_ids=(imported.maneuver.id,),
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
         settings=SearchSettings(band_hz=(0.5, 18.5), draws=0),
     )
-    result = search(prepare_search(store, wanted), lambda progress: None)
-    chosen = set(result.proposed.structure.free or ())
-    supported = {name for name in AUTHORS_FREE if name in chosen}
+    result = compute_search(prepare_search(store, requested), lambda progress: None)
+    selected = set(result.proposed.structure.free or ())
+    supported = {name for name in AUTHORS_FREE if name in selected}
     assert {name for name in AUTHORS_FREE if "_wf" in name} - {"CQ9_wf2s"} <= supported
-    assert any("too few to find the noise of" in warning for warning in result.warnings)
+    assert any("too few to estimate the noise of" in warning for warning in result.warnings)
     assert not {"CZ_eta9", "Cm_eta9", "Cm_etadot9"} & supported
-    assert any("ends while the aircraft still moves" in warning for warning in result.warnings)
-    # Fewer terms predict the lines that were left out better than all 32.
+    assert any("ends before the motion has decayed" in warning for warning in result.warnings)
+    # Fewer terms predict the excluded frequencies better than all 32.
     assert result.candidates[0] is result.proposed
 
 
@@ -176,8 +177,8 @@ def test_responses_of_some_inputs_near_flutter_hold_the_truth(store, inputs):
     assert flight.id is not None
     flown = fly(airspeed_ratio=0.9, seed=3, modes_in_truth=2)
     maneuver = add_maneuver(store, flown, flight.id)
-    wanted = Structure(modes=(7, 9), fixed={}, inputs=inputs)
-    found = estimate(store, maneuver.id, Method.FRE, wanted).estimate
+    structure = Structure(modes=(7, 9), fixed={}, inputs=inputs)
+    found = estimate(store, maneuver.id, Method.FRE, structure).estimate
     truth = load_truth().derivatives_at(0.5, 2).named()
     error = (found.values - [truth[name] for name in found.names]) / found.std_errors
     assert np.sqrt(np.mean(error**2)) < 1.3

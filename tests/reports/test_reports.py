@@ -1,4 +1,4 @@
-"""Reports say what was found and need nothing but themselves."""
+"""Reports have all results and are self-contained."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import pytest
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.reports import (
@@ -123,7 +123,7 @@ def test_a_campaign_is_reported_as_narrowed(flown: Store) -> None:
         campaign_report(flown, search="nothing is called so")
 
 
-def test_a_campaign_says_what_its_runs_say_together(flown: Store) -> None:
+def test_a_campaign_report_has_trends_and_flutter(flown: Store) -> None:
     again = fly(fta=506, airspeed_ratio=0.8, label="faster")
     maneuver = add_maneuver(flown, again, flown.maneuvers.get(1).flight_id)
     request = EstimationRun(
@@ -132,7 +132,7 @@ def test_a_campaign_says_what_its_runs_say_together(flown: Store) -> None:
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    carry_out(flown, request, estimation_steps(), lambda progress: None)
+    execute_run(flown, request, load_estimation_pipeline(), lambda progress: None)
     parts = {section.title: section.parts for section in campaign_report(flown).sections}
     assert all(isinstance(part, Drawing) for part in parts["Estimates"])
     assert len(parts["Estimates"]) == 5
@@ -152,7 +152,7 @@ def test_a_figure_that_fails_leaves_the_report_alone() -> None:
     def fails() -> dict:
         raise BadInput("there are no lines")
 
-    assert drawn("Fit", fails) == Words("Fit: not drawn, for there are no lines.")
+    assert drawn("Fit", fails) == Words("Fit: not available (there are no lines).")
 
 
 @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ def test_an_organisation_brings_its_own_template(tmp_path: Path) -> None:
         "$title $style $body $script $",
     ):
         own.write_text(text)
-        with pytest.raises(BadInput, match=r"must hold \$body"):
+        with pytest.raises(BadInput, match=r"must have \$body"):
             read_template(own)
     with pytest.raises(BadInput, match="cannot be read"):
         read_template(tmp_path / "none.html")

@@ -1,4 +1,4 @@
-"""A Dask scheduler and workers as programs of their own."""
+"""A Dask scheduler and workers in separate processes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Cluster:
         self.wait_for(workers)
 
     def restart(self) -> None:
-        """Kill everything, and start as many again."""
+        """Kill the scheduler and all workers, and start as many again."""
         count = len(self.workers)
         self.close()
         self.workers.clear()
@@ -57,13 +57,13 @@ class Cluster:
         return worker
 
     def wait_for(self, workers: int) -> None:
-        """Wait until there are so many workers."""
+        """Wait until this number of workers is connected."""
         with Client(self.address, timeout=PATIENCE_S, set_as_default=False) as client:
-            asked: Any = client
-            wait_until(lambda: len(asked.nthreads()) == workers, f"{workers} workers")
+            scheduler: Any = client
+            wait_until(lambda: len(scheduler.nthreads()) == workers, f"{workers} workers")
 
     def close(self) -> None:
-        """Kill everything."""
+        """Kill the scheduler and all workers."""
         for process in (*self.workers, self._scheduler):
             process.kill()
             process.wait()

@@ -1,4 +1,4 @@
-"""The demonstration campaign, flown once for all tests and kept until its makers change."""
+"""The demonstration campaign, simulated once for all tests and cached until its code changes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import fcntl
 import hashlib
 from pathlib import Path
 
-from flexsid.demo.campaign import fill
+from flexsid.demo.campaign import add_campaign
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
@@ -15,26 +15,26 @@ ROOT = Path(__file__).parents[2]
 
 def campaign_file() -> Path:
     """Database with the whole campaign; copy it before changing anything."""
-    kept = ROOT / ".cache" / "campaign" / f"{_hash_of_makers()}.db"
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    with (kept.parent / "lock").open("w") as lock:
+    cached = ROOT / ".cache" / "campaign" / f"{_hash_sources()}.db"
+    cached.parent.mkdir(parents=True, exist_ok=True)
+    with (cached.parent / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # other processes of the same tests wait for it
-        if not kept.is_file():
-            for outdated in kept.parent.glob("*.db*"):
+        if not cached.is_file():
+            for outdated in cached.parent.glob("*.db*"):
                 outdated.unlink()
-            made = kept.with_suffix(".db.part")
-            upgrade(f"sqlite:///{made}")
-            store = Store.open(f"sqlite:///{made}")
-            fill(store)
+            partial = cached.with_suffix(".db.part")
+            upgrade(f"sqlite:///{partial}")
+            store = Store.open(f"sqlite:///{partial}")
+            add_campaign(store)
             store.close()
-            made.rename(kept)
-    return kept
+            partial.rename(cached)
+    return cached
 
 
-def _hash_of_makers() -> str:
+def _hash_sources() -> str:
     package = ROOT / "backend" / "flexsid"
-    floors = ("demo", "sysid", "records", "storage", "workflow", "importers")
-    sources = [path for floor in floors for path in sorted((package / floor).rglob("*.*"))]
+    layers = ("demo", "sysid", "records", "storage", "workflow", "importers")
+    sources = [path for layer in layers for path in sorted((package / layer).rglob("*.*"))]
     digest = hashlib.sha256()
     for path in [*sources, *sorted((ROOT / "migrations").rglob("*.py"))]:
         if path.suffix != ".pyc":

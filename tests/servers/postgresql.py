@@ -1,4 +1,4 @@
-"""A PostgreSQL server of our own, from the distribution's programs, while a test needs it."""
+"""A temporary PostgreSQL server for tests, from the programs of the distribution."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from waiting import PATIENCE_S
 
 
 def find_programs() -> Path | None:
-    """Folder of the newest PostgreSQL server here, None where there is none."""
+    """Return the folder of the newest installed PostgreSQL, None without one."""
     installed = Path("/usr/lib/postgresql").glob("*/bin/postgres")
     found = sorted(installed, key=lambda file: float(file.parts[4]))
     if found:
@@ -28,12 +28,12 @@ def find_programs() -> Path | None:
 
 
 class Cluster:
-    """One server with as many databases as are asked for."""
+    """One server with any number of databases."""
 
     def __init__(self, programs: Path) -> None:
         self._programs = programs
         self.folder = Path(tempfile.mkdtemp(prefix="flexsid-pg-"))
-        # It refuses to run as root; then it runs as the user that the package made.
+        # PostgreSQL refuses to run as root; then the user of the package runs it.
         self._user = "postgres" if os.geteuid() == 0 else None
         if self._user:
             shutil.chown(self.folder, self._user, self._user)
@@ -43,7 +43,7 @@ class Cluster:
         self.start()
 
     def start(self) -> None:
-        """Start the server and wait until it answers."""
+        """Start the server and wait until it responds."""
         settings = {
             "port": self.port,
             "listen_addresses": "127.0.0.1",
@@ -63,7 +63,7 @@ class Cluster:
         deadline = time.monotonic() + PATIENCE_S
         while True:
             try:
-                self._tell("SELECT 1")
+                self._execute("SELECT 1")
             except psycopg.OperationalError:
                 assert time.monotonic() < deadline, (self.folder / "log").read_text()
                 time.sleep(0.05)
@@ -71,31 +71,31 @@ class Cluster:
                 return
 
     def stop(self) -> None:
-        """Stop the server, whoever is connected to it."""
+        """Stop the server despite open connections."""
         assert self._server is not None
         self._server.send_signal(signal.SIGINT)
         self._server.wait()
 
     def remove(self) -> None:
-        """Stop the server and forget everything."""
+        """Stop the server and delete its files."""
         self.stop()
         shutil.rmtree(self.folder)
 
     def url(self, name: str) -> str:
-        """Address of a database for flexsid."""
+        """Return the URL of a database for flexsid."""
         return f"postgresql://flexsid@127.0.0.1:{self.port}/{name}"
 
     def copy(self, template: str = "template1", name: str | None = None) -> str:
-        """Make a database and return its name."""
+        """Create a database and return its name."""
         name = name or f"t{uuid.uuid4().hex}"
-        self._tell(f'CREATE DATABASE "{name}" TEMPLATE "{template}"')
+        self._execute(f'CREATE DATABASE "{name}" TEMPLATE "{template}"')
         return name
 
     def drop(self, name: str) -> None:
-        """Forget a database, whoever is still connected to it."""
-        self._tell(f'DROP DATABASE "{name}" WITH (FORCE)')
+        """Drop a database despite open connections."""
+        self._execute(f'DROP DATABASE "{name}" WITH (FORCE)')
 
-    def _tell(self, statement: str) -> None:
+    def _execute(self, statement: str) -> None:
         address = f"host=127.0.0.1 port={self.port} user=flexsid dbname=postgres"
         with psycopg.connect(address, autocommit=True) as connection:
             connection.execute(statement)  # type: ignore[call-overload]

@@ -1,4 +1,4 @@
-"""Waiting for what other processes and threads do; nothing here measures how long it takes."""
+"""Waiting for other processes and threads, without measuring time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-# Ends a test that hangs. Nothing that works comes near it, however loaded the machine is.
+# Ends a test that hangs; far above any time that a working test needs on a loaded machine.
 PATIENCE_S = 240.0
 PATIENCE_MS = 1000.0 * PATIENCE_S
 
@@ -17,10 +17,10 @@ _UNDER_WAY = ("waiting", "queued", "running", "importing")
 T = TypeVar("T")
 
 
-def wait_until(look: Callable[[], T | None], what: str = "what was waited for") -> T:
-    """Look until something is found, and return it."""
+def wait_until(check: Callable[[], T | None], what: str = "the condition") -> T:
+    """Poll ``check`` until it returns a true value, and return that."""
     deadline = time.monotonic() + PATIENCE_S
-    while not (found := look()):
+    while not (found := check()):
         if time.monotonic() > deadline:
             pytest.fail(f"{what} did not happen; last seen: {found!r}")
         time.sleep(0.03)
@@ -28,10 +28,10 @@ def wait_until(look: Callable[[], T | None], what: str = "what was waited for") 
 
 
 def ended(client: Any, address: str) -> dict[str, Any]:
-    """Wait until a job, task, search or upload is no longer under way; return its last state."""
+    """Wait until a job, task, search or upload has ended; return its last state."""
 
-    def look() -> dict[str, Any] | None:
+    def check() -> dict[str, Any] | None:
         now = client.get(address).json()
         return None if now["state"] in _UNDER_WAY else now
 
-    return wait_until(look, f"the end of {address}")
+    return wait_until(check, f"the end of {address}")

@@ -1,4 +1,4 @@
-"""A backup is the database of one moment, whatever goes on, and comes back whole."""
+"""A backup is a consistent copy of a database in use, and is restored completely."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ only_sqlite = pytest.mark.parametrize("backend", ["sqlite"])
 
 
 @only_sqlite
-def test_a_backup_beside_a_busy_writer_is_sound_and_of_one_moment(
+def test_backup_during_writes_is_consistent(
     database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
 ) -> None:
     assert aircraft.id is not None
@@ -54,7 +54,7 @@ def test_a_backup_beside_a_busy_writer_is_sound_and_of_one_moment(
 
 @only_sqlite
 @pytest.mark.parametrize("page_size", [4096, 32768])
-def test_what_is_restored_is_what_was_backed_up_and_nothing_is_lost(
+def test_restore_returns_the_backup_and_copies_the_previous_database(
     database_url: str,
     store: Store,
     aircraft: Aircraft,
@@ -62,10 +62,10 @@ def test_what_is_restored_is_what_was_backed_up_and_nothing_is_lost(
     tmp_path: Path,
     page_size: int,
 ) -> None:
-    waiting, under_way = add_run(), add_run()
+    waiting, running = add_run(), add_run()
     lease = leases.take(store, leases.read(store), "before")
     assert lease is not None
-    queue.claim(store, under_way.id, owner="a server that lives on")
+    queue.claim(store, running.id, process_id="another server")
     copy = tmp_path / "copy"
     copies.backup(database_url, copy)
     with closing(sqlite3.connect(copy)) as older:  # as made by an older release
@@ -73,28 +73,28 @@ def test_what_is_restored_is_what_was_backed_up_and_nothing_is_lost(
         older.execute(f"PRAGMA page_size = {page_size}")
         older.execute("VACUUM")
     lost = store.aircraft.add(Aircraft(**{**_fields(aircraft), "name": "later", "id": None}))
-    kept = copies.restore(database_url, copy)
-    # The same server goes on with what was restored.
+    previous = copies.restore(database_url, copy)
+    # The same server continues with the restored database.
     assert store.aircraft.find() == [aircraft]
     assert {r.id: r.state for r in store.runs.find()} == {
         waiting.id: RunState.QUEUED,
-        under_way.id: RunState.RUNNING,
+        running.id: RunState.RUNNING,
     }
     store.aircraft.add(Aircraft(**{**_fields(aircraft), "name": "after", "id": None}))
-    # Who led the queue finds out.
+    # The holder of the lease detects the restore.
     assert leases.renew(store, lease, {}) is None
     assert leases.read(store).holder is None
     assert leases.read(store).epoch > lease.epoch
-    # Nobody carries out what was under way then, so whoever leads next starts it again.
-    assert queue.take_over(store, lambda owner: owner is None) == 1
-    assert kept is not None
-    before = Store.open(f"sqlite:///{kept}")
+    # The running run has no process, so that the next holder queues it again.
+    assert queue.requeue_orphans(store, lambda process_id: process_id is None) == 1
+    assert previous is not None
+    before = Store.open(f"sqlite:///{previous}")
     assert before.aircraft.find() == [aircraft, lost]
     before.close()
 
 
 @only_sqlite
-def test_a_backup_comes_back_where_there_is_no_database(
+def test_backup_is_restored_without_a_database(
     database_url: str, aircraft: Aircraft, tmp_path: Path
 ) -> None:
     copies.backup(database_url, tmp_path / "copy")
@@ -105,7 +105,7 @@ def test_a_backup_comes_back_where_there_is_no_database(
 
 
 @only_sqlite
-def test_what_is_no_backup_changes_nothing(
+def test_invalid_backup_changes_nothing(
     database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
 ) -> None:
     copy = tmp_path / "copy"
@@ -129,7 +129,7 @@ def test_what_is_no_backup_changes_nothing(
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
-def test_postgresql_is_told_its_own_way(database_url: str, tmp_path: Path) -> None:
+def test_postgresql_is_referred_to_pg_dump(database_url: str, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="pg_dump"):
         copies.backup(database_url, tmp_path / "copy")
     with pytest.raises(BadInput, match="pg_restore"):

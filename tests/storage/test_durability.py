@@ -1,4 +1,4 @@
-"""What was acknowledged is on disk; a database is begun whole, and never made out of nothing."""
+"""Acknowledged data are on disk; a lost database is never replaced by an empty one."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ only_sqlite = pytest.mark.parametrize("backend", ["sqlite"])
 
 @contextmanager
 def _commits(store: Store) -> Iterator[list[bool]]:
-    """Note of every commit whether it waits for the disk."""
+    """Record of every commit whether it waits for the disk."""
     waits: list[bool] = []
 
     def note(connection: Connection) -> None:
@@ -79,7 +79,7 @@ def test_every_acknowledged_write_waits_for_the_disk(
         decision_review.comment(store, decision.id, "a word", "Bob")
         decision_review.cast_vote(store, decision.id, 1, Vote.APPROVE, "yes", "Bob")
         store.arrays.put(np.arange(3.0))
-        change_maneuvers(store, [maneuver.id], Action.TAG, "kept")
+        change_maneuvers(store, [maneuver.id], Action.TAG, "checked")
         run = add_run()
         claimed = queue.claim(store, run.id)
         assert claimed is not None
@@ -102,19 +102,19 @@ def test_only_the_beats_of_the_queue_do_not(
     with _commits(store) as waits:
         assert leases.renew(store, lease, {"workers": 1}) is not None
         assert queue.note_progress(store, run.id, run.attempt, Progress(message="step 1"))
-        queue.say(store, run.id, run.attempt, "step 1")
+        queue.log_message(store, run.id, run.attempt, "step 1")
     assert waits == [False] * 3
     assert store.runs.get(run.id).progress == Progress(message="step 1")
 
 
-def test_nothing_that_is_acknowledged_hides_in_a_lax_transaction(store: Store) -> None:
-    with pytest.raises(RuntimeError, match="acknowledged"):  # noqa: SIM117
+def test_durable_transaction_is_not_nested_in_a_lax_one(store: Store) -> None:
+    with pytest.raises(RuntimeError, match="durable"):  # noqa: SIM117
         with store.database.transaction(lax=True), store.database.transaction():
             pass
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
-def test_a_postgresql_that_acknowledges_early_is_not_taken_at_its_word(database_url: str) -> None:
+def test_postgresql_with_asynchronous_commit_is_reconfigured(database_url: str) -> None:
     name = database_url.rpartition("/")[2]
     first = Database(database_url)
     with first.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
@@ -126,7 +126,7 @@ def test_a_postgresql_that_acknowledges_early_is_not_taken_at_its_word(database_
     again.close()
 
 
-def test_an_empty_file_is_damage_and_no_new_workbench(tmp_path: Path) -> None:
+def test_empty_file_is_damage(tmp_path: Path) -> None:
     file = tmp_path / "flexsid.db"
     file.touch()
     with pytest.raises(DatabaseUnavailable, match="flexsid restore") as refused:
@@ -143,7 +143,7 @@ def test_a_log_without_its_database_is_damage_too(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["flexsid.db-wal"]
 
 
-def test_the_database_of_another_program_is_left_alone(tmp_path: Path) -> None:
+def test_database_of_another_program_is_rejected(tmp_path: Path) -> None:
     with closing(sqlite3.connect(tmp_path / "other.db")) as other:
         other.execute("CREATE TABLE birds (name)")
     with pytest.raises(DatabaseUnavailable, match="birds"):
@@ -151,9 +151,7 @@ def test_the_database_of_another_program_is_left_alone(tmp_path: Path) -> None:
 
 
 @only_sqlite
-def test_a_server_whose_file_is_taken_away_does_not_begin_another(
-    database_url: str, store: Store
-) -> None:
+def test_missing_file_is_not_replaced_by_a_server(database_url: str, store: Store) -> None:
     file = Path(database_url.removeprefix("sqlite:///"))
     file.unlink()
     with pytest.raises(DatabaseUnavailable):
@@ -162,7 +160,7 @@ def test_a_server_whose_file_is_taken_away_does_not_begin_another(
 
 
 @only_sqlite
-def test_a_backup_comes_back_in_place_of_an_empty_file(
+def test_backup_is_restored_over_an_empty_file(
     database_url: str, aircraft: Aircraft, tmp_path: Path
 ) -> None:
     copies.backup(database_url, tmp_path / "copy")
@@ -175,7 +173,7 @@ def test_a_backup_comes_back_in_place_of_an_empty_file(
     assert [file.stat().st_size for file in tmp_path.glob("lost.db.before-restore-*")] == [0]
 
 
-def test_nobody_else_reads_a_database_its_logs_or_its_copies(tmp_path: Path) -> None:
+def test_database_logs_and_copies_are_private(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/var/flexsid.db"
     upgrade(url)
     store = Store.open(url)
@@ -190,7 +188,7 @@ def test_nobody_else_reads_a_database_its_logs_or_its_copies(tmp_path: Path) -> 
 
 
 @only_sqlite
-def test_what_others_could_read_until_now_is_closed_to_them_with_a_note(
+def test_readable_files_are_made_private_with_a_log_message(
     database_url: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     file = Path(database_url.removeprefix("sqlite:///"))
@@ -207,7 +205,7 @@ def test_what_others_could_read_until_now_is_closed_to_them_with_a_note(
 
 
 @only_sqlite
-def test_a_backup_that_is_interrupted_leaves_no_half_of_itself(
+def test_interrupted_backup_leaves_no_file(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def damaged(file: Path) -> None:

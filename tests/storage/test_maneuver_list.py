@@ -1,4 +1,4 @@
-"""The list that an analyst filters: what it finds, in which order, and how fast."""
+"""The list of maneuvers: filters, order, and time."""
 
 from __future__ import annotations
 
@@ -48,9 +48,7 @@ def test_filters(
     assert [item.id for item in store.maneuver_page(**filters).items] == found
 
 
-def test_the_line_tells_flight_aircraft_and_condition(
-    store: Store, campaign: list[Maneuver]
-) -> None:
+def test_item_has_flight_aircraft_and_condition(store: Store, campaign: list[Maneuver]) -> None:
     item = store.maneuver_page(fta=506).items[0]
     assert (item.flight_number, item.aircraft_name, item.label) == (1, "X-1", "fast, half")
     assert (item.airspeed_m_s, item.fuel_fraction) == (30.0, 0.5)
@@ -58,7 +56,7 @@ def test_the_line_tells_flight_aircraft_and_condition(
     assert item.created_at == campaign[1].created_at
 
 
-def test_sorting_puts_what_is_not_known_last(store: Store, campaign: list[Maneuver]) -> None:
+def test_unknown_values_are_sorted_last(store: Store, campaign: list[Maneuver]) -> None:
     def order(sort: str) -> list[int]:
         return [item.id for item in store.maneuver_page(sort=sort).items]
 
@@ -106,9 +104,9 @@ def test_a_thousand_maneuvers_are_listed_at_once(
 ) -> None:
     with store.transaction():
         for number in range(1000):
-            kept = add_maneuver(label=f"m{number}", airspeed_ratio=number / 1000)
+            added = add_maneuver(label=f"m{number}", airspeed_ratio=number / 1000)
             for method in Method:
-                add_run(method, maneuver_id=kept.id)
+                add_run(method, maneuver_id=added.id)
     durations: list[float] = []
     for _ in range(5):
         start = time.perf_counter()

@@ -73,12 +73,12 @@ def test_up_and_down_with_data_in_it(
     _pretend_newest_is(monkeypatch, tmp_path)
     assert migrate.upgrade(database_url) == "9999"
     assert store.aircraft.find() == [aircraft]
-    assert migrate.move(database_url, NEWEST) == NEWEST
+    assert migrate.migrate_to(database_url, NEWEST) == NEWEST
     assert store.aircraft.find() == [aircraft]
     assert store.maneuvers.find() == [maneuver]
     assert len(store.channels.find(maneuver_id=maneuver.id)) == 2
     store.close()
-    assert migrate.move(database_url, "base") == "base"
+    assert migrate.migrate_to(database_url, "base") == "base"
     assert migrate.upgrade(database_url) == "9999"
 
 
@@ -87,7 +87,7 @@ def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> N
     before = store.runs.find(), store.maneuvers.find(), store.channels.find()
     samples = store.arrays.get_many(channel.array for channel in before[2])
     store.close()
-    assert migrate.move(flown_url, "0001") == "0001"
+    assert migrate.migrate_to(flown_url, "0001") == "0001"
     assert migrate.upgrade(flown_url) == NEWEST
     store = Store.open(flown_url)
     runs, maneuvers, channels = store.runs.find(), store.maneuvers.find(), store.channels.find()
@@ -136,7 +136,7 @@ def test_a_migration_that_fails_changes_nothing(
     assert migrate.upgrade(database_url) == NEWEST
 
 
-def test_a_database_of_a_newer_release_is_left_alone(database_url: str) -> None:
+def test_database_of_a_newer_release_is_rejected(database_url: str) -> None:
     engine = make_engine(parse_url(database_url))
     with engine.begin() as connection:
         connection.execute(sa.text("UPDATE alembic_version SET version_num = '7777'"))
@@ -158,7 +158,7 @@ def test_two_that_start_together_make_one_schema(tmp_path: Path) -> None:
     assert heads == [NEWEST, NEWEST]
 
 
-def test_a_file_that_is_no_database_is_said_so(tmp_path: Path) -> None:
+def test_file_other_than_a_database_is_reported(tmp_path: Path) -> None:
     file = tmp_path / "flexsid.db"
     file.write_text("text, and much of it. " * 100)
     with pytest.raises(DatabaseUnavailable):

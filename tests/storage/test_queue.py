@@ -1,4 +1,4 @@
-"""A run passes from state to state once, whoever asks, and late news changes nothing."""
+"""State transitions of a run occur once; messages of outdated attempts have no effect."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_one_run_can_be_claimed_by_name(store: Store, add_run: AddRun) -> None:
     assert queue.claim(store, second.id) is None
 
 
-def test_progress_and_result_are_kept(store: Store, add_run: AddRun) -> None:
+def test_progress_and_result_are_stored(store: Store, add_run: AddRun) -> None:
     run = _claimed(store, add_run())
     assert run.id is not None
     assert queue.note_progress(store, run.id, 1, Progress(iteration=2, fraction=0.1))
@@ -89,9 +89,9 @@ def test_progress_and_result_are_kept(store: Store, add_run: AddRun) -> None:
 def test_a_cancelled_run_takes_no_result(store: Store, add_run: AddRun) -> None:
     run = _claimed(store, add_run())
     assert run.id is not None
-    assert queue.still_running(store, [(run.id, 1)]) == {run.id}
+    assert queue.find_running(store, [(run.id, 1)]) == {run.id}
     assert queue.request_cancel(store, run.id).state is RunState.CANCELLED
-    assert queue.still_running(store, [(run.id, 1)]) == set()
+    assert queue.find_running(store, [(run.id, 1)]) == set()
     with pytest.raises(queue.StaleAttempt, match="cancelled"):
         queue.finish(store, run.id, 1, RESULT, {})
     assert not queue.fail(store, run.id, 1, "x", "y")
@@ -120,19 +120,19 @@ def test_an_ended_run_cannot_be_cancelled(store: Store, add_run: AddRun) -> None
 def test_an_earlier_attempt_is_fenced_off(store: Store, add_run: AddRun) -> None:
     run = _claimed(store, add_run())
     assert run.id is not None
-    queue.put_back(store, run.id, 1)
+    queue.requeue(store, run.id, 1)
     assert _claimed(store, run).attempt == 2
     with pytest.raises(queue.StaleAttempt):
         queue.finish(store, run.id, 1, RESULT, {})
     assert queue.finish(store, run.id, 2, RESULT, {}).attempt == 2
 
 
-def test_what_a_dead_server_left_runs_again_but_not_for_ever(store: Store, add_run: AddRun) -> None:
+def test_run_of_a_dead_server_is_repeated_until_the_limit(store: Store, add_run: AddRun) -> None:
     run = add_run()
     assert run.id is not None
     for attempt in range(1, queue.MOST_DEATHS + 1):
         assert _claimed(store, run).attempt == attempt
-        assert queue.take_over(store) == 1
+        assert queue.requeue_orphans(store) == 1
     assert queue.claim(store) is None
     left = store.runs.get(run.id)
     assert left.state is RunState.FAILED
@@ -142,9 +142,9 @@ def test_what_a_dead_server_left_runs_again_but_not_for_ever(store: Store, add_r
 
 def test_pages_of_jobs_go_from_new_to_old(store: Store, add_run: AddRun) -> None:
     runs = [add_run(method) for method in (Method.OE, Method.EE, Method.OE)]
-    first = job_list.page(store, limit=2)
+    first = job_list.read_page(store, limit=2)
     assert [job.id for job in first.items] == [runs[2].id, runs[1].id]
-    second = job_list.page(store, limit=2, after=first.next)
+    second = job_list.read_page(store, limit=2, after=first.next)
     assert ([job.id for job in second.items], second.next) == ([runs[0].id], None)
-    assert len(job_list.page(store, state=RunState.QUEUED).items) == 3
-    assert job_list.page(store, state=RunState.RUNNING).items == []
+    assert len(job_list.read_page(store, state=RunState.QUEUED).items) == 3
+    assert job_list.read_page(store, state=RunState.RUNNING).items == []

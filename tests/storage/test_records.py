@@ -1,4 +1,4 @@
-"""Whatever is kept comes back as it was, or is refused in words."""
+"""Records and arrays are read as stored, or rejected with a message."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_tables_and_predictions_name_arrays(store: Store, aircraft: Aircraft) ->
     assert store.predictions.find(aircraft_id=aircraft.id) == [prediction]
 
 
-def test_a_number_that_is_not_known_is_none_never_nan(
+def test_unknown_number_is_none_and_not_nan(
     store: Store, flight: Flight, add_maneuver: Callable[..., Maneuver]
 ) -> None:
     with pytest.raises(BadInput, match="None"):
@@ -97,14 +97,14 @@ def test_a_number_that_is_not_known_is_none_never_nan(
 
 
 @pytest.mark.parametrize("identity", [0, -1, 99, 2**63, 2**200])
-def test_an_unknown_id_is_said_so(store: Store, identity: int) -> None:
+def test_unknown_id_is_reported(store: Store, identity: int) -> None:
     with pytest.raises(UnknownRecord, match=str(identity)):
         store.runs.get(identity)
     with pytest.raises(UnknownRecord):
         store.runs.delete(identity)
 
 
-def test_what_is_used_is_not_deleted_and_twins_are_refused(
+def test_used_records_are_not_deleted_and_duplicates_are_rejected(
     store: Store, aircraft: Aircraft, flight: Flight
 ) -> None:
     assert aircraft.id is not None
@@ -130,14 +130,14 @@ def test_a_transaction_is_all_or_nothing(store: Store, aircraft: Aircraft) -> No
     assert aircraft.id is not None
     names: list[str] = []
 
-    def keep_three() -> None:
+    def add_three() -> None:
         with store.transaction():
             store.flights.add(Flight(aircraft_id=1, number=1))
             names.append(store.arrays.put(np.arange(3)))
             store.flights.add(Flight(aircraft_id=77, number=1))
 
     with pytest.raises(UnknownRecord):
-        keep_three()
+        add_three()
     assert store.flights.find() == []
     with pytest.raises(UnknownRecord):
         store.arrays.get(names[0])
@@ -203,7 +203,7 @@ def test_arrays_come_back_bit_by_bit(store: Store, dtype: str, shape: list[int])
     assert not back.flags.writeable
 
 
-def test_the_same_array_is_kept_once_and_its_unit_counts(store: Store) -> None:
+def test_equal_arrays_with_equal_units_are_stored_once(store: Store) -> None:
     samples = np.arange(6.0)
     name = store.arrays.put(samples, "deg")
     assert store.arrays.put(samples[::-1][::-1], "deg") == name
@@ -224,12 +224,12 @@ def test_get_many_names_what_is_missing(store: Store) -> None:
     "url",
     ["nonsense", "sqlite://", "sqlite:///:memory:", "klingon:///a.db", "mysql://host/flexsid"],
 )
-def test_an_address_that_is_none_is_refused(url: str) -> None:
+def test_invalid_address_is_rejected(url: str) -> None:
     with pytest.raises(BadInput):
         Database(url)
 
 
-def test_a_database_that_cannot_be_opened_is_said_so(tmp_path) -> None:
+def test_database_that_cannot_be_opened_is_reported(tmp_path) -> None:
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(DatabaseUnavailable):
         Database(f"sqlite:///{tmp_path}/file/flexsid.db")

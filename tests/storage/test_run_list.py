@@ -1,4 +1,4 @@
-"""The list of runs: what it finds and counts, and what is done to many at once."""
+"""The list of runs: filters, counts, and bulk actions."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_every_column_sorts_both_ways_and_pages(store: Store, campaign: None, fi
         store.run_page(sort="result")
 
 
-def test_a_facet_counts_what_each_choice_would_leave(store: Store, campaign: None) -> None:
+def test_facets_count_the_items_of_each_choice(store: Store, campaign: None) -> None:
     facets = store.run_facets(method=Method.OE, state=RunState.FAILED)
     counts = {name: {c.value: c.count for c in found} for name, found in facets.choices.items()}
     assert facets.total == 1
@@ -70,7 +70,7 @@ def test_a_facet_counts_what_each_choice_would_leave(store: Store, campaign: Non
     assert counts["fta"] == {"506": 1}
 
 
-def test_what_is_deleted_leaves_the_lists_and_comes_back(store: Store, campaign: None) -> None:
+def test_deleted_runs_are_hidden_and_restored(store: Store, campaign: None) -> None:
     assert bulk.change_runs(store, [1, 2], Action.DELETE) == (1, 2)
     assert bulk.change_runs(store, [1], Action.DELETE) == ()
     assert [item.id for item in store.run_page().items] == [3]
@@ -82,7 +82,9 @@ def test_what_is_deleted_leaves_the_lists_and_comes_back(store: Store, campaign:
     assert [item.id for item in store.run_page().items] == [3, 2, 1]
 
 
-def test_a_maneuver_takes_its_runs_along_unless_one_is_active(store: Store, campaign: None) -> None:
+def test_maneuver_is_deleted_with_its_runs_unless_one_is_active(
+    store: Store, campaign: None
+) -> None:
     with pytest.raises(Conflict, match="cancel it first"):
         bulk.change_maneuvers(store, [1, 2], Action.DELETE)
     with pytest.raises(Conflict, match="run 3 is queued"):

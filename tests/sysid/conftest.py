@@ -17,7 +17,11 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.aircraft.aircraft_models import build_model, default_outputs, define_outputs
+from flexsid.workflow.aircraft.aircraft_models import (
+    build_model,
+    define_outputs,
+    list_default_outputs,
+)
 
 OMEGA = 2.0 * np.pi * np.linspace(0.25, 13.75, 65)
 
@@ -63,7 +67,7 @@ def make_case() -> Callable[..., Case]:
     """Build FLEX-28 with so many modes at half fuel."""
     truth = load_truth()
     aircraft = describe_aircraft(truth)
-    names = default_outputs(aircraft, [sensor.name for sensor in aircraft.sensors])
+    names = list_default_outputs(aircraft, [sensor.name for sensor in aircraft.sensors])
 
     def make(n_modes: int, airspeed_ratio: float = 0.65, n_outputs: int = 20) -> Case:
         c = truth.condition_at(airspeed_ratio * truth.flutter_speed_at(0.5), 0.5)

@@ -10,7 +10,7 @@ import pytest
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.derivatives import Derivative, derivative_names
+from flexsid.sysid.model.derivatives import Derivative, list_derivative_names
 
 FOOT = 0.3048
 
@@ -60,7 +60,7 @@ def test_derivatives_are_read_back_from_a_state_space(make_case):
 def test_a_foreign_system_is_refused_with_the_states_it_needs(make_case):
     case = make_case(2)
     system = case.model.state_space(case.truth)
-    with pytest.raises(BadInput, match="needs alpha, q, theta, eta7, eta9"):
+    with pytest.raises(BadInput, match="expected are alpha, q, theta, eta7, eta9"):
         case.model.read_derivatives(replace(system, states=tuple("abcdefg")))
     with pytest.raises(BadInput, match=r"sampled every 0\.1"):
         StateSpace.from_control(control.ss(-1.0, 1.0, 1.0, 0.0, 0.1))
@@ -81,7 +81,7 @@ def test_state_matrices_are_affine_in_the_derivatives(make_case):
 
 @pytest.mark.parametrize(("n", "count"), [(0, 14), (1, 27), (2, 44), (3, 65), (4, 90)])
 def test_number_of_derivatives_is_the_papers(n, count):
-    names = derivative_names(tuple(range(7, 7 + n)), ("a", "b", "c", "d", "e"))
+    names = list_derivative_names(tuple(range(7, 7 + n)), ("a", "b", "c", "d", "e"))
     assert len(names) == len(set(names)) == count
     assert all(Derivative.parse(name).name == name for name in names)
 

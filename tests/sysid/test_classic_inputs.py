@@ -1,16 +1,16 @@
-"""A user relies on: classic inputs that move one surface at a time as their names say."""
+"""A user relies on: classic inputs move one surface at a time, each as its name states."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from flexsid.sysid.excitation.classic import in_turn, pulse_lengths
+from flexsid.sysid.excitation.classic_inputs import design_classic_input, pulse_lengths
 
 PEAKS = {"bfs": 2.0, "wf1s": 1.0}
 
 
 def test_surfaces_move_in_turn_and_rest_afterwards():
-    history = in_turn("doublet", PEAKS, 10.0, 50.0, 12.0, (0.5, 5.0), pulse_s=0.5)
+    history = design_classic_input("doublet", PEAKS, 10.0, 50.0, 12.0, (0.5, 5.0), pulse_s=0.5)
     assert history.values.shape == (600, 2)
     first, second = history.values.T
     np.testing.assert_array_equal(first[:25], 2.0)
@@ -22,14 +22,16 @@ def test_surfaces_move_in_turn_and_rest_afterwards():
 
 
 def test_3_2_1_1_has_seven_units_in_alternate_directions():
-    history = in_turn("3-2-1-1", {"bfs": 1.0}, 10.0, 10.0, 10.0, (0.5, 5.0), pulse_s=0.2)
+    history = design_classic_input(
+        "3-2-1-1", {"bfs": 1.0}, 10.0, 10.0, 10.0, (0.5, 5.0), pulse_s=0.2
+    )
     np.testing.assert_array_equal(
         history.values[:14, 0], np.repeat([1, 1, 1, -1, -1, 1, -1], 2).astype(float)
     )
 
 
 def test_a_sweep_goes_through_its_band():
-    history = in_turn("sweep", {"bfs": 1.0}, 20.0, 100.0, 20.0, (1.0, 5.0))
+    history = design_classic_input("sweep", {"bfs": 1.0}, 20.0, 100.0, 20.0, (1.0, 5.0))
     spectrum = np.abs(np.fft.rfft(history.values[:, 0])) ** 2
     hz = np.fft.rfftfreq(2000, 0.01)
     inside = (hz > 0.8) & (hz < 5.2)

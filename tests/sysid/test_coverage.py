@@ -1,4 +1,4 @@
-"""Error bars can be believed: two standard errors hold the truth as often as they should."""
+"""Coverage: two standard errors include the truth at their nominal rate."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from flexsid.sysid.estimation.frequency_response_error import frequency_response
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.response import bare_airframe_responses
+from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 
 FITS = 200
 LINES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty lines each
-OWNER = np.arange(LINES.size) % 5
+ASSIGNED_INPUT = np.arange(LINES.size) % 5
 LEVEL = 0.03
 
 
@@ -30,7 +30,7 @@ class Maneuver:
         self.case = case
         self.command = np.zeros((LINES.size, 5), dtype=complex)
         turns = np.exp(2j * np.pi * rng.uniform(size=LINES.size))
-        self.command[np.arange(LINES.size), OWNER] = turns
+        self.command[np.arange(LINES.size), ASSIGNED_INPUT] = turns
         self.u = self.command @ (np.eye(5) + 0.1 * rng.normal(size=(5, 5)))
         self.y = (case.model.response(case.truth, LINES) @ self.u[:, :, None])[:, :, 0]
         self.level = LEVEL * np.sqrt(np.mean(np.abs(self.y) ** 2, axis=0))
@@ -62,7 +62,7 @@ class Maneuver:
             return maximize([oe], self.case.free())
         if method == "FRE":
             command = FrequencyData(LINES, self.command, model.inputs)
-            responses = bare_airframe_responses(u, z, command, OWNER)
+            responses = estimate_bare_airframe_responses(u, z, command, ASSIGNED_INPUT)
             return maximize(
                 [frequency_response_error(model, responses, source=oe)], self.case.free()
             )
@@ -106,7 +106,7 @@ def test_equation_error_bears_coloured_noise_beyond_flutter(make_case):
     assert 0.90 <= np.mean(inside) <= 0.98, f"{np.mean(inside):.3f}"
 
 
-def test_noise_on_the_surfaces_is_believed_where_flutter_amplifies_it(make_case):
+def test_noise_on_the_surfaces_is_included_where_flutter_amplifies_it(make_case):
     """Few lines at the peak decide; what they do to a fit is not what it leaves of them."""
     maneuver = Maneuver(make_case(2, airspeed_ratio=1.04))
     truth = maneuver.case.truth.values.ravel()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.demo.flights import design
-from flexsid.sysid.preparation.cutting import find_excitations, find_marked
+from flexsid.demo.flights import design_fta
+from flexsid.sysid.preparation.cutting import find_excitations, find_marked_intervals
 
 RATE = 200.0
 
@@ -20,14 +20,14 @@ def flight(parts: list[tuple[float, np.ndarray]], seconds: float, inputs: int = 
 
 
 def multisine(periods: int, fta: int = 506) -> np.ndarray:
-    designed = design(fta, 2.0)
+    designed = design_fta(fta, 2.0)
     n = round(periods * designed.period_s * RATE)
     return designed.sample(np.arange(n) / RATE)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-8])
 def test_multisines_are_found_with_their_periods_and_harmonics(noise: float):
-    wanted = tuple(design(506, 2.0).harmonics().values())
+    expected = tuple(design_fta(506, 2.0).harmonics().values())
     x = flight([(31.0, multisine(1)), (77.0, multisine(3)), (170.0, multisine(1, 503))], 210.0)
     x += noise * np.random.default_rng(0).standard_normal(x.shape)
     found = find_excitations(x, RATE)
@@ -35,9 +35,9 @@ def test_multisines_are_found_with_their_periods_and_harmonics(noise: float):
     for one, at in zip(found, (31.0, 77.0, 170.0), strict=True):
         assert one.period == 24 * RATE
         assert abs(one.first - at * RATE) <= 1
-    assert tuple(map(tuple, found[0].harmonics)) == wanted
+    assert tuple(map(tuple, found[0].harmonics)) == expected
     assert found[1].harmonics == found[0].harmonics
-    assert found[2].harmonics == tuple(design(503, 2.0).harmonics().values())
+    assert found[2].harmonics == tuple(design_fta(503, 2.0).harmonics().values())
 
 
 def test_a_doublet_and_a_sweep_are_found_without_harmonics():
@@ -61,7 +61,7 @@ def test_a_command_that_never_rests_exactly_is_found_by_its_size():
 
 def test_nothing_is_found_where_nothing_moves():
     assert find_excitations(np.zeros((1000, 2)), RATE) == ()
-    assert find_marked(np.zeros(1000), RATE) == ()
+    assert find_marked_intervals(np.zeros(1000), RATE) == ()
 
 
 def test_markers_give_numbers_and_ignore_blips():
@@ -69,7 +69,7 @@ def test_markers_give_numbers_and_ignore_blips():
     marker[2000:7000] = 506
     marker[7000:12000] = 503
     marker[15000:15020] = 7
-    found = find_marked(marker, RATE)
+    found = find_marked_intervals(marker, RATE)
     assert [(one.first, one.stop, one.marker) for one in found] == [
         (2000, 7000, 506),
         (7000, 12000, 503),

@@ -9,13 +9,13 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.batch import regress_batch
+from flexsid.sysid.estimation.batch_regression import regress_many
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.fusion import fuse, with_priors
+from flexsid.sysid.estimation.fusion import apply_priors, fuse_estimates
 from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
@@ -57,11 +57,11 @@ def test_taking_out_the_noise_of_regressors_takes_out_their_bias(make_case):
     assert compensated < 0.5 * plain
 
 
-def test_what_sensors_cannot_tell_apart_is_refused(make_case):
+def test_unobservable_motions_are_refused(make_case):
     case = make_case(4, n_outputs=5)
     u, y = case.spectra(3)
     _, outputs, through = spectra(case, u, y)
-    with pytest.raises(NotIdentifiable, match="5 outputs cannot give 6 motions"):
+    with pytest.raises(NotIdentifiable, match="5 outputs cannot resolve 6 motions"):
         reconstruct_motion(case.model, outputs, through)
 
 
@@ -72,8 +72,8 @@ def test_sensors_that_nothing_checks_are_named(make_case):
     assert reconstruct_motion(case.model, z, np.ones_like(y)).assumed == ()
     rigid = ("alpha", "theta", "q", "az_egi", "az_cf", "az_ca")
     names = (*rigid, "az_ofs")
-    kept = [case.model.outputs.index(name) for name in names]
-    rows = SensorRows(names, case.model.sensors.polynomial[:, kept])
+    selected = [case.model.outputs.index(name) for name in names]
+    rows = SensorRows(names, case.model.sensors.polynomial[:, selected])
     rows.polynomial[:, : len(rigid), 2:] = 0.0  # the wing is seen by its own sensor only
     few = replace(case.model.with_modes(1), sensors=SensorRows(names, rows.polynomial[:, :, :3]))
     seen = (few.response(make_case(1).truth, OMEGA) @ u[:, :, None])[:, :, 0]
@@ -106,7 +106,7 @@ def test_batched_regressions_are_the_single_ones():
     rng = np.random.default_rng(5)
     X = rng.normal(size=(4, 30, 6)) + 1j * rng.normal(size=(4, 30, 6))
     z = rng.normal(size=(4, 30, 3)) + 1j * rng.normal(size=(4, 30, 3))
-    values, errors = regress_batch(X, z)
+    values, errors = regress_many(X, z)
     names = tuple("abcdef")
     for maneuver in range(4):
         for coefficient in range(3):
@@ -123,7 +123,7 @@ def test_collinear_and_still_regressors_are_named():
     with pytest.raises(NotIdentifiable, match="collinear"):
         regress(twice, z, ("CZ_a", "CZ_b", "CZ_c", "CZ_d"))
     X[:, 1] = 0.0
-    with pytest.raises(NotIdentifiable, match="CZ_b does not move"):
+    with pytest.raises(NotIdentifiable, match="CZ_b is zero"):
         regress(X, z, ("CZ_a", "CZ_b", "CZ_c"))
 
 
@@ -131,7 +131,7 @@ def test_a_few_lines_of_little_known_motion_do_not_spoil_the_others():
     rng = np.random.default_rng(9)
     n = 100
     known = np.where(np.arange(n) < 4, 1e4, 1.0)  # variance of the dependent variable
-    errors = Disturbance(np.zeros((n, 2, 2)), np.zeros((n, 2)), known)
+    errors = ErrorsInVariables(np.zeros((n, 2, 2)), np.zeros((n, 2)), known)
     found = []
     for _ in range(200):
         X = rng.normal(size=(n, 2)) + 1j * rng.normal(size=(n, 2))
@@ -191,15 +191,15 @@ def test_fusion_and_priors_weigh_by_information(make_case):
         inputs, outputs, through = spectra(case, u, add_noise(y, 0.05, np.random.default_rng(seed)))
         motion = reconstruct_motion(case.model, outputs, through)
         estimates.append(equation_error(case.model, motion, inputs, case.free()))
-    both = fuse(estimates, ["a", "b"])
+    both = fuse_estimates(estimates, ["a", "b"])
     low = np.minimum(estimates[0].std_errors, estimates[1].std_errors)
     assert np.all(both.std_errors <= low * (1.0 + 1e-9))
     assert {block.name for block in both.lines} == {"a CZ", "a Cm", "b CZ", "b Cm"}
-    held = with_priors(both, {"Cm_q": (7.0, 1e-9)})
+    held = apply_priors(both, {"Cm_q": (7.0, 1e-9)})
     assert held.values[held.names.index("Cm_q")] == pytest.approx(7.0)
 
 
-def test_fusing_ill_conditioned_estimates_keeps_their_digits():
+def test_fusing_ill_conditioned_estimates_preserves_their_digits():
     """Powers of x from 3 to 9 as regressors: correlations of 1 - 1e-9 and beyond."""
     x = np.linspace(3.0, 9.0, 80)
     A = np.stack([x**k for k in range(11)], axis=1)
@@ -212,7 +212,7 @@ def test_fusing_ill_conditioned_estimates_keeps_their_digits():
         Estimate(names, values, values, C, C, (), (), Outcome.CONVERGED, "")
         for values in (np.ones(11), 1.0 + apart)
     ]
-    fused = fuse(both, ["a", "b"])
+    fused = fuse_estimates(both, ["a", "b"])
     std = np.sqrt(np.diag(C))
     assert (fused.values - 1.0) / std == pytest.approx(0.5 * apart / std, abs=1e-4)
     assert np.diag(fused.corrected_covariance) == pytest.approx(0.5 * np.diag(C), rel=1e-4)

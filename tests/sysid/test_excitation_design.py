@@ -11,93 +11,95 @@ import pytest
 from scipy import io as matlab
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.allotment import allot_band
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, check_design
 from flexsid.sysid.excitation.designer import (
-    InputWish,
-    Wish,
+    DesignSpecification,
+    InputSpecification,
+    build_multisine,
+    compute_peak_factors,
     design,
-    from_phases,
-    peak_factors,
-    search_time_s,
+    estimate_search_time_s,
 )
 from flexsid.sysid.excitation.export import (
-    from_recipe,
-    sample_period,
+    read_recipe,
+    sample_one_period,
     to_c_header,
     to_csv,
     to_matlab,
-    to_recipe,
+    write_recipe,
 )
-from flexsid.sysid.excitation.extrema import judged_peak_factor
-from flexsid.sysid.excitation.norms import HarmonicLines
+from flexsid.sysid.excitation.extrema import evaluate_peak_factor
+from flexsid.sysid.excitation.harmonic_assignment import assign_harmonics_in_band
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.phase_search import THOROUGH, search_phases
-from flexsid.sysid.excitation.recognition import recognise
+from flexsid.sysid.excitation.recognition import recognise_multisine
 
 FLOWN = Path(__file__).parents[2].parent / "shared/data/maewing1/flight/flown_multisines"
 
 
-def wish(number: int = 521) -> Wish:
+def specification(number: int = 521) -> DesignSpecification:
     dealt = CATALOGUE[number].harmonics(6)
     inputs = tuple(
-        InputWish(name=name, harmonics=tuple(own.tolist()), relative_peak=1.0 - 0.05 * place)
+        InputSpecification(
+            name=name, harmonics=tuple(own.tolist()), relative_peak=1.0 - 0.05 * place
+        )
         for place, (name, own) in enumerate(dealt.items())
     )
-    return Wish(
+    return DesignSpecification(
         duration_s=40.0, rate_hz=50.0, inputs=inputs, peaks=(0.5, 1.0, 2.0), effort="quick", seed=4
     )
 
 
 def test_a_design_has_the_size_asked_and_is_orthogonal_at_its_rate():
-    made = design(wish())
+    made = design(specification())
     checks = check_design(made, 200.0, ActuatorLimits(natural_frequency=200.0, damping=0.7))
     assert checks.correlation < 1e-12
     for place, row in enumerate(checks.inputs):
         assert row.command_peak == pytest.approx(0.5 * (1.0 - 0.05 * place), rel=0.02)
         assert abs(row.start) < 1e-12
         assert row.within_limits
-    assert set(peak_factors(made)) == set(made.inputs)
+    assert set(compute_peak_factors(made)) == set(made.inputs)
 
 
 def test_processes_find_what_one_process_finds():
-    wanted = replace(wish(503), duration_s=20.0)
-    one, two = design(wanted), design(wanted, processes=2)
+    requested = replace(specification(503), duration_s=20.0)
+    one, two = design(requested), design(requested, processes=2)
     for name in one.inputs:
         np.testing.assert_array_equal(one.tones[name].phases, two.tones[name].phases)
 
 
 def test_progress_reaches_the_whole():
-    told: list[float] = []
-    design(wish(503), lambda _name, _factor, fraction: told.append(fraction))
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1.0)
+    fractions: list[float] = []
+    design(specification(503), lambda _name, _factor, fraction: fractions.append(fraction))
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
 
 
 def test_lines_have_the_power_that_was_asked():
-    own = InputWish(name="u", harmonics=(2, 5, 9), power=(1.0, 4.0, 9.0))
-    made = design(replace(wish(), inputs=(own,)))
+    own = InputSpecification(name="u", harmonics=(2, 5, 9), power=(1.0, 4.0, 9.0))
+    made = design(replace(specification(), inputs=(own,)))
     np.testing.assert_allclose(
         made.tones["u"].amplitudes / made.tones["u"].amplitudes[0], [1, 2, 3]
     )
 
 
 def test_recipe_reproduces_every_amplitude():
-    wanted = wish(503)
-    made = design(wanted)
-    again, high = from_recipe(to_recipe(wanted, made), level=2)
-    assert again == wanted
+    requested = specification(503)
+    made = design(requested)
+    again, high = read_recipe(write_recipe(requested, made), level=2)
+    assert again == requested
     np.testing.assert_allclose(
-        sample_period(high, 50.0), 4.0 * sample_period(made, 50.0), atol=1e-9
+        sample_one_period(high, 50.0), 4.0 * sample_one_period(made, 50.0), atol=1e-9
     )
-    for bad in ("{}", "nonsense", json.dumps({"wish": {}, "phases": {}})):
-        with pytest.raises(BadInput, match="no recipe"):
-            from_recipe(bad)
+    for bad in ("{}", "nonsense", json.dumps({"specification": {}, "phases": {}})):
+        with pytest.raises(BadInput, match="not an excitation recipe"):
+            read_recipe(bad)
 
 
 def test_files_hold_one_period_at_the_rate(tmp_path: Path):
-    made = design(wish(503))
-    samples = sample_period(made, 50.0)
+    made = design(specification(503))
+    samples = sample_one_period(made, 50.0)
     rows = to_csv(made, 50.0).splitlines()
     assert rows[0] == "t_s," + ",".join(made.inputs)
     np.testing.assert_allclose(np.array(rows[8].split(","), float)[1:], samples[7], rtol=1e-8)
@@ -109,10 +111,12 @@ def test_files_hold_one_period_at_the_rate(tmp_path: Path):
 
 
 def test_own_samples_are_recognised():
-    made = design(wish(503))
-    for column, (name, tones) in zip(sample_period(made, 50.0).T, made.tones.items(), strict=True):
+    made = design(specification(503))
+    for column, (name, tones) in zip(
+        sample_one_period(made, 50.0).T, made.tones.items(), strict=True
+    ):
         for samples in (column, np.append(column, column[0])):
-            found, period = recognise(samples)
+            found, period = recognise_multisine(samples)
             assert period == column.size
             np.testing.assert_array_equal(found.harmonics, tones.harmonics, name)
             np.testing.assert_allclose(found.amplitudes, tones.amplitudes, rtol=1e-9)
@@ -121,7 +125,7 @@ def test_own_samples_are_recognised():
 
 def test_noise_is_no_multisine():
     with pytest.raises(BadInput, match="exactly one period"):
-        recognise(np.random.default_rng(1).standard_normal(500))
+        recognise_multisine(np.random.default_rng(1).standard_normal(500))
 
 
 @pytest.mark.skipif(not FLOWN.exists(), reason="flown multisines of mAEWing1 are not here")
@@ -130,12 +134,12 @@ def test_flown_multisines_are_recognised_and_can_be_flown_with_lower_peaks():
     assert files
     for file in files:
         samples = np.loadtxt(file)
-        found, period = recognise(samples)
+        found, period = recognise_multisine(samples)
         assert period == samples.size - 1, file.name
         again = found.sample(np.arange(period) / period)
         np.testing.assert_allclose(again + samples[:-1].mean(), samples[:-1], atol=5e-4)
-        lines = HarmonicLines(found.harmonics, found.amplitudes)
-        flown = judged_peak_factor(lines, found.phases)
+        lines = HarmonicSpectrum(found.harmonics, found.amplitudes)
+        flown = evaluate_peak_factor(lines, found.phases)
         assert search_phases(lines, THOROUGH).peak_factor < flown - 0.03, file.name
 
 
@@ -168,56 +172,68 @@ def test_harmonics_reach_what_they_are_asked_to_and_stay_those_of_the_row_in_num
 
 
 def test_the_time_of_a_search_grows_with_harmonics_band_and_effort():
-    known = wish(503)
-    assert search_time_s(known) < 1.0
-    patient = search_time_s(replace(known, effort="patient"))
-    assert patient > 10.0 * search_time_s(known)
-    own = InputWish(name="u", harmonics=tuple(range(1, 500)))
-    assert search_time_s(replace(known, inputs=(own,))) > 3.0 * search_time_s(known)
-    high = InputWish(name="u", harmonics=(20_000,))
-    assert search_time_s(replace(known, inputs=(high,))) > search_time_s(known)
+    known = specification(503)
+    assert estimate_search_time_s(known) < 1.0
+    patient = estimate_search_time_s(replace(known, effort="patient"))
+    assert patient > 10.0 * estimate_search_time_s(known)
+    own = InputSpecification(name="u", harmonics=tuple(range(1, 500)))
+    assert estimate_search_time_s(replace(known, inputs=(own,))) > 3.0 * estimate_search_time_s(
+        known
+    )
+    high = InputSpecification(name="u", harmonics=(20_000,))
+    assert estimate_search_time_s(replace(known, inputs=(high,))) > estimate_search_time_s(known)
 
 
 def test_a_band_is_filled_evenly():
-    dealt = allot_band(("a", "b"), 5, 20.0, (0.5, 5.0))
+    dealt = assign_harmonics_in_band(("a", "b"), 5, 20.0, (0.5, 5.0))
     assert dealt["a"].tolist() == [10, 28, 46, 64, 82]
     assert dealt["b"].tolist() == [19, 37, 55, 73, 91]
 
 
-def bad(**changes: object) -> Wish:
-    return replace(wish(503), **changes)
+def bad(**changes: object) -> DesignSpecification:
+    return replace(specification(503), **changes)
 
 
 @pytest.mark.parametrize(
-    ("wanted", "words"),
+    ("requested", "words"),
     [
         (bad(duration_s=40.011), "samples; take 40.02 s"),
         (bad(rate_hz=5.0), r"is 3\.\d+ Hz, not below the Nyquist frequency 2\.5 Hz"),
         (bad(rate_hz=99_000.0), r"samples; a design has at most 100000"),
-        (bad(inputs=(InputWish(name="bfs", harmonics=()),)), "bfs has no harmonics"),
-        (bad(inputs=()), "moves no input"),
+        (bad(inputs=(InputSpecification(name="bfs", harmonics=()),)), "bfs has no harmonics"),
+        (bad(inputs=()), "has no input"),
         (
-            bad(inputs=(InputWish(name="a", harmonics=(3,)), InputWish(name="b", harmonics=(3,)))),
+            bad(
+                inputs=(
+                    InputSpecification(name="a", harmonics=(3,)),
+                    InputSpecification(name="b", harmonics=(3,)),
+                )
+            ),
             "harmonic 3 belongs to a and b",
         ),
         (bad(peaks=(2.0, 1.0, 3.0)), "rise from low to high"),
-        (bad(inputs=(InputWish(name="a", harmonics=(3,), power=(1.0, 2.0)),)), "1 harmonics but 2"),
+        (
+            bad(inputs=(InputSpecification(name="a", harmonics=(3,), power=(1.0, 2.0)),)),
+            "1 harmonics but 2",
+        ),
     ],
 )
-def test_impossible_wishes_are_refused_with_the_numbers(wanted: Wish, words: str):
+def test_impossible_specifications_are_refused_with_the_numbers(
+    requested: DesignSpecification, words: str
+):
     with pytest.raises(BadInput, match=words):
-        design(wanted)
+        design(requested)
 
 
-def test_a_band_that_is_too_narrow_says_what_would_do():
+def test_the_message_of_a_narrow_band_states_the_required_width():
     with pytest.raises(BadInput, match=r"need 325; the band of 0\.25 to 5 Hz holds 115"):
-        allot_band(("bfs", "wf3s", "wf1s", "wf4s", "wf2s"), 65, 24.0, (0.25, 5.0))
+        assign_harmonics_in_band(("bfs", "wf3s", "wf1s", "wf4s", "wf2s"), 65, 24.0, (0.25, 5.0))
 
 
 def test_deflection_follows_the_actuator():
     """A single sine at the actuator's natural frequency: gain 1/(2 zeta), exactly."""
-    own = InputWish(name="u", harmonics=(10,))
-    made = from_phases(replace(wish(), inputs=(own,)), {"u": np.zeros(1)}, level=1)
+    own = InputSpecification(name="u", harmonics=(10,))
+    made = build_multisine(replace(specification(), inputs=(own,)), {"u": np.zeros(1)}, level=1)
     omega = 2.0 * np.pi * 10.0 / 40.0
     row = check_design(made, 50.0, ActuatorLimits(natural_frequency=omega, damping=0.4)).inputs[0]
     assert row.deflection_peak == pytest.approx(1.25, rel=5e-3)

@@ -1,4 +1,4 @@
-"""A user relies on: low peaks, judged honestly, found again from the same seed."""
+"""A user relies on: low peak factors, computed accurately and reproducible from the seed."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ import pytest
 
 from flexsid.errors import Cancelled
 from flexsid.sysid.excitation.catalogue import CATALOGUE
-from flexsid.sysid.excitation.extrema import judged_peak_factor, judged_peak_factors, refine_peaks
-from flexsid.sysid.excitation.norms import HarmonicLines, lower_norms
+from flexsid.sysid.excitation.extrema import (
+    evaluate_peak_factor,
+    evaluate_peak_factors,
+    refine_peaks,
+)
+from flexsid.sysid.excitation.norms import HarmonicSpectrum, lower_norms
 from flexsid.sysid.excitation.peak_factor import (
     relative_peak_factor,
     schroeder_phases,
@@ -17,8 +21,8 @@ from flexsid.sysid.excitation.peak_factor import (
 from flexsid.sysid.excitation.phase_search import QUICK, THOROUGH, FoundPhases, search_phases
 
 
-def flat(n: int, first: int = 6, spacing: int = 5) -> HarmonicLines:
-    return HarmonicLines(first + spacing * np.arange(n), np.full(n, np.sqrt(2.0 / n)))
+def flat(n: int, first: int = 6, spacing: int = 5) -> HarmonicSpectrum:
+    return HarmonicSpectrum(first + spacing * np.arange(n), np.full(n, np.sqrt(2.0 / n)))
 
 
 def test_table_1_has_24_designs_with_177_inputs():
@@ -37,7 +41,7 @@ def test_no_design_of_table_1_shares_a_harmonic_and_all_are_orthogonal(number: i
     generator = np.random.default_rng(number)
     columns = []
     for own in dealt.values():
-        lines = HarmonicLines(own, np.full(own.size, np.sqrt(2.0 / own.size)))
+        lines = HarmonicSpectrum(own, np.full(own.size, np.sqrt(2.0 / own.size)))
         phases = generator.uniform(-np.pi, np.pi, own.size)
         columns.append(np.sin(2.0 * np.pi * time * own + phases) @ lines.amplitudes)
     samples = np.stack(columns, axis=1)
@@ -59,11 +63,11 @@ def test_same_seed_finds_the_same():
     np.testing.assert_array_equal(one.phases, other.phases)
 
 
-def test_judgement_agrees_with_a_very_fine_grid_and_coarse_grids_flatter():
+def test_peak_factor_agrees_with_a_very_fine_grid_and_coarse_grids_are_optimistic():
     lines = flat(25)
     phases = np.random.default_rng(2).uniform(-np.pi, np.pi, (40, 25))
     fine = [relative_peak_factor(wave) for wave in lines.on_grid(phases, lines.grid_size(512))]
-    np.testing.assert_allclose(judged_peak_factors(lines, phases), fine, rtol=2e-4)
+    np.testing.assert_allclose(evaluate_peak_factors(lines, phases), fine, rtol=2e-4)
     coarse = [relative_peak_factor(wave) for wave in lines.on_grid(phases, lines.grid_size(4))]
     assert np.mean(coarse) < np.mean(fine) - 0.01
 
@@ -73,16 +77,16 @@ def test_norms_and_refinement_each_lower_the_peak():
     start = schroeder_phases(lines.amplitudes)
     normed = lower_norms(lines, start[None])[0]
     refined = refine_peaks(lines, normed)
-    factors = [judged_peak_factor(lines, phases) for phases in (start, normed, refined)]
+    factors = [evaluate_peak_factor(lines, phases) for phases in (start, normed, refined)]
     assert factors[0] > factors[1] + 0.1 > factors[2] + 0.1
 
 
-def test_shift_in_time_starts_at_zero_and_keeps_the_peak_factor():
+def test_shift_in_time_starts_at_zero_and_preserves_the_peak_factor():
     lines = flat(25)
     found = search_phases(lines, QUICK)
     shifted = start_at_zero(lines.harmonics, lines.amplitudes, found.phases)
     assert abs(np.sum(lines.amplitudes * np.sin(shifted))) < 1e-12
-    assert judged_peak_factor(lines, shifted) == pytest.approx(found.peak_factor, abs=2e-4)
+    assert evaluate_peak_factor(lines, shifted) == pytest.approx(found.peak_factor, abs=2e-4)
 
 
 def test_one_tone_is_a_sine():
@@ -91,20 +95,20 @@ def test_one_tone_is_a_sine():
 
 @pytest.mark.parametrize("harmonics", [(1, 2), (1, 3), (6, 7), (2, 4)])
 def test_two_low_harmonics_of_a_throttle(harmonics: tuple[int, int]):
-    lines = HarmonicLines(np.array(harmonics), np.ones(2))
+    lines = HarmonicSpectrum(np.array(harmonics), np.ones(2))
     assert search_phases(lines, THOROUGH).peak_factor <= np.sqrt(2.0) + 1e-9
 
 
-def test_search_tells_its_best_and_can_be_stopped():
-    told: list[tuple[float, float]] = []
+def test_search_reports_its_best_and_can_be_stopped():
+    reports: list[tuple[float, float]] = []
 
     def report(best: FoundPhases, fraction: float) -> None:
-        told.append((best.peak_factor, fraction))
+        reports.append((best.peak_factor, fraction))
         if fraction > 0.5:
             raise Cancelled("enough")
 
     with pytest.raises(Cancelled):
         search_phases(flat(13), THOROUGH, report=report)
-    factors = [factor for factor, _ in told]
+    factors = [factor for factor, _ in reports]
     assert factors == sorted(factors, reverse=True)
-    assert told[0][1] < 0.5 < told[-1][1]
+    assert reports[0][1] < 0.5 < reports[-1][1]

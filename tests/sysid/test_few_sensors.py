@@ -1,4 +1,4 @@
-"""Equation error where few sensors check each other: none is exact, and error bars say so."""
+"""Equation error with few redundant sensors: standard errors include their noise."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from flexsid.sysid.model.sensors import (
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
-from flexsid.workflow.aircraft.aircraft_models import default_outputs
+from flexsid.workflow.aircraft.aircraft_models import list_default_outputs
 
 # Numbers of our own for a twin turboprop and a small airliner; SI, derivatives per rad.
 TWIN = (
@@ -142,9 +142,9 @@ class FewSensors:
     def __init__(self, make_case, n_outputs: int) -> None:
         case = make_case(FEW[n_outputs])
         aircraft = describe_aircraft(load_truth())
-        names = default_outputs(aircraft, [sensor.name for sensor in aircraft.sensors])
-        kept = [case.model.outputs.index(name) for name in names[:n_outputs]]
-        rows = SensorRows(names[:n_outputs], case.model.sensors.polynomial[:, kept])
+        names = list_default_outputs(aircraft, [sensor.name for sensor in aircraft.sensors])
+        selected = [case.model.outputs.index(name) for name in names[:n_outputs]]
+        rows = SensorRows(names[:n_outputs], case.model.sensors.polynomial[:, selected])
         self.case = Case(
             AeroelasticModel(case.model.condition, case.model.modes, case.model.inputs, rows),
             case.truth,
@@ -206,7 +206,7 @@ def test_no_sensor_is_taken_as_exact(make_case, n_outputs):
     for seed in range(4):
         _, motion, level = few.estimate(seed)
         assert np.all(motion.noise > 0.5 * level)
-        assert motion.assumed  # and the run says of which it had to be assumed
+        assert motion.assumed  # and its sensors are named
 
 
 def test_what_is_known_of_one_sensor_s_noise_scales_the_others(make_case):
@@ -219,7 +219,7 @@ def test_what_is_known_of_one_sensor_s_noise_scales_the_others(make_case):
     three = AeroelasticModel(exact.condition, exact.modes, exact.inputs, rows)
     motion = reconstruct_motion(
         three, z, np.ones((LINES.size, 3), dtype=complex), guess=noise[:3]
-    )  # as many sensors as motions: nothing tells the noise
+    )  # as many sensors as motions: noise is not identifiable
     assert motion.noise == pytest.approx(2.0 * few.level[:3])
     assert motion.assumed == three.outputs
-    assert motion.doubt > 1.0
+    assert motion.relative_std > 1.0

@@ -1,4 +1,4 @@
-"""Flutter: exact on known aircraft, honest about its error, a sentence where there is none."""
+"""Flutter: exact on known aircraft, with its standard error, and a sentence without prediction."""
 
 from __future__ import annotations
 
@@ -16,28 +16,33 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.sysid.stability.bands import (
-    Uncertain,
-    bands_by_draws,
-    crossing_error,
-    root_bands,
+    UncertainDerivatives,
+    estimate_crossing_error,
+    estimate_root_bands,
+    sample_root_bands,
 )
 from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.flutter import Mechanism, follow_roots
+from flexsid.sysid.stability.flutter import Mechanism, track_roots
+from flexsid.sysid.stability.flutter_extrapolation import TestPoint as Point
+from flexsid.sysid.stability.flutter_extrapolation import (
+    extrapolate_damping,
+    extrapolate_envelope,
+    extrapolate_flutter_margin,
+)
 from flexsid.sysid.stability.prediction import (
     IdentifiedModes,
     StiffnessError,
+    compute_structure_spread,
+    compute_weighted_mean,
     fuse_identified,
     fuse_with_trend,
     predict_flutter,
-    structure_spread,
-    weighted_mean,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic, decompose, slopes, state_family
-from flexsid.sysid.stability.trackers import TestPoint as Point
-from flexsid.sysid.stability.trackers import (
-    damping_extrapolation,
-    envelope_function,
-    flutter_margin,
+from flexsid.sysid.stability.speeds import (
+    Aeroelastic,
+    build_state_family,
+    compute_eigenvalue_slopes,
+    decompose_states,
 )
 
 FOOT = 0.3048
@@ -54,12 +59,12 @@ def flex28(n_modes: int, fuel: float = 0.5) -> Aeroelastic:
     )
 
 
-def everything(aircraft: Aeroelastic, share: float) -> Uncertain:
+def everything(aircraft: Aeroelastic, share: float) -> UncertainDerivatives:
     """Every derivative known to a share of its value."""
     n = len(aircraft.modes.numbers)
     rows, columns = (x.ravel() for x in np.indices((2 + n, 2 + 2 * n)))
     size = np.maximum(np.abs(aircraft.derivatives.values[rows, columns]), 0.02)
-    return Uncertain(rows, columns, np.diag((share * size) ** 2))
+    return UncertainDerivatives(rows, columns, np.diag((share * size) ** 2))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +81,7 @@ def everything(aircraft: Aeroelastic, share: float) -> Uncertain:
     ],
 )
 def test_flutter_speeds_are_those_of_the_design_notes(fuel, n_modes, published_ft_s):
-    crossing = follow_roots(flex28(n_modes, fuel), SPEEDS).flutter
+    crossing = track_roots(flex28(n_modes, fuel), SPEEDS).flutter
     assert crossing is not None
     assert crossing.airspeed / FOOT == pytest.approx(published_ft_s, rel=1e-4)
     assert crossing.mechanism is Mechanism.FLUTTER
@@ -84,9 +89,9 @@ def test_flutter_speeds_are_those_of_the_design_notes(fuel, n_modes, published_f
 
 
 @pytest.mark.parametrize("fuel", np.linspace(0.0, 1.0, 17))
-def test_flutter_at_every_fuel_weight_is_where_the_state_space_says(fuel, make_case):
+def test_flutter_at_every_fuel_weight_agrees_with_the_state_space(fuel, make_case):
     truth = load_truth()
-    found = follow_roots(flex28(8, fuel), SPEEDS).flutter
+    found = track_roots(flex28(8, fuel), SPEEDS).flutter
     assert found is not None
     case = make_case(8)
 
@@ -103,8 +108,8 @@ def test_flutter_at_every_fuel_weight_is_where_the_state_space_says(fuel, make_c
     assert found.airspeed == pytest.approx(truth.flutter_speed_at(fuel), rel=1e-5)
 
 
-def test_roots_keep_their_names_through_a_coalescence():
-    locus = follow_roots(flex28(4), SPEEDS)
+def test_roots_retain_their_names_through_a_coalescence():
+    locus = track_roots(flex28(4), SPEEDS)
     assert set(locus.names) == {"SP", "7", "9", "11", "12"}
     steps = np.abs(np.diff(locus.roots, axis=0)).max(axis=0)
     assert (steps < 4.0).all(), "a root jumped to another branch"
@@ -116,7 +121,7 @@ def test_roots_keep_their_names_through_a_coalescence():
 )
 @pytest.mark.skipif(not GERI.is_file(), reason="the data of mAEWing1 are not here")
 def test_a_published_aircraft_flutters_where_it_was_published(kind, speed, frequency):
-    crossing = follow_roots(maewing1(kind), np.linspace(12.0, 40.0, 120)).flutter
+    crossing = track_roots(maewing1(kind), np.linspace(12.0, 40.0, 120)).flutter
     assert crossing is not None
     assert crossing.airspeed == pytest.approx(speed, rel=2e-3)
     assert crossing.frequency == pytest.approx(frequency, rel=2e-3)
@@ -125,10 +130,10 @@ def test_a_published_aircraft_flutters_where_it_was_published(kind, speed, frequ
 def test_slopes_of_roots_equal_differences():
     aircraft = flex28(2)
     V = np.array([30.0, 50.0])
-    family = state_family(aircraft, V)
-    modal = decompose(family)
+    family = build_state_family(aircraft, V)
+    modal = decompose_states(family)
     rows, columns = np.array([0, 1, 2, 3, 2]), np.array([0, 1, 2, 5, 7])
-    found = slopes(family, modal, rows, columns)
+    found = compute_eigenvalue_slopes(family, modal, rows, columns)
     for index, (row, column) in enumerate(zip(rows, columns, strict=True)):
         step = 1e-5
         shifted = []
@@ -136,7 +141,9 @@ def test_slopes_of_roots_equal_differences():
             values = aircraft.derivatives.values.copy()
             values[row, column] += sign * step
             table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
-            shifted.append(decompose(state_family(replace(aircraft, derivatives=table), V)).values)
+            shifted.append(
+                decompose_states(build_state_family(replace(aircraft, derivatives=table), V)).values
+            )
         for k in range(V.size):
             for root, value in enumerate(modal.values[k]):
                 ends = [s[k][np.argmin(np.abs(s[k] - value))] for s in shifted]
@@ -146,10 +153,10 @@ def test_slopes_of_roots_equal_differences():
 
 def test_bands_agree_with_draws():
     aircraft = flex28(4)
-    locus = follow_roots(aircraft, np.linspace(30.0, 75.0, 12))
+    locus = track_roots(aircraft, np.linspace(30.0, 75.0, 12))
     uncertain = everything(aircraft, 0.02)
-    bands = root_bands(aircraft, locus, uncertain)
-    drawn = bands_by_draws(aircraft, locus, uncertain, count=1000, seed=3)
+    bands = estimate_root_bands(aircraft, locus, uncertain)
+    drawn = sample_root_bands(aircraft, locus, uncertain, count=1000, seed=3)
     clear = ~bands.by_draws
     assert clear.any()
     for ours, theirs in (
@@ -162,29 +169,29 @@ def test_bands_agree_with_draws():
 
 def test_where_roots_meet_draws_replace_first_order():
     aircraft = flex28(4)
-    locus = follow_roots(aircraft, np.linspace(40.0, 56.0, 9))
+    locus = track_roots(aircraft, np.linspace(40.0, 56.0, 9))
     uncertain = everything(aircraft, 0.25)
-    bands = root_bands(aircraft, locus, uncertain)
+    bands = estimate_root_bands(aircraft, locus, uncertain)
     assert bands.by_draws.any()
-    again = bands_by_draws(aircraft, locus, uncertain, only=bands.by_draws)
+    again = sample_root_bands(aircraft, locus, uncertain, only=bands.by_draws)
     assert np.array_equal(bands.real_std[bands.by_draws], again.real_std)
 
 
 def test_where_the_first_derivative_vanishes_draws_replace_it():
     """A covariance that happens not to move a root to first order still moves it."""
     aircraft = flex28(4)
-    locus = follow_roots(aircraft, np.linspace(50.0, 54.0, 5))
+    locus = track_roots(aircraft, np.linspace(50.0, 54.0, 5))
     known = everything(aircraft, 0.02)
-    family = state_family(aircraft, locus.airspeed)
-    modal = decompose(family)
+    family = build_state_family(aircraft, locus.airspeed)
+    modal = decompose_states(family)
     root = int(np.argmin(np.abs(modal.values[2] - locus.roots[2, 1])))
-    slope = slopes(family, modal, known.rows, known.columns)[2, root]
+    slope = compute_eigenvalue_slopes(family, modal, known.rows, known.columns)[2, root]
     scale = np.sqrt(np.diag(known.covariance))
     q = np.linalg.qr(np.stack([np.real(slope), np.imag(slope)], axis=1) * scale[:, None])[0]
     left = (np.eye(scale.size) - q @ q.T) * np.outer(scale, scale)
     uncertain = replace(known, covariance=left)
-    bands = root_bands(aircraft, locus, uncertain)
-    drawn = bands_by_draws(aircraft, locus, uncertain)
+    bands = estimate_root_bands(aircraft, locus, uncertain)
+    drawn = sample_root_bands(aircraft, locus, uncertain)
     assert bands.by_draws[2]
     for ours, theirs in ((bands.real_std, drawn.real_std), (bands.imag_std, drawn.imag_std)):
         assert np.abs(ours / theirs - 1.0).max() < 0.1
@@ -193,14 +200,14 @@ def test_where_the_first_derivative_vanishes_draws_replace_it():
 def test_error_of_the_flutter_speed_is_that_of_draws():
     aircraft = flex28(2)
     uncertain = everything(aircraft, 0.01)
-    crossing = follow_roots(aircraft, SPEEDS).flutter
+    crossing = track_roots(aircraft, SPEEDS).flutter
     assert crossing is not None
-    error = crossing_error(aircraft, crossing, uncertain)
+    error = estimate_crossing_error(aircraft, crossing, uncertain)
     near = np.linspace(0.8, 1.2, 12) * crossing.airspeed
     drawn = []
     for values in uncertain.draw(aircraft.derivatives, 150, seed=1):
         table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
-        found = follow_roots(replace(aircraft, derivatives=table), near).flutter
+        found = track_roots(replace(aircraft, derivatives=table), near).flutter
         assert found is not None
         drawn.append((found.airspeed, found.frequency))
     std = np.std(drawn, axis=0)
@@ -216,11 +223,11 @@ def test_no_flutter_is_a_sentence_and_not_a_number():
     assert "Stable up to 45.0 m/s; the least damping is" in calm.sentence
     late = predict_flutter(found, (62.0, 80.0))
     assert "Already unstable at 62.0 m/s" in late.sentence
-    with pytest.raises(BadInput, match="no band"):
+    with pytest.raises(BadInput, match="not a band"):
         predict_flutter(found, (50.0, 40.0))
 
 
-def test_what_is_already_unstable_is_said_before_what_crosses_later():
+def test_an_instability_at_the_lowest_speed_is_reported_before_later_crossings():
     late = predict_flutter(IdentifiedModes(flex28(4), everything(flex28(4), 0.01)), (70.0, 120.0))
     assert late.sentence.startswith("Already unstable at 70.0 m/s in mode 7; look at lower speeds.")
     assert "Flutter of" in late.sentence
@@ -237,21 +244,23 @@ def flown_at(
 
 def test_a_crossing_below_a_speed_flown_stable_is_contradicted_and_no_prediction():
     found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
-    told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05)])
-    assert told.crossing is None
-    assert told.interval is None
-    assert told.sentence.startswith("No flutter speed is predicted. Flutter of mode 7 with the")
-    assert "is contradicted by flight: run 7 was flown at 62.0 m/s" in told.refusal
-    assert "-0.40 ± 0.10 rad/s" in told.refusal
-    assert "mode 7 and the short period" in told.refusal
+    prediction = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05)])
+    assert prediction.crossing is None
+    assert prediction.interval is None
+    assert prediction.sentence.startswith(
+        "No flutter speed is predicted. Flutter of mode 7 with the"
+    )
+    assert "is contradicted by flight: run 7 was flown at 62.0 m/s" in prediction.refusal
+    assert "-0.40 ± 0.10 rad/s" in prediction.refusal
+    assert "mode 7 and the short period" in prediction.refusal
 
 
 def test_a_maneuver_flown_in_closed_loop_beyond_flutter_agrees_with_the_crossing():
     found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
     alone = predict_flutter(found, (25.0, 80.0))
-    told = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, 0.5, 0.05)])
-    assert told.crossing == alone.crossing
-    assert "a control loop held it" in told.sentence
+    prediction = predict_flutter(found, (25.0, 80.0), flown=[flown_at(62.0, 0.5, 0.05)])
+    assert prediction.crossing == alone.crossing
+    assert "a control loop held it" in prediction.sentence
     before = predict_flutter(found, (25.0, 80.0), flown=[flown_at(50.0, -2.0, 0.05)])
     assert before.sentence == alone.sentence, "it lies ahead of what was flown"
 
@@ -263,23 +272,23 @@ def test_a_maneuver_flown_in_closed_loop_beyond_flutter_agrees_with_the_crossing
         (flown_at(62.0, -0.1, np.nan), "with unknown error"),
         (flown_at(62.0, 1.0, 0.01, hz=4.5, root=200j), "may be stable"),
         (flown_at(62.0, -0.4, 0.01, hz=2.0), "lies outside the band of their data, 0.25 to 2 Hz"),
-        (flown_at(50.0, -0.4, 0.01, hz=2.0), "Leave the mode out of the model"),
+        (flown_at(50.0, -0.4, 0.01, hz=2.0), "Remove the mode from the model"),
     ],
 )
 def test_a_root_that_the_data_do_not_determine_is_no_prediction(point: FlownPoint, words: str):
     found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
-    told = predict_flutter(found, (25.0, 80.0), flown=[point])
-    assert told.crossing is None
-    assert words in told.refusal
+    prediction = predict_flutter(found, (25.0, 80.0), flown=[point])
+    assert prediction.crossing is None
+    assert words in prediction.refusal
 
 
 def test_another_fuel_weight_contradicts_nothing():
     found = IdentifiedModes(flex28(4), everything(flex28(4), 0.01))
-    told = predict_flutter(
+    prediction = predict_flutter(
         found, (25.0, 80.0), flown=[flown_at(62.0, -0.4, 0.05, comparable=False)]
     )
-    assert told.crossing is not None
-    assert "with another fuel weight" in told.sentence
+    assert prediction.crossing is not None
+    assert "with another fuel weight" in prediction.sentence
 
 
 def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts():
@@ -302,12 +311,12 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
     found = IdentifiedModes(
         wrong, everything(wrong, 1e-6), StiffnessError(relative, c.dynamic_pressure)
     )
-    told = predict_flutter(found, (25.0, 80.0))
-    assert told.crossing is not None
-    off = told.crossing.airspeed - truth.crossing.airspeed
-    assert told.modal_std == pytest.approx(abs(off), rel=0.02)
-    assert told.interval is not None
-    assert told.interval[0] < truth.crossing.airspeed < told.interval[1]
+    prediction = predict_flutter(found, (25.0, 80.0))
+    assert prediction.crossing is not None
+    off = prediction.crossing.airspeed - truth.crossing.airspeed
+    assert prediction.modal_std == pytest.approx(abs(off), rel=0.02)
+    assert prediction.interval is not None
+    assert prediction.interval[0] < truth.crossing.airspeed < prediction.interval[1]
     exact = replace(found, stiffness=None)
     assert predict_flutter(exact, (25.0, 80.0)).modal_std == 0.0
 
@@ -315,15 +324,15 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
 def test_an_error_as_large_as_the_speed_is_called_not_known():
     aircraft = flex28(4)
     blurred = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))
-    assert "these runs do not tell it" in blurred.sentence
+    assert "not identifiable from these runs" in blurred.sentence
     assert blurred.interval is not None
     assert blurred.interval[0] == 0.0
     known = everything(aircraft, 0.01)
     for wrong in (np.nan, np.inf):
         nowhere = replace(known, covariance=np.full_like(known.covariance, wrong))
-        told = predict_flutter(IdentifiedModes(aircraft, nowhere), (25.0, 80.0))
-        assert told.interval is None
-        assert "with unknown error" in told.sentence
+        prediction = predict_flutter(IdentifiedModes(aircraft, nowhere), (25.0, 80.0))
+        assert prediction.interval is None
+        assert "with unknown error" in prediction.sentence
 
 
 @pytest.mark.parametrize(
@@ -340,18 +349,18 @@ def test_what_cannot_be_flown_is_refused(speeds, density, mass, words):
     aircraft = flex28(2)
     aircraft = replace(aircraft, modes=replace(aircraft.modes, mass=mass * aircraft.modes.mass))
     with pytest.raises(BadInput, match=words):
-        follow_roots(aircraft, np.array(speeds), density)
+        track_roots(aircraft, np.array(speeds), density)
 
 
 def test_derivatives_that_are_no_numbers_are_refused():
     aircraft = flex28(2)
     table = replace(aircraft.derivatives, values=np.nan * aircraft.derivatives.values)
-    with pytest.raises(NotIdentifiable, match="no number"):
-        follow_roots(replace(aircraft, derivatives=table), SPEEDS)
+    with pytest.raises(NotIdentifiable, match="not finite"):
+        track_roots(replace(aircraft, derivatives=table), SPEEDS)
 
 
 @pytest.mark.parametrize("stiffness", [0.05, 0.1, 0.2])
-def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffness):
+def test_divergence_is_distinguished_from_flutter_and_agrees_with_statics(stiffness):
     """A mode that nothing but its own displacement drives loses its stiffness."""
     aircraft = flex28(1)
     values = aircraft.derivatives.values.copy()
@@ -367,9 +376,9 @@ def test_divergence_is_told_from_flutter_and_stands_where_statics_put_it(stiffne
     assert found.sentence.startswith("Divergence of mode 7")
 
 
-def test_models_that_tell_nothing_get_a_sentence_or_are_refused():
+def test_models_without_prediction_get_a_sentence_or_are_refused():
     aircraft = flex28(2)
-    nothing = Uncertain(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 0)))
+    nothing = UncertainDerivatives(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 0)))
     fused = fuse_identified([IdentifiedModes(aircraft, nothing)] * 2, aircraft)
     assert predict_flutter(fused, (30.0, 90.0)).crossing is not None
     table = aircraft.derivatives
@@ -380,11 +389,11 @@ def test_models_that_tell_nothing_get_a_sentence_or_are_refused():
     unknown = table.values.copy()
     unknown[2, 2] = np.nan
     broken = replace(aircraft, derivatives=replace(table, values=unknown))
-    with pytest.raises(NotIdentifiable, match="no number"):
+    with pytest.raises(NotIdentifiable, match="not finite"):
         predict_flutter(IdentifiedModes(broken, everything(aircraft, 0.01)), (30.0, 90.0))
     known = everything(aircraft, 0.01)
     lost = replace(known, covariance=np.full_like(known.covariance, np.nan))
-    with pytest.raises(NotIdentifiable, match="no number"):
+    with pytest.raises(NotIdentifiable, match="not finite"):
         fuse_identified([IdentifiedModes(aircraft, lost)], aircraft)
 
 
@@ -424,7 +433,7 @@ def test_a_hump_is_left_again_where_frequencies_part():
     assert "it was passed and is not the flutter speed ahead" in passed.sentence
 
 
-def test_a_trend_carries_derivatives_that_drift_to_the_pressure_asked_for():
+def test_a_trend_extrapolates_derivatives_to_the_requested_pressure():
     aircraft = flex28(2)
     rows, columns = np.array([0, 1, 2]), np.array([0, 0, 2])
     rng = np.random.default_rng(1)
@@ -438,13 +447,13 @@ def test_a_trend_carries_derivatives_that_drift_to_the_pressure_asked_for():
         pressure = condition.dynamic_pressure
         values[rows, columns] = truth + drift * pressure / 1000.0 + std * rng.normal(size=3)
         table = replace(aircraft.derivatives, values=values)
-        uncertain = Uncertain(rows, columns, np.diag(std**2))
+        uncertain = UncertainDerivatives(rows, columns, np.diag(std**2))
         return IdentifiedModes(Aeroelastic(condition, aircraft.modes, table), uncertain)
 
     parts = [part(speed) for speed in (30.0, 35.0, 40.0, 45.0, 50.0)]
-    carried = fuse_with_trend(parts, aircraft, 2000.0)
-    off = carried.aircraft.derivatives.values[rows, columns] - (truth + 2.0 * drift)
-    errors = np.sqrt(np.diag(carried.uncertain.covariance))
+    extrapolated = fuse_with_trend(parts, aircraft, 2000.0)
+    off = extrapolated.aircraft.derivatives.values[rows, columns] - (truth + 2.0 * drift)
+    errors = np.sqrt(np.diag(extrapolated.uncertain.covariance))
     assert (np.abs(off) < 4.0 * errors).all()
     assert (errors > std).all()  # beyond what was flown a line is less sure
     with pytest.raises(BadInput, match="3 dynamic pressures"):
@@ -455,14 +464,14 @@ def test_fusion_weighs_by_information_and_widens_where_runs_disagree():
     rng = np.random.default_rng(2)
     covariances = [np.diag([1.0, 4.0]), np.diag([4.0, 1.0])]
     agreeing = np.array([[1.0, 1.0], [1.2, 0.9]])
-    mean, covariance = weighted_mean(agreeing, covariances)
+    mean, covariance = compute_weighted_mean(agreeing, covariances)
     assert mean == pytest.approx([1.04, 0.92])
     assert np.diag(covariance) == pytest.approx([0.8, 0.8])
     apart = np.array([[0.0, 0.0], [20.0, 20.0]]) + rng.normal(size=(2, 2))
-    _, wide = weighted_mean(apart, covariances)
+    _, wide = compute_weighted_mean(apart, covariances)
     assert (np.diag(wide) > 10.0).all()
-    assert structure_spread([59.0, 61.0], 60.0) == pytest.approx(1.0)
-    assert structure_spread([], 60.0) == 0.0
+    assert compute_structure_spread([59.0, 61.0], 60.0) == pytest.approx(1.0)
+    assert compute_structure_spread([], 60.0) == 0.0
 
 
 def test_runs_of_different_structures_are_not_fused():
@@ -475,25 +484,25 @@ def test_runs_of_different_structures_are_not_fused():
 def test_classical_trackers_extrapolate_what_two_roots_do():
     points = []
     for speed in (42.0, 45.0, 48.0, 51.0, 54.0):
-        locus = follow_roots(flex28(1), np.array([0.99, 1.0]) * speed)
+        locus = track_roots(flex28(1), np.array([0.99, 1.0]) * speed)
         roots = dict(zip(locus.names, locus.roots[-1], strict=True))
         points.append(
             Point(speed, 0.5 * 1.0556 * speed**2, complex(roots["7"]), complex(roots["SP"]))
         )
-    truth = follow_roots(flex28(1), SPEEDS).flutter
+    truth = track_roots(flex28(1), SPEEDS).flutter
     assert truth is not None
-    assert flutter_margin(points) == pytest.approx(truth.airspeed, rel=0.05)
+    assert extrapolate_flutter_margin(points) == pytest.approx(truth.airspeed, rel=0.05)
     fading = [
         Point(v, v**2, complex(-0.1 * (60.0 - v), 20.0), complex(-5.0, 8.0))
         for v in (40.0, 45.0, 50.0)
     ]
-    assert damping_extrapolation(fading) == pytest.approx(60.0)
-    for tracker in (damping_extrapolation, flutter_margin, envelope_function):
+    assert extrapolate_damping(fading) == pytest.approx(60.0)
+    for tracker in (extrapolate_damping, extrapolate_flutter_margin, extrapolate_envelope):
         for few in ([], fading[:2], fading[:2] * 2):
             with pytest.raises(NotIdentifiable, match="three"):
                 tracker(few)
     with pytest.raises(NotIdentifiable, match="shape parameter"):
-        envelope_function(points[::-1][:3])
+        extrapolate_envelope(points[::-1][:3])
 
 
 def maewing1(kind: str) -> Aeroelastic:

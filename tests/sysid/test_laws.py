@@ -11,14 +11,14 @@ from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.laws import (
     Law,
-    chain_of,
+    build_delays,
+    build_instrument_chain,
     check_laws,
-    delay_of,
-    from_transfer,
-    law_at,
+    realise_transfer_functions,
+    schedule_law,
     series,
 )
-from flexsid.sysid.simulation.rehearsal import rehearse
+from flexsid.sysid.simulation.preflight_simulation import simulate_flight
 
 
 def response(system: StateSpace, omega: np.ndarray) -> np.ndarray:
@@ -37,13 +37,13 @@ def test_transfer_functions_are_realised_exactly():
         (1, 1): ([1.0, 0.0], [0.5, 4.0]),
         (1, 0): ([7.0], [1.0]),
     }
-    system = StateSpace(*from_transfer(elements, 2, 2), ("x",), ("a", "b"), ("c", "d"))
+    system = StateSpace(*realise_transfer_functions(elements, 2, 2), ("x",), ("a", "b"), ("c", "d"))
     G = response(system, OMEGA)
     for (row, column), (num, den) in elements.items():
         np.testing.assert_allclose(G[:, row, column], signal.freqs(num, den, OMEGA)[1])
     assert not G[:, 0, 1].any()
-    with pytest.raises(BadInput, match="degree 2 stands over a denominator of degree 1"):
-        from_transfer({(0, 0): ([1.0, 0.0, 0.0], [1.0, 1.0])}, 1, 1)
+    with pytest.raises(BadInput, match="degree 2 and a denominator of degree 1"):
+        realise_transfer_functions({(0, 0): ([1.0, 0.0, 0.0], [1.0, 1.0])}, 1, 1)
 
 
 def test_a_scheduled_law_is_linear_between_airspeeds_and_held_beyond():
@@ -51,7 +51,7 @@ def test_a_scheduled_law_is_linear_between_airspeeds_and_held_beyond():
         Law(v, -np.eye(1), np.eye(1), np.full((1, 1), gain), np.zeros((1, 1)))
         for v, gain in ((40.0, 3.0), (20.0, 1.0))
     ]
-    gains = [float(law_at(laws, v, ("q",), ("bfs",)).C[0, 0]) for v in (10.0, 30.0, 90.0)]
+    gains = [float(schedule_law(laws, v, ("q",), ("bfs",)).C[0, 0]) for v in (10.0, 30.0, 90.0)]
     assert gains == [1.0, 2.0, 3.0]
     with pytest.raises(BadInput, match="C at 20 m/s is 1 by 1"):
         check_laws(laws[1:], ("q",), ("bfs", "wf1s"))
@@ -60,8 +60,8 @@ def test_a_scheduled_law_is_linear_between_airspeeds_and_held_beyond():
 def test_actuators_delays_and_series_multiply():
     chain = Instrument(elements=(SecondOrder(natural_frequency=30.0, damping=0.7),))
     names = ("a", "b")
-    actuators = chain_of([chain, Instrument()], names)
-    delays = delay_of([0.02, 0.0], names)
+    actuators = build_instrument_chain([chain, Instrument()], names)
+    delays = build_delays([0.02, 0.0], names)
     together = response(series(delays, actuators), OMEGA)
     np.testing.assert_allclose(
         together[:, 0, 0], chain.response(OMEGA) * np.exp(-0.02j * OMEGA), atol=2e-3
@@ -69,14 +69,14 @@ def test_actuators_delays_and_series_multiply():
     np.testing.assert_allclose(together[:, 1, 1], 1.0)
 
 
-def test_a_closed_loop_flies_as_its_equations_say():
+def test_a_closed_loop_follows_its_equations():
     """An integrator held by u = -k y, sampled fast, decays and follows the continuous loop."""
     plant = StateSpace(
         A=np.array([[0.0, 0.0], [0.0, -1.0]]), B=np.array([[1.0], [0.0]]),
         C=np.array([[1.0, 0.0]]), D=np.zeros((1, 1)),
         states=("theta", "alpha"), inputs=("bfs",), outputs=("theta",),
     )  # fmt: skip
-    actuators = chain_of([Instrument()], ("bfs",))
+    actuators = build_instrument_chain([Instrument()], ("bfs",))
     law = StateSpace(
         np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.full((1, 1), -2.0), (), ("theta",),
         ("bfs",),
@@ -84,7 +84,7 @@ def test_a_closed_loop_flies_as_its_equations_say():
     rate = 1000.0
     excitation = np.zeros((3000, 1))
     excitation[:1000] = 0.1
-    moved = rehearse(plant, actuators, np.zeros(1), excitation, rate, law)
+    moved = simulate_flight(plant, actuators, np.zeros(1), excitation, rate, law)
     time = np.arange(3000) / rate
     step = 0.05 * (1.0 - np.exp(-2.0 * time))
     expected = np.where(time < 1.0, step, step[1000] * np.exp(-2.0 * (time - 1.0)))
@@ -99,4 +99,6 @@ def test_what_nobody_holds_is_refused():
     )  # fmt: skip
     excitation = np.full((4000, 1), 0.1)
     with pytest.raises(BadInput, match="needs a controller"):
-        rehearse(plant, chain_of([Instrument()], ("bfs",)), np.zeros(1), excitation, 400.0)
+        simulate_flight(
+            plant, build_instrument_chain([Instrument()], ("bfs",)), np.zeros(1), excitation, 400.0
+        )

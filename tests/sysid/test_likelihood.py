@@ -1,4 +1,4 @@
-"""Where the maximisation ends, and what it says when it cannot."""
+"""Outcomes of the maximisation and their messages."""
 
 from __future__ import annotations
 
@@ -10,13 +10,17 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
-from flexsid.sysid.estimation.delays import find_delays
-from flexsid.sysid.estimation.diagnostics import parameter_quality
+from flexsid.sysid.estimation.delays import estimate_delays
+from flexsid.sysid.estimation.diagnostics import compute_parameter_quality
 from flexsid.sysid.estimation.estimate import IterationStep, Outcome
+from flexsid.sysid.estimation.leakage import (
+    compute_leakage_responses,
+    correct_leakage,
+    remove_leakage,
+)
 from flexsid.sysid.estimation.likelihood import FitSettings, describe_outcome, maximize
-from flexsid.sysid.estimation.limits import at_limits
+from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.estimation.parameters import select_parameters
-from flexsid.sysid.estimation.record_edges import edge_responses, settle_edges, without_edges
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
@@ -69,14 +73,14 @@ def test_a_model_gone_astray_has_no_states_at_the_edges_of_a_record(make_case):
     parameters = case.free()
     astray = parameters.start.copy()
     astray[parameters.names.index("Cm_q")] = 1e7
-    assert without_edges(lines, parameters, astray) is lines
+    assert remove_leakage(lines, parameters, astray) is lines
 
 
 def cut_short(case, seed: int, off: float = 0.3):
     """A record that ends while the aircraft moves, and a fit that knows nothing of that."""
     u, y = case.spectra(seed)
     delays = np.zeros(y.shape[1])
-    E = edge_responses(case.model, case.truth, OMEGA, (20.0,), delays)
+    E = compute_leakage_responses(case.model, case.truth, OMEGA, (20.0,), delays)
     size = np.sqrt(np.mean(np.abs(y) ** 2)) / np.sqrt(np.mean(np.abs(E) ** 2))
     state = size * np.random.default_rng(seed).normal(size=E.shape[2])
     noisy = add_noise(y + E @ state, 0.02, np.random.default_rng(seed))
@@ -87,9 +91,13 @@ def cut_short(case, seed: int, off: float = 0.3):
 
 def test_the_history_is_that_of_all_fits_to_a_record_that_ends_in_motion(make_case):
     lines, parameters, first = cut_short(make_case(1), 4)
-    told: list[int] = []
-    _, ended = settle_edges(
-        [lines], parameters, first, FitSettings(), lambda iteration, cost: told.append(iteration)
+    reported: list[int] = []
+    _, ended = correct_leakage(
+        [lines],
+        parameters,
+        first,
+        FitSettings(),
+        lambda iteration, cost: reported.append(iteration),
     )
     assert ended.outcome is Outcome.CONVERGED
     assert ended.steps[: len(first.steps)] == first.steps
@@ -98,7 +106,7 @@ def test_the_history_is_that_of_all_fits_to_a_record_that_ends_in_motion(make_ca
     assert set(stages) == set(range(stages[-1] + 1))
     assert stages[-1] > 0
     total = ended.steps[-1].iteration
-    assert told == list(range(first.steps[-1].iteration + 1, total + 1))
+    assert reported == list(range(first.steps[-1].iteration + 1, total + 1))
     later = total - first.steps[-1].iteration
     assert ended.message.startswith(f"Converged in {total} iterations ({later} of them in ")
     np.testing.assert_array_equal(ended.start, parameters.start)
@@ -110,7 +118,7 @@ def test_a_fit_can_be_cancelled_while_the_ends_of_the_record_are_corrected(make_
     def cancel(iteration: int, cost: float) -> None:
         raise Cancelled("enough")
 
-    _, ended = settle_edges([lines], parameters, first, FitSettings(), cancel)
+    _, ended = correct_leakage([lines], parameters, first, FitSettings(), cancel)
     assert ended.outcome is Outcome.CANCELLED
     assert ended.steps[-1].iteration == first.steps[-1].iteration + 1
 
@@ -130,9 +138,9 @@ def test_nothing_has_a_standard_error_of_zero(make_case):
     nothing = np.zeros_like(found.covariance)
     rounded = replace(found, covariance=nothing, corrected_covariance=-1e-20 * np.eye(len(nothing)))
     assert np.isnan(rounded.std_errors).all()
-    assert np.isnan([one.cramer_rao for one in parameter_quality(rounded)]).all()
+    assert np.isnan([one.cramer_rao for one in compute_parameter_quality(rounded)]).all()
     some = np.arange(len(found.names)) < 2
-    quality = parameter_quality(found.without_errors(some))
+    quality = compute_parameter_quality(found.without_std_errors(some))
     assert np.isnan([one.std_error for one in quality[:2]]).all()
     assert np.isfinite([one.insensitivity for one in quality[2:]]).all()
 
@@ -141,9 +149,15 @@ def test_values_that_no_instrument_or_structure_can_have_are_at_their_limit(make
     names = ("delay_q", "scale_alpha", "zeta_7", "omega_7", "shape_q_7")
     parameters = make_case(1).free(names)
     possible = np.append(parameters.start[:-5], [-0.03, 0.8, 1.5, 1.1, -2.0])
-    assert not at_limits(parameters, possible).any()
+    assert not find_parameters_at_limits(parameters, possible).any()
     beyond = np.append(parameters.start[:-5], [0.2, -1.0, 0.0, np.nan, -2.0])
-    assert at_limits(parameters, beyond)[-5:].tolist() == [True, True, True, True, False]
+    assert find_parameters_at_limits(parameters, beyond)[-5:].tolist() == [
+        True,
+        True,
+        True,
+        True,
+        False,
+    ]
 
 
 def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
@@ -189,15 +203,15 @@ def test_a_full_density_bears_with_lines_without_noise(make_case):
 
 
 @pytest.mark.parametrize("ratio", [0.65, 0.95])
-def test_a_full_density_bears_with_modes_that_were_left_out(make_case, ratio):
+def test_a_full_density_tolerates_unmodelled_modes(make_case, ratio):
     """What they do to all sensors at once counts as noise there, and hardly biases the rest."""
     case, small = make_case(8, ratio), make_case(4, ratio)
     omega = np.linspace(OMEGA[0], OMEGA[-1], 260)
     u, y = case.spectra(3, omega)
     z = add_noise(y, 0.002, np.random.default_rng(4))
     experiment = small.experiment(u, z, omega)
-    keep = small.truth.modes
-    expected = residualize(case.truth, case.model.modes, case.model.condition, keep).values.ravel()
+    modes = small.truth.modes
+    expected = residualize(case.truth, case.model.modes, case.model.condition, modes).values.ravel()
     off = {}
     for kind in ("diagonal", "full"):
         found = maximize([experiment], small.free(), FitSettings(noise=kind))
@@ -220,7 +234,7 @@ def test_several_maneuvers_share_their_derivatives(make_case):
     assert np.sqrt(np.mean(error**2)) < 1.6
 
 
-def test_prior_pulls_as_its_spread_says(make_case):
+def test_a_prior_acts_with_its_standard_deviation(make_case):
     case = make_case(0, n_outputs=9)
     u, y = case.spectra(7)
     experiment = case.experiment(u, add_noise(y, 0.05, np.random.default_rng(7)))
@@ -268,7 +282,7 @@ def test_delays_to_50_ms_are_found_from_redundancy(make_case):
     rng = np.random.default_rng(9)
     delays = rng.uniform(0.0, 0.05, y.shape[1])
     z = add_noise(y * np.exp(-1j * np.outer(OMEGA, delays)), 0.01, rng)
-    found = find_delays(
+    found = estimate_delays(
         case.model,
         FrequencyData(OMEGA, u, case.model.inputs),
         FrequencyData(OMEGA, z, case.model.outputs),
@@ -277,7 +291,7 @@ def test_delays_to_50_ms_are_found_from_redundancy(make_case):
     assert np.abs(found - delays).max() < 3e-3
 
 
-def test_iteration_limit_and_cancellation_are_told(make_case):
+def test_iteration_limit_and_cancellation_are_reported(make_case):
     case = make_case(1)
     u, y = case.spectra(10)
     experiment = case.experiment(u, add_noise(y, 0.02, np.random.default_rng(10)))
@@ -294,14 +308,14 @@ def test_iteration_limit_and_cancellation_are_told(make_case):
     assert "after 1 iteration;" in ended.message
 
 
-def test_a_pole_without_damping_on_a_line_is_told(make_case):
+def test_an_undamped_pole_at_a_frequency_is_reported(make_case):
     """Short period and modes without any aerodynamics: K is singular at the mode itself."""
     case = make_case(1)
     modes = replace(case.model.modes, zeta=np.zeros(1))
     model = replace(case.model, modes=modes)
     omega = np.array([5.0, float(modes.omega[0]), 40.0])
     none = DerivativeTable.from_names(modes.numbers, model.inputs, {})
-    with pytest.raises(BadInput, match="pole without damping"):
+    with pytest.raises(BadInput, match="undamped pole"):
         model.response(none, omega)
     lines = replace(case, model=model)
     u, z = np.ones((3, 5), dtype=complex), np.ones((3, 20), dtype=complex)
@@ -310,7 +324,7 @@ def test_a_pole_without_damping_on_a_line_is_told(make_case):
         maximize([lines.experiment(u, z, omega)], parameters)
 
 
-def test_requests_without_an_answer_are_refused(make_case):
+def test_requests_without_a_result_are_refused(make_case):
     case = make_case(1)
     u, y = case.spectra(11)
     with pytest.raises(BadInput, match="no parameter is free"):
@@ -321,9 +335,9 @@ def test_requests_without_an_answer_are_refused(make_case):
         select_parameters(case.truth, None, case.model.outputs, ("delay_nose",))
     dead = y.copy()
     dead[:, 3] = 0.0
-    with pytest.raises(BadInput, match=f"'{case.model.outputs[3]}' carries no signal"):
+    with pytest.raises(BadInput, match=f"'{case.model.outputs[3]}' has no signal"):
         case.experiment(u, dead)
-    with pytest.raises(BadInput, match="held at nan"):
+    with pytest.raises(BadInput, match="fixed at nan"):
         select_parameters(case.truth, None, case.model.outputs, fixed={"Cm_q": np.nan})
     for prior in ({"Cm_x": (0.0, 1.0)}, {"Cm_q": (0.0, 0.0)}, {"Cm_q": (np.nan, 1.0)}):
         with pytest.raises(BadInput, match="prior of"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.sysid.stability.closed_loop import Margins
-from flexsid.sysid.stability.loop_sweep import LoopPoint, lost_at
+from flexsid.sysid.stability.loop_sweep import LoopPoint, find_stability_limit
 
 OFFSETS = np.linspace(-1.0, 1.0, 401)
 
@@ -31,7 +31,7 @@ def point(airspeed: float) -> LoopPoint:
 
 def test_stability_is_lost_where_the_growth_is_none_as_surely_as_the_draws_agree():
     points = [point(v) for v in (30.0, 40.0, 50.0)]
-    lost, interval = lost_at(points, growth, lambda v: 0.02 * (v - 45.0 - OFFSETS))
+    lost, interval = find_stability_limit(points, growth, lambda v: 0.02 * (v - 45.0 - OFFSETS))
     assert lost == pytest.approx(45.05, abs=0.01)
     assert interval is not None
     assert interval == pytest.approx((45.0 - 0.95 + 0.05, 45.0 + 0.95 + 0.05), abs=0.01)
@@ -39,4 +39,4 @@ def test_stability_is_lost_where_the_growth_is_none_as_surely_as_the_draws_agree
 
 def test_what_is_never_lost_has_no_speed():
     points = [point(v) for v in (20.0, 30.0)]
-    assert lost_at(points, growth, lambda v: OFFSETS) == (None, None)
+    assert find_stability_limit(points, growth, lambda v: OFFSETS) == (None, None)

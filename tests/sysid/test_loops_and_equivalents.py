@@ -12,14 +12,18 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.stability.bands import Uncertain
+from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.closed_loop import (
-    broken_loops,
     close_loop,
-    loop_margins,
-    margin_spread,
+    compute_broken_loops,
+    compute_loop_margins,
+    estimate_margin_std,
 )
-from flexsid.sysid.stability.equivalent import equivalent_modes, fit_in_vacuo, separation
+from flexsid.sysid.stability.equivalent import (
+    compute_equivalent_modes,
+    compute_separation,
+    fit_in_vacuo_mode,
+)
 from flexsid.sysid.stability.speeds import Aeroelastic
 
 BAND = (0.5, 150.0)
@@ -61,12 +65,12 @@ def test_closed_loop_poles_are_those_of_python_control(plant):
 @pytest.mark.parametrize("feedback", [0.4, -0.15])
 def test_margins_are_those_of_python_control(plant, feedback):
     law = controller(feedback, "wf3s")
-    (found,) = loop_margins(plant, law, BAND)
+    (found,) = compute_loop_margins(plant, law, BAND)
     with np.errstate(invalid="ignore"):  # python-control compares where it found nothing
         gain, phase, _, gain_at, phase_at, _ = control.stability_margins(
             -law.to_control() * siso(plant)
         )
-    if np.isfinite(gain):  # python-control tells the one nearest to 1, in either direction
+    if np.isfinite(gain):  # python-control returns the one nearest to 1, in either direction
         nearest = min(found.gain_up, 1.0 / max(found.gain_down, 1e-9))
         assert nearest == pytest.approx(max(gain, 1.0 / gain), rel=1e-3)
         if gain > 1.0:
@@ -80,10 +84,10 @@ def test_margins_are_those_of_python_control(plant, feedback):
 def test_a_loop_broken_at_one_surface_leaves_the_others_closed(plant):
     law = controller(0.2, "wf3s", "wf4s")
     omega = np.array([2.0, 15.0, 60.0])
-    both = broken_loops(plant, law, omega)
+    both = compute_broken_loops(plant, law, omega)
     one = controller(0.2, "wf4s")
     inner = close_loop(plant, one)
-    lone = broken_loops(inner, controller(0.2, "wf3s"), omega)
+    lone = compute_broken_loops(inner, controller(0.2, "wf3s"), omega)
     assert np.allclose(both[:, 0], lone[:, 0], rtol=1e-8)
 
 
@@ -94,7 +98,7 @@ def test_uncertain_plants_spread_the_margins(make_case):
     for _ in range(12):
         values = case.truth.values * (1.0 + 0.02 * rng.normal(size=case.truth.values.shape))
         plants.append(case.model.state_space(replace(case.truth, values=values)))
-    disk, phase = margin_spread(plants, controller(0.4, "wf3s"), BAND)["wf3s"]
+    disk, phase = estimate_margin_std(plants, controller(0.4, "wf3s"), BAND)["wf3s"]
     assert 0.0 < disk < 0.2
     assert phase >= 0.0
 
@@ -120,11 +124,13 @@ def test_lines_over_dynamic_pressure_return_the_structure_and_its_derivatives():
             truth.condition_at(ratio * 59.3, 0.5), modes, replace(table, values=values)
         )
         for k, found in enumerate(
-            equivalent_modes(aircraft, Uncertain(rows, columns, np.diag(sigma**2)))
+            compute_equivalent_modes(
+                aircraft, UncertainDerivatives(rows, columns, np.diag(sigma**2))
+            )
         ):
             points[k].append(found)
     for k, number in enumerate(modes.numbers):
-        line = fit_in_vacuo(points[k], truth.area, truth.chord, float(modes.mass[k]))
+        line = fit_in_vacuo_mode(points[k], truth.area, truth.chord, float(modes.mass[k]))
         assert line.mode == number
         for value, std, true in (
             (line.omega, line.omega_std, modes.omega[k]),
@@ -139,12 +145,12 @@ def test_lines_over_dynamic_pressure_return_the_structure_and_its_derivatives():
             assert abs(value - true) < 4.0 * std
     assert points[0][0].omega == pytest.approx(np.sqrt(points[0][0].stiffness))
     with pytest.raises(NotIdentifiable, match="three"):
-        fit_in_vacuo(points[0][:2], truth.area, truth.chord, 1.0)
+        fit_in_vacuo_mode(points[0][:2], truth.area, truth.chord, 1.0)
     with pytest.raises(NotIdentifiable, match="one condition"):
-        fit_in_vacuo([points[0][0]] * 3, truth.area, truth.chord, 1.0)
+        fit_in_vacuo_mode([points[0][0]] * 3, truth.area, truth.chord, 1.0)
 
 
 def test_separation_is_the_lowest_elastic_over_the_rigid_frequency():
-    assert separation([24.0, 65.0], 10.0) == pytest.approx(2.4)
+    assert compute_separation([24.0, 65.0], 10.0) == pytest.approx(2.4)
     with pytest.raises(BadInput, match="oscillates"):
-        separation([24.0], 0.0)
+        compute_separation([24.0], 0.0)

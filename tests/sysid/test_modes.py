@@ -1,4 +1,4 @@
-"""Mode shapes compared, followed over fuel, told symmetric and named."""
+"""Mode shapes: comparison, tracking over fuel, symmetry and names."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import pytest
 from flexsid.demo.flex28 import load_nodes, load_truth
 from flexsid.errors import BadInput
 from flexsid.sysid.modes.assurance import (
-    coordinate_assurance,
-    mass_orthogonality,
-    modal_assurance,
-    scale_factors,
+    compute_comac,
+    compute_mac,
+    compute_mass_orthogonality,
+    compute_modal_scale_factors,
 )
 from flexsid.sysid.modes.naming import name_modes
 from flexsid.sysid.modes.symmetry import find_symmetry
-from flexsid.sysid.modes.table import fuel_weights, weighted
-from flexsid.sysid.modes.tracking import crossings, track
+from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
+from flexsid.sysid.modes.tracking import find_mode_crossings, track_modes
 
 RNG = np.random.default_rng(5)
 SHAPES = RNG.normal(size=(4, 30))
@@ -31,17 +31,17 @@ def flex28(every: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def test_the_assurance_criterion_knows_neither_scale_nor_phase():
     turned = SHAPES * (-3.0 * np.exp(0.7j))
-    assert np.allclose(np.diag(modal_assurance(SHAPES, turned)), 1.0)
-    assert np.allclose(turned * scale_factors(SHAPES, turned)[:, None], SHAPES)
-    assert modal_assurance(SHAPES, np.zeros((1, 30))).max() == 0.0
+    assert np.allclose(np.diag(compute_mac(SHAPES, turned)), 1.0)
+    assert np.allclose(turned * compute_modal_scale_factors(SHAPES, turned)[:, None], SHAPES)
+    assert compute_mac(SHAPES, np.zeros((1, 30))).max() == 0.0
     one = np.array([[1.0, 0.0], [1.0, 1.0]])
-    assert modal_assurance(one, one)[0, 1] == pytest.approx(0.5)
+    assert compute_mac(one, one)[0, 1] == pytest.approx(0.5)
 
 
 def test_one_sensor_that_is_wrong_stands_out_by_coordinate():
     measured = SHAPES.copy()
     measured[:, 7] = RNG.normal(size=4)
-    comac = coordinate_assurance(SHAPES, -2.0 * measured)
+    comac = compute_comac(SHAPES, -2.0 * measured)
     assert np.argmin(comac) == 7
     assert comac[7] < 0.9
     assert np.delete(comac, 7).min() > 0.97
@@ -51,45 +51,45 @@ def test_shapes_of_a_structure_are_orthogonal_over_its_mass():
     factor = RNG.normal(size=(30, 30))
     mass = factor @ factor.T + 30.0 * np.eye(30)
     shapes = np.linalg.solve(np.linalg.cholesky(mass).T, np.linalg.qr(SHAPES.T)[0]).T
-    assert np.allclose(mass_orthogonality(5.0 * shapes, mass), np.eye(4), atol=1e-12)
+    assert np.allclose(compute_mass_orthogonality(5.0 * shapes, mass), np.eye(4), atol=1e-12)
     with pytest.raises(BadInput, match="generalised mass -"):
-        mass_orthogonality(shapes, -mass)
+        compute_mass_orthogonality(shapes, -mass)
 
 
 def test_fuel_weights_reproduce_parabolas_and_hold_the_ends():
     fuel = np.array([0.0, 0.1, 0.3, 0.6, 1.0])
     table = 3.0 - fuel + 2.0 * fuel**2
     for at in (0.0, 0.05, 0.3, 0.44, 0.99, 1.0):
-        weights = fuel_weights(fuel, at)
+        weights = compute_fuel_weights(fuel, at)
         assert len(weights) <= 4
-        assert weighted(weights, table) == pytest.approx(3.0 - at + 2.0 * at**2)
-    assert fuel_weights(fuel, -1.0) == {0: 1.0}
-    assert fuel_weights(fuel, 2.0) == {4: 1.0}
-    assert fuel_weights(fuel[:2], 0.05) == pytest.approx({0: 0.5, 1: 0.5})
+        assert sum_weighted_rows(weights, table) == pytest.approx(3.0 - at + 2.0 * at**2)
+    assert compute_fuel_weights(fuel, -1.0) == {0: 1.0}
+    assert compute_fuel_weights(fuel, 2.0) == {4: 1.0}
+    assert compute_fuel_weights(fuel[:2], 0.05) == pytest.approx({0: 0.5, 1: 0.5})
 
 
 @pytest.mark.parametrize("every", [2, 4])
-def test_fuel_weights_left_out_of_flex28_come_back(every):
-    """Rows sorted anew with random signs, as a solver leaves them, then every so many kept."""
+def test_excluded_fuel_weights_of_flex28_are_interpolated(every):
+    """Rows in random order with random signs, as from a solver, at every n-th fuel weight."""
     fuel, omega, shapes = flex28()
-    kept = np.arange(0, fuel.size, every)
-    mixed = np.stack([RNG.permutation(omega.shape[1]) for _ in kept])
+    used = np.arange(0, fuel.size, every)
+    mixed = np.stack([RNG.permutation(omega.shape[1]) for _ in used])
     mixed[0] = np.arange(omega.shape[1])
     sign = RNG.choice([-1.0, 1.0], size=mixed.shape)
-    tracking = track(
-        np.stack([shapes[row, order] for row, order in zip(kept, mixed, strict=True)])
+    tracking = track_modes(
+        np.stack([shapes[row, order] for row, order in zip(used, mixed, strict=True)])
         * sign[..., None],
-        np.stack([omega[row, order] for row, order in zip(kept, mixed, strict=True)]),
+        np.stack([omega[row, order] for row, order in zip(used, mixed, strict=True)]),
     )
-    sorted_omega = tracking.sort(np.stack([omega[r, o] for r, o in zip(kept, mixed, strict=True)]))
-    assert np.array_equal(sorted_omega, omega[kept])
+    sorted_omega = tracking.sort(np.stack([omega[r, o] for r, o in zip(used, mixed, strict=True)]))
+    assert np.array_equal(sorted_omega, omega[used])
     aligned = tracking.align(
-        np.stack([shapes[r, o] for r, o in zip(kept, mixed, strict=True)]) * sign[..., None]
+        np.stack([shapes[r, o] for r, o in zip(used, mixed, strict=True)]) * sign[..., None]
     )
-    for row in np.setdiff1d(np.arange(fuel.size), kept):
-        weights = fuel_weights(fuel[kept], float(fuel[row]))
-        assert np.abs(weighted(weights, sorted_omega) / omega[row] - 1.0).max() < 0.002
-        assert np.diag(modal_assurance(weighted(weights, aligned), shapes[row])).min() > 0.999
+    for row in np.setdiff1d(np.arange(fuel.size), used):
+        weights = compute_fuel_weights(fuel[used], float(fuel[row]))
+        assert np.abs(sum_weighted_rows(weights, sorted_omega) / omega[row] - 1.0).max() < 0.002
+        assert np.diag(compute_mac(sum_weighted_rows(weights, aligned), shapes[row])).min() > 0.999
 
 
 @pytest.mark.parametrize("mixed", [False, True])
@@ -105,28 +105,28 @@ def test_modes_are_followed_through_a_crossing_near_three_tenths(mixed):
         first, second = shapes[3, 0].copy(), shapes[3, 1].copy()
         shapes[3, 0], shapes[3, 1] = 0.8 * first + 0.6 * second, 0.6 * first - 0.8 * second
     shapes[5:, 1] *= -1.0
-    tracking = track(shapes, np.take_along_axis(omega, order, axis=1))
+    tracking = track_modes(shapes, np.take_along_axis(omega, order, axis=1))
     followed = tracking.sort(np.take_along_axis(omega, order, axis=1))
     start = order[0]
     assert np.allclose(followed[np.arange(11) != 3], omega[:, start][np.arange(11) != 3])
     aligned = tracking.align(shapes)
     assert np.allclose(aligned[4:], true[4:, start])
-    (crossing,) = crossings(fuel, followed)
+    (crossing,) = find_mode_crossings(fuel, followed)
     assert crossing.fuel == pytest.approx(0.3, abs=0.05)
     assert crossing.omega == pytest.approx(27.0, abs=0.5)
-    assert not tracking.doubtful
+    assert not tracking.low_mac
     for at in (0.26, 0.3, 0.34):  # a table point that the solver has mixed does not count
         for place, mode in enumerate(start):
-            weights = fuel_weights(fuel, at, tracking.mixed[:, place])
-            found = weighted(weights, aligned[:, place])
+            weights = compute_fuel_weights(fuel, at, tracking.mixed[:, place])
+            found = sum_weighted_rows(weights, aligned[:, place])
             expected = true[0, mode] + at * change[mode]
-            assert modal_assurance(found[None], expected[None])[0, 0] > 0.999
+            assert compute_mac(found[None], expected[None])[0, 0] > 0.999
 
 
-def test_a_mode_that_leaves_the_table_is_not_said_to_be_followed():
+def test_a_mode_that_leaves_the_table_is_not_tracked():
     shapes = np.stack([SHAPES[:3], SHAPES[[0, 1, 3]]])
     omega = np.array([[10.0, 20.0, 30.0], [10.0, 20.0, 30.0]])
-    assert track(shapes, omega).doubtful == ((1, 2),)
+    assert track_modes(shapes, omega).low_mac == ((1, 2),)
 
 
 def test_symmetry_is_found_from_shapes_wherever_the_plane_lies():
@@ -143,7 +143,7 @@ def test_symmetry_is_found_from_shapes_wherever_the_plane_lies():
     assert find_symmetry(nodes, one_wing).is_symmetric(0) is None
 
 
-def test_modes_are_named_by_what_moves():
+def test_modes_are_named_by_their_largest_motion():
     nodes, shapes = load_nodes()
     named = name_modes(nodes, shapes[8, :, :, :3].astype(float))
     assert [mode.name for mode in named[:6]] == ["SW1B", "AW1B", "SW1T", "AW1T", "SFA", "SWL"]

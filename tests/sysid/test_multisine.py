@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.catalogue import CATALOGUE, design_flight_test_aid
-from flexsid.sysid.excitation.multisine import Multisine, allot_harmonics, design_multisine
+from flexsid.sysid.excitation.multisine import Multisine, assign_harmonics, design_multisine
 from flexsid.sysid.excitation.peak_factor import lower_peak, relative_peak_factor, schroeder_phases
 
 ORDER = ("bfs", "wf3s", "wf1s", "wf4s", "wf2s")
@@ -28,7 +28,7 @@ def design(number: int) -> Multisine:
 
 
 def test_harmonics_are_dealt_in_turn():
-    dealt = allot_harmonics(ORDER, 65, 6)
+    dealt = assign_harmonics(ORDER, 65, 6)
     assert [list(dealt[name][:2]) for name in ORDER] == [
         [6, 11],
         [7, 12],
@@ -41,8 +41,8 @@ def test_harmonics_are_dealt_in_turn():
 
 @pytest.mark.parametrize(("order", "first"), [(["a", "b", "a"], 1), (["a"], 0), (["a"], -4)])
 def test_harmonics_that_nobody_could_fly_are_not_dealt(order: list[str], first: int):
-    with pytest.raises(BadInput, match="cannot be dealt"):
-        allot_harmonics(order, 3, first)
+    with pytest.raises(BadInput, match="cannot be assigned"):
+        assign_harmonics(order, 3, first)
 
 
 @pytest.mark.parametrize(("number", "count"), [(503, 25), (506, 65)])
@@ -78,7 +78,7 @@ def test_any_layout_is_orthogonal_over_its_period(
     per_input: int, first: int, n_inputs: int, rate: int
 ):
     names = tuple(f"u{place}" for place in range(n_inputs))
-    harmonics = allot_harmonics(names, per_input, first)
+    harmonics = assign_harmonics(names, per_input, first)
     multisine = design_multisine(harmonics, 10.0, dict.fromkeys(names, 1.0))
     samples = multisine.sample(np.arange(10 * rate) / rate)
     gram = samples.T @ samples

@@ -1,4 +1,4 @@
-"""A user relies on: bands of one's own become lines that are disjoint and where they are wanted."""
+"""A user relies on: custom bands give disjoint harmonics within their limits."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.allotment import Band, allot_bands
+from flexsid.sysid.excitation.harmonic_assignment import Band, assign_harmonics_to_bands
 
 
 def test_inputs_with_one_band_interleave():
     band = Band(low_hz=0.5, high_hz=10.0, count=40)
-    dealt = allot_bands({"a": band, "b": band}, 20.0)
+    dealt = assign_harmonics_to_bands({"a": band, "b": band}, 20.0)
     every = np.sort(np.concatenate(list(dealt.values())))
     assert np.unique(every).size == 80
     for own in dealt.values():
@@ -23,15 +23,15 @@ def test_inputs_with_one_band_interleave():
 
 def test_half_of_the_lines_gather_about_targets():
     band = Band(low_hz=0.5, high_hz=15.0, count=60, targets_hz=(3.0, 9.0))
-    hz = allot_bands({"a": band}, 60.0)["a"] / 60.0
+    hz = assign_harmonics_to_bands({"a": band}, 60.0)["a"] / 60.0
     near = (np.abs(hz - 3.0) < 0.3) | (np.abs(hz - 9.0) < 0.9)
     assert near.sum() >= 28
     assert hz.min() < 1.5
     assert hz.max() > 13.5
 
 
-def test_bands_of_their_own_are_kept():
-    dealt = allot_bands(
+def test_custom_bands_are_respected():
+    dealt = assign_harmonics_to_bands(
         {
             "throttle": Band(low_hz=0.05, high_hz=0.3, count=4),
             "bfs": Band(low_hz=0.2, high_hz=12.0, count=50),
@@ -53,4 +53,4 @@ def test_bands_of_their_own_are_kept():
 )
 def test_what_cannot_be_is_refused_with_the_numbers(bands: dict[str, Band], words: str):
     with pytest.raises(BadInput, match=words):
-        allot_bands(bands, 20.0)
+        assign_harmonics_to_bands(bands, 20.0)

@@ -7,8 +7,8 @@ import pytest
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput
-from flexsid.sysid.modes.assurance import modal_assurance, real_shapes
-from flexsid.sysid.modes.polyreference import find_columns, fit_shapes, stabilisation
+from flexsid.sysid.modes.assurance import compute_mac, compute_real_shapes
+from flexsid.sysid.modes.polyreference import compute_stabilisation, find_columns, fit_shapes
 
 MODES = load_truth().modes.at(0.5).select((7, 8, 9, 10, 11, 12, 13, 14))
 PHI = MODES.translation.reshape(-1, 8).T  # (mode, point and direction)
@@ -32,14 +32,14 @@ def measured(quantity: str, noise: float, seed: int = 1) -> tuple[np.ndarray, np
 def test_modes_come_out_of_noisy_responses(quantity):
     """Six in the band, among them SW1T and AW1T within 0.5 Hz; two beyond it."""
     omega, responses = measured(quantity, 0.01)
-    columns = find_columns(stabilisation(omega, responses, 30))
+    columns = find_columns(compute_stabilisation(omega, responses, 30))
     driving = ((SHAKERS[0], 0), (SHAKERS[1], 1))
     found = fit_shapes(omega, responses, columns, quantity, driving)
     assert found.omega == pytest.approx(MODES.omega[:6], rel=1e-3)
     assert found.damping == pytest.approx(MODES.zeta[:6], rel=0.05)
-    shapes, straight = real_shapes(found.shapes)
+    shapes, straight = compute_real_shapes(found.shapes)
     assert straight.min() > 0.98
-    assert np.diag(modal_assurance(shapes, PHI[:6])).min() > 0.995
+    assert np.diag(compute_mac(shapes, PHI[:6])).min() > 0.995
     # The driving points give the scale: one kg m2 of generalised mass.
     truth = PHI[:6] / np.sqrt(MODES.mass[:6])[:, None]
     size = np.linalg.norm(shapes, axis=1) / np.linalg.norm(truth, axis=1)
@@ -50,7 +50,7 @@ def test_modes_come_out_of_noisy_responses(quantity):
 
 def test_one_reference_is_enough_without_noise():
     omega, responses = measured("acceleration", 0.0)
-    columns = find_columns(stabilisation(omega, responses[:, :, :1], 24))
+    columns = find_columns(compute_stabilisation(omega, responses[:, :, :1], 24))
     found = fit_shapes(omega, responses[:, :, :1], columns, "acceleration")
     assert found.omega == pytest.approx(MODES.omega[:6], rel=1e-4)
     assert found.damping == pytest.approx(MODES.zeta[:6], rel=1e-2)
@@ -61,6 +61,6 @@ def test_one_reference_is_enough_without_noise():
 def test_what_cannot_be_fitted_is_refused():
     omega, responses = measured("acceleration", 0.01)
     with pytest.raises(BadInput, match="too few"):
-        stabilisation(omega[:20], responses[:20], 30)
+        compute_stabilisation(omega[:20], responses[:20], 30)
     with pytest.raises(BadInput, match="no pole is stable"):
         fit_shapes(omega, responses, (), "acceleration")

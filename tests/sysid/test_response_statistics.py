@@ -8,10 +8,10 @@ from scipy import signal
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
-from flexsid.sysid.spectra.collinearity import collinearity
-from flexsid.sysid.spectra.reliability import ILL_CONDITIONED, UNCERTAIN, unreliable
-from flexsid.sysid.spectra.repeated import coherence, combine
-from flexsid.sysid.spectra.windowed import windowed_responses
+from flexsid.sysid.spectra.collinearity import assess_collinearity
+from flexsid.sysid.spectra.reliability import ILL_CONDITIONED, UNCERTAIN, find_unreliable_points
+from flexsid.sysid.spectra.repetition import combine_responses, compute_coherence
+from flexsid.sysid.spectra.windowed_spectra import compute_windowed_responses
 
 
 def circular(rng: np.random.Generator, *shape: int) -> np.ndarray:
@@ -24,11 +24,11 @@ def test_coherence_is_the_share_that_repeats():
     reference = np.exp(1j * rng.uniform(0, 6, (400, 3)))
     clean = 2.0 * reference[:, :, None]
     outputs = np.concatenate([clean, clean + 2.0 * circular(rng, 400, 3, 1)], axis=2)
-    found = coherence(reference, outputs)
+    found = compute_coherence(reference, outputs)
     assert found[:, 0] == pytest.approx(1.0)
     assert found[:, 1] == pytest.approx(0.5, abs=0.1)
     with pytest.raises(BadInput, match="repetitions"):
-        coherence(reference[:1], outputs[:1])
+        compute_coherence(reference[:1], outputs[:1])
 
 
 def std_of(response: FrequencyResponse) -> np.ndarray:
@@ -47,7 +47,7 @@ def test_maneuvers_are_averaged_by_what_each_is_worth():
     rng = np.random.default_rng(1)
     omega = np.linspace(1.0, 4.0, 200)
     good, poor = measured(rng, omega, 0.01), measured(rng, omega, 0.05)
-    both = combine([poor, good])
+    both = combine_responses([poor, good])
     error = np.sqrt(
         np.mean(np.abs(both.response.values - 1 / (1 + 1j * omega)[:, None, None]) ** 2)
     )
@@ -55,7 +55,7 @@ def test_maneuvers_are_averaged_by_what_each_is_worth():
     assert std_of(both.response)[0, 0, 0] == pytest.approx(1 / np.hypot(100, 20))
     assert both.probability > 0.01
     assert np.mean(both.disagreement**2) == pytest.approx(1.0, rel=0.15)
-    changed = combine([good, measured(rng, omega, 0.01, 1.1)])
+    changed = combine_responses([good, measured(rng, omega, 0.01, 1.1)])
     assert changed.probability < 1e-6, "ten percent apart at one percent noise"
 
 
@@ -63,11 +63,11 @@ def test_other_lines_are_interpolated_and_the_rest_is_dropped():
     rng = np.random.default_rng(2)
     first = measured(rng, np.linspace(1.0, 4.0, 61), 1e-6)
     other = measured(rng, np.linspace(1.52, 6.0, 300), 1e-6)
-    both = combine([first, other])
+    both = combine_responses([first, other])
     assert both.response.omega[0] >= 1.52
     assert both.response.omega[-1] == pytest.approx(4.0)
     with pytest.raises(BadInput, match="without a common frequency"):
-        combine([first, measured(rng, np.linspace(5.0, 6.0, 9), 1e-6)])
+        combine_responses([first, measured(rng, np.linspace(5.0, 6.0, 9), 1e-6)])
 
 
 def test_windowed_spectra_find_two_inputs_of_a_doublet_and_a_sweep():
@@ -85,7 +85,7 @@ def test_windowed_spectra_find_two_inputs_of_a_doublet_and_a_sweep():
     filters = (signal.butter(2, 4.0, fs=rate_hz), signal.butter(1, 2.0, fs=rate_hz))
     z = np.sum([signal.lfilter(*f, u[:, k]) for k, f in enumerate(filters)], axis=0)
     z = (z + 0.05 * rng.standard_normal(z.size))[:, None]
-    found = windowed_responses(u, z, rate_hz, 8.0, ("sweep", "doublet"), ("z",))
+    found = compute_windowed_responses(u, z, rate_hz, 8.0, ("sweep", "doublet"), ("z",))
     band = (found.response.omega > 2 * np.pi * 0.5) & (found.response.omega < 2 * np.pi * 8.0)
     hit = []
     for column, f in enumerate(filters):
@@ -95,8 +95,8 @@ def test_windowed_spectra_find_two_inputs_of_a_doublet_and_a_sweep():
         hit.append(error < 2.0 * std_of(found.response)[band, 0, column])
     assert 0.85 < np.mean(hit) <= 1.0
     assert np.median(found.coherence[band]) > 0.8
-    with pytest.raises(BadInput, match="cannot tell 2 inputs apart"):
-        windowed_responses(u[:1600], z[:1600], rate_hz, 8.0, ("sweep", "doublet"), ("z",))
+    with pytest.raises(BadInput, match="cannot resolve 2 inputs"):
+        compute_windowed_responses(u[:1600], z[:1600], rate_hz, 8.0, ("sweep", "doublet"), ("z",))
 
 
 def test_points_are_blanked_for_a_reason():
@@ -105,7 +105,7 @@ def test_points_are_blanked_for_a_reason():
     response = FrequencyResponse(
         np.array([1.0, 2.0, 3.0]), values, ("q",), ("u",), std, None, np.array([2.0, 2.0, 1e4])
     )
-    reasons = unreliable(response)
+    reasons = find_unreliable_points(response)
     assert reasons[UNCERTAIN].ravel().tolist() == [False, True, False]
     assert reasons[ILL_CONDITIONED].ravel().tolist() == [False, False, True]
 
@@ -113,13 +113,13 @@ def test_points_are_blanked_for_a_reason():
 def test_collinearity_of_samples():
     rng = np.random.default_rng(4)
     a, b = rng.standard_normal((2, 5000))
-    found = collinearity(np.stack([a, b, a + 0.1 * b, np.full(5000, 0.1)], axis=1))
+    found = assess_collinearity(np.stack([a, b, a + 0.1 * b, np.full(5000, 0.1)], axis=1))
     assert found.correlation[0, 2] == pytest.approx(0.995, abs=0.002)
     assert np.isnan(found.correlation[3]).all(), "a channel at rest has no correlation"
-    # x3 = x1 + 0.1 x2 exactly: nothing can tell them apart
+    # x3 = x1 + 0.1 x2 exactly: not separable
     assert np.isinf(found.inflation[:3]).all()
     assert found.condition == np.inf
-    pair = collinearity(np.stack([a, 0.6 * a + 0.8 * b], axis=1))
+    pair = assess_collinearity(np.stack([a, 0.6 * a + 0.8 * b], axis=1))
     r = float(pair.correlation[0, 1])
     assert pair.inflation == pytest.approx([1 / (1 - r**2)] * 2)
     assert pair.condition == pytest.approx(np.sqrt((1 + r) / (1 - r)))
@@ -128,6 +128,6 @@ def test_collinearity_of_samples():
 def test_collinearity_of_spectra_knows_phase():
     """Twins a quarter of a turn apart: complex correlation one, regression untroubled."""
     line = np.exp(1j * np.linspace(0.0, 60.0, 500))
-    found = collinearity(np.stack([line, 1j * line], axis=1), remove_mean=False)
+    found = assess_collinearity(np.stack([line, 1j * line], axis=1), remove_mean=False)
     assert abs(found.correlation[0, 1]) == pytest.approx(1.0)
     assert found.inflation == pytest.approx([1.0, 1.0], abs=0.01)

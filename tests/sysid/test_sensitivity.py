@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import add_noise
 
-from flexsid.sysid.estimation import left_out as jackknife
+from flexsid.sysid.estimation import leave_one_out as jackknife
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.line_model import LineModel
-from flexsid.sysid.estimation.noise import LineMatrix
+from flexsid.sysid.estimation.noise import SpectralMatrix
 from flexsid.sysid.estimation.parameters import select_parameters
 
 EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
@@ -23,7 +23,7 @@ def line_model(make_case):
     parameters = case.free(EXTRAS, off=0.2)
     theta = parameters.start.copy()
     theta[-len(EXTRAS) :] = [0.004, -0.002, 1.1, 1.05, 0.9, 1.2]
-    return LineModel(case.experiment(u, z), parameters), theta
+    return FrequencyDomainModel(case.experiment(u, z), parameters), theta
 
 
 def test_sensitivities_equal_differences(line_model):
@@ -56,7 +56,7 @@ def test_normal_matrix_equals_the_explicit_one(line_model, kind):
     else:
         half = rng.normal(size=(n_lines, n_y, n_y)) + 1j * rng.normal(size=(n_lines, n_y, n_y))
         weights = matrices = half @ half.conj().transpose(0, 2, 1) + np.eye(n_y)
-    N, g = NormalForm(model).equations(sensitivity, nu, LineMatrix(weights, np.arange(n_lines)))
+    N, g = NormalForm(model).equations(sensitivity, nu, SpectralMatrix(weights, np.arange(n_lines)))
     J = model.jacobian(sensitivity)
     N_explicit = np.real(np.einsum("kyi,kyx,kxj->ij", J.conj(), matrices, J))
     g_explicit = np.real(np.einsum("kyi,kyx,kx->i", J.conj(), matrices, nu))
@@ -71,7 +71,7 @@ def test_gradients_of_single_outputs_add_up(line_model):
     sensitivity = model.sensitivity(theta, response)
     nu = model.experiment.measured - response.outputs
     blocks = np.random.default_rng(4).uniform(0.5, 2.0, size=(2, nu.shape[1]))
-    weights = LineMatrix(blocks, (np.arange(len(nu)) >= 20).astype(int))
+    weights = SpectralMatrix(blocks, (np.arange(len(nu)) >= 20).astype(int))
     form = NormalForm(model)
     _, g = form.equations(sensitivity, nu, weights)
     parts = form.output_gradients(sensitivity, nu, weights)
@@ -91,7 +91,7 @@ def test_how_a_full_density_follows_equals_differences(line_model):
     rng = np.random.default_rng(6)
     half = rng.normal(size=(2, *response.outputs.shape[1:] * 2))
     blocks = half @ half.transpose(0, 2, 1) + np.eye(half.shape[1])
-    weights = LineMatrix(blocks.astype(complex), group)
+    weights = SpectralMatrix(blocks.astype(complex), group)
     sensitivity = model.sensitivity(theta, response)
     nu = measured - response.outputs
     parts = NormalForm(model).matrix_gradients(sensitivity, nu, weights)
@@ -108,13 +108,15 @@ def test_how_a_full_density_follows_equals_differences(line_model):
 
 
 @pytest.mark.parametrize("free", [None, ("Cm_q", "CQ9_eta7", "CZ_alpha", "CQ7_etadot9")])
-def test_residuals_left_out_equal_those_of_fits_without_the_line(make_case, monkeypatch, free):
-    monkeypatch.setattr(jackknife, "_DECIDING", 1.0)
+def test_leave_one_out_residuals_equal_those_of_fits_without_the_frequency(
+    make_case, monkeypatch, free
+):
+    monkeypatch.setattr(jackknife, "_LARGEST_LEVERAGE", 1.0)
     case = make_case(2, airspeed_ratio=1.04, n_outputs=8)
     u, y = case.spectra(1)
     z = add_noise(y, 0.05, np.random.default_rng(2))
     parameters = select_parameters(case.truth, free, case.model.outputs, ("omega_7",))
-    model = LineModel(case.experiment(u, z), parameters)
+    model = FrequencyDomainModel(case.experiment(u, z), parameters)
     response = model.respond(parameters.start)
     sensitivity = model.sensitivity(parameters.start, response)
     J, nu = model.jacobian(sensitivity).copy(), z - response.outputs
@@ -123,6 +125,6 @@ def test_residuals_left_out_equal_those_of_fits_without_the_line(make_case, monk
     score = np.real(np.einsum("kyi,y,ky->ki", J.conj(), weights, nu))
     N = own.sum(axis=0) + 1e-3 * np.diag(np.diag(own.sum(axis=0)))
     expected = [nu[k] + J[k] @ np.linalg.solve(N - own[k], score[k]) for k in range(len(nu))]
-    W = LineMatrix(weights[None], np.zeros(len(nu), dtype=int))
-    found = jackknife.left_out(model, sensitivity, nu, W, np.linalg.inv(N))
+    W = SpectralMatrix(weights[None], np.zeros(len(nu), dtype=int))
+    found = jackknife.compute_leave_one_out_residuals(model, sensitivity, nu, W, np.linalg.inv(N))
     assert np.abs(found - expected).max() < 1e-8 * np.abs(nu).max()

@@ -18,8 +18,8 @@ from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.actuators import Actuator
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
-from flexsid.sysid.simulation.closed_loop import fly_closed_loop
-from flexsid.sysid.simulation.recording import pass_instruments
+from flexsid.sysid.simulation.closed_loop import simulate_closed_loop
+from flexsid.sysid.simulation.recording import apply_instruments
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "data" / "flex28" / "records"
 FOOT = 0.3048
@@ -74,7 +74,7 @@ def test_four_mode_eigenvalues_are_the_published_ones():
 
 
 @pytest.mark.parametrize(("fuel", "airspeed"), [(0.0, 199.00), (0.5, 194.60), (1.0, 192.63)])
-def test_truth_flutters_where_the_table_says(fuel: float, airspeed: float):
+def test_truth_flutters_at_the_tabulated_speed(fuel: float, airspeed: float):
     def growth(ratio: float) -> float:
         # The attitude only follows the pitch rate here: a pole at zero that is no flutter.
         poles = np.linalg.eigvals(airframe_at(ratio * airspeed, fuel, 8).state_matrix)
@@ -89,7 +89,7 @@ def test_small_open_loop_motion_is_that_of_python_control():
     airframe = airframe_at(126.5, 0.5, 8)
     actuator = replace(_TRUTH.actuator, delay_s=0.0)
     excitation = doublet(3000, np.radians(0.5))
-    motion = fly_closed_loop(airframe, actuator, excitation, RATE_HZ)
+    motion = simulate_closed_loop(airframe, actuator, excitation, RATE_HZ)
 
     n_u = len(INPUTS)
     natural, damping = actuator.natural_frequency, actuator.damping
@@ -117,8 +117,10 @@ def test_small_open_loop_motion_is_that_of_python_control():
 def test_actuator_delay_only_shifts_open_loop_motion():
     airframe = airframe_at(126.5, 0.5, 2)
     excitation = doublet(2000, np.radians(0.5))
-    prompt = fly_closed_loop(airframe, replace(_TRUTH.actuator, delay_s=0.0), excitation, RATE_HZ)
-    late = fly_closed_loop(airframe, _TRUTH.actuator, excitation, RATE_HZ)
+    prompt = simulate_closed_loop(
+        airframe, replace(_TRUTH.actuator, delay_s=0.0), excitation, RATE_HZ
+    )
+    late = simulate_closed_loop(airframe, _TRUTH.actuator, excitation, RATE_HZ)
     np.testing.assert_array_equal(late.states[12:], prompt.states[:-12])
 
 
@@ -130,7 +132,7 @@ def test_actuators_obey_their_limits_and_arrive():
     excitation = np.zeros((2000, 5))
     excitation[:, 0] = 0.08
     excitation[:, 1] = -0.3
-    surfaces = fly_closed_loop(airframe, actuator, excitation, RATE_HZ).surfaces
+    surfaces = simulate_closed_loop(airframe, actuator, excitation, RATE_HZ).surfaces
     assert np.abs(np.diff(surfaces, axis=0)).max() * RATE_HZ <= 0.5 * (1.0 + 1e-9)
     assert np.abs(surfaces).max() <= 0.1 + 1e-12
     assert surfaces[-1, 0] == pytest.approx(0.08, rel=1e-6)
@@ -145,7 +147,7 @@ def test_loop_holds_the_aircraft_beyond_flutter():
     sensors = describe_aircraft(_TRUTH).sensors
     held = fly_truth(_TRUTH, sensors, airspeed, 0.5, 8, excitation)
     assert np.abs(held.felt[-1000:, 1]).max() < 0.01 * np.abs(held.felt[:, 1]).max()
-    freed = fly_closed_loop(
+    freed = simulate_closed_loop(
         airframe_at(airspeed / FOOT, 0.5, 8), _TRUTH.actuator, excitation, RATE_HZ
     )
     assert np.abs(freed.states[-1000:, 1]).max() > np.abs(freed.states[:2000, 1]).max()
@@ -154,7 +156,9 @@ def test_loop_holds_the_aircraft_beyond_flutter():
 def test_accelerometers_agree_with_the_motion_they_ride_on():
     """A z accelerometer reads V(alpha-dot - q) (thrust aside) - x q-dot + phi etaddot + tilt."""
     airframe = airframe_at(160.0, 0.25, 4)
-    motion = fly_closed_loop(airframe, _TRUTH.actuator, doublet(3000, np.radians(0.5)), RATE_HZ)
+    motion = simulate_closed_loop(
+        airframe, _TRUTH.actuator, doublet(3000, np.radians(0.5)), RATE_HZ
+    )
     joined = np.hstack([motion.states, motion.surfaces])
     rates = joined @ airframe.rates.T
     condition = airframe.condition
@@ -172,7 +176,7 @@ def test_accelerometers_agree_with_the_motion_they_ride_on():
     assert np.abs(read - expected).max() < 1e-9 * np.abs(read).max()
 
 
-def test_instruments_filter_and_delay_as_their_response_says():
+def test_instruments_filter_and_delay_according_to_their_response():
     """A sine burst comes out scaled and shifted by the instrument's response at its frequency."""
     instrument = Instrument(
         elements=(Butterworth(order=4, corner=2.0 * np.pi * 70.0),), delay_s=0.0137
@@ -180,7 +184,7 @@ def test_instruments_filter_and_delay_as_their_response_says():
     omega = 2.0 * np.pi * 5.0
     time = np.arange(4000) / 1000.0
     true = np.sin(omega * time)[:, None]
-    seen = pass_instruments(true, 1000.0, [instrument])[:, 0]
+    seen = apply_instruments(true, 1000.0, [instrument])[:, 0]
     response = instrument.response(np.array([omega]))[0]
     expected = np.abs(response) * np.sin(omega * time + np.angle(response))
     settled = slice(500, 3900)
@@ -213,9 +217,9 @@ def test_agrees_with_an_independent_simulation(name: str):
     instruments = [aircraft.instruments[str(sensor.instrument)] for sensor in aircraft.sensors]
     units = {SensorKind.ACCELEROMETER: 9.80665, SensorKind.STRAIN: 1e-6}
     scale = np.array([units.get(sensor.kind, 1.0) for sensor in aircraft.sensors])
-    outputs = pass_instruments(flight.felt, RATE_HZ, instruments)[::5] / scale
+    outputs = apply_instruments(flight.felt, RATE_HZ, instruments)[::5] / scale
     pot = aircraft.instruments["potentiometer"]
-    inputs = pass_instruments(flight.motion.surfaces, RATE_HZ, [pot] * 5)[::5]
+    inputs = apply_instruments(flight.motion.surfaces, RATE_HZ, [pot] * 5)[::5]
     assert [sensor.name for sensor in aircraft.sensors] == list(record["output_names"])
     assert _worst(outputs, record["outputs_noise_free"]) < 1e-3
     assert _worst(inputs, record["inputs_noise_free"]) < 1e-3

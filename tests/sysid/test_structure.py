@@ -12,8 +12,8 @@ from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.table import align_modes
-from flexsid.sysid.stability.order import reduced_response, study_order
-from flexsid.sysid.stability.poles import named_poles
+from flexsid.sysid.stability.order import compute_reduced_response, study_order
+from flexsid.sysid.stability.poles import compute_named_poles
 
 # Design notes, section 6: C_m_alpha of residualised models with 0 to 4 modes, half fuel.
 RESIDUALISED = {
@@ -28,18 +28,18 @@ def test_residualised_stiffness_is_that_of_the_design_notes(ratio):
     full = truth.derivatives_at(0.5, 8)
     condition = truth.condition_at(ratio * truth.flutter_speed_at(0.5), 0.5)
     for n, published in enumerate(RESIDUALISED[ratio]):
-        kept = residualize(full, truth.modes_at(0.5, 8), condition, full.modes[:n])
-        assert kept.named()["Cm_alpha"] == pytest.approx(published, abs=0.0005)
+        retained = residualize(full, truth.modes_at(0.5, 8), condition, full.modes[:n])
+        assert retained.named()["Cm_alpha"] == pytest.approx(published, abs=0.0005)
 
 
-def test_residualising_keeps_the_static_response(make_case):
+def test_residualising_preserves_the_static_response(make_case):
     full, reduced = make_case(4), make_case(1)
     truth = full.truth
-    kept = residualize(truth, full.model.modes, full.model.condition, (7,))
-    slow = np.array([1e-4])  # alpha and the kept mode under unit inputs, far below any pole
+    retained = residualize(truth, full.model.modes, full.model.condition, (7,))
+    slow = np.array([1e-4])  # alpha and the retained mode under unit inputs, far below any pole
     rigid = full.model.sensors.names.index("alpha")
     one = full.model.response(truth, slow)[:, rigid]
-    two = reduced.model.response(kept, slow)[:, rigid]
+    two = reduced.model.response(retained, slow)[:, rigid]
     assert np.abs(one - two).max() < 0.02 * np.abs(one).max()
 
 
@@ -60,11 +60,13 @@ def test_the_number_of_modes_a_condition_needs_is_proposed(make_case, ratio, nee
     assert study.steps[0].pole_error == np.inf  # no pole where SW1B is
 
 
-def test_sensors_see_left_out_modes_move_statically(make_case):
+def test_sensors_measure_the_static_response_of_residualised_modes(make_case):
     case = make_case(4)
     slow = np.array([0.01])
     full = case.model.response(case.truth, slow)
-    assert np.allclose(reduced_response(case.model, case.truth, (7,), slow), full, rtol=1e-3)
+    assert np.allclose(
+        compute_reduced_response(case.model, case.truth, (7,), slow), full, rtol=1e-3
+    )
     assert not np.allclose(
         case.model.with_modes(1).response(case.truth.select((7,), case.model.inputs), slow),
         full,
@@ -101,12 +103,14 @@ def test_error_bars_of_poles_are_those_of_draws(make_case):
     estimate = maximize([experiment], parameters)
     covariance = estimate.corrected_covariance
     names = ("SW1B", "SW1T")
-    poles = named_poles(case.model, parameters, estimate.values, covariance, names)
+    poles = compute_named_poles(case.model, parameters, estimate.values, covariance, names)
     assert [pole.name for pole in poles] == ["SP", "SW1B", "SW1T"]
     draws = np.random.default_rng(3).multivariate_normal(
         estimate.values, covariance, 400, method="cholesky"
     )
-    scattered = [named_poles(case.model, parameters, draw, covariance, names) for draw in draws]
+    scattered = [
+        compute_named_poles(case.model, parameters, draw, covariance, names) for draw in draws
+    ]
     for k, pole in enumerate(poles):
         values = np.array([one[k].value for one in scattered])
         assert np.std(np.real(values)) == pytest.approx(pole.real_std, rel=0.15)
@@ -125,7 +129,7 @@ def test_poles_follow_frequency_and_damping_that_were_estimated(make_case):
     names = ("SW1B", "SW1T")
 
     def values(at: np.ndarray) -> np.ndarray:
-        poles = named_poles(case.model, free, at, np.zeros((3, 3)), names)
+        poles = compute_named_poles(case.model, free, at, np.zeros((3, 3)), names)
         return np.array([pole.value for pole in poles])
 
     for k in range(3):
@@ -134,7 +138,7 @@ def test_poles_follow_frequency_and_damping_that_were_estimated(make_case):
         slope = np.array(
             [
                 (pole.real_std, pole.imag_std)
-                for pole in named_poles(case.model, free, theta, one, names)
+                for pole in compute_named_poles(case.model, free, theta, one, names)
             ]
         )
         step = 1e-5 * np.eye(3)[k]

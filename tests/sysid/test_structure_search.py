@@ -11,18 +11,24 @@ from tests.sysid.conftest import OMEGA, Case, add_noise
 from flexsid.errors import BadInput
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import Disturbance, regress
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.collinearity import near_dependencies
+from flexsid.sysid.spectra.collinearity import find_near_dependencies
 from flexsid.sysid.structure_determination.candidates import search_candidates
-from flexsid.sysid.structure_determination.equation import equation_evidence, regression_evidence
-from flexsid.sysid.structure_determination.evidence import look
-from flexsid.sysid.structure_determination.likelihood import likelihood_evidence, reduced
+from flexsid.sysid.structure_determination.equation import (
+    compute_equation_evidence,
+    compute_regression_evidence,
+)
+from flexsid.sysid.structure_determination.evidence import estimate_subset
+from flexsid.sysid.structure_determination.likelihood import (
+    compute_likelihood_evidence,
+    select_candidates,
+)
 from flexsid.sysid.structure_determination.search import search_equations
 from flexsid.sysid.structure_determination.selection import Thresholds
-from flexsid.sysid.structure_determination.stability import selection_frequency
-from flexsid.sysid.structure_determination.stepwise import stepwise_regression
+from flexsid.sysid.structure_determination.stability import compute_selection_frequency
+from flexsid.sysid.structure_determination.stepwise import select_stepwise
 from flexsid.sysid.structure_determination.validation import cross_validate
 
 ABSENT = (
@@ -44,12 +50,14 @@ def evidence(case: Case, seed: int, share: float = 0.03):
     through = np.ones(z.shape, dtype=complex)
     motion = reconstruct_motion(case.model, FrequencyData(OMEGA, z, case.model.outputs), through)
     inputs = FrequencyData(OMEGA, u, case.model.inputs)
-    return equation_evidence(case.model, motion, inputs, case.free())
+    return compute_equation_evidence(case.model, motion, inputs, case.free())
 
 
-def exact(n_omega: int, p: int) -> Disturbance:
+def exact(n_omega: int, p: int) -> ErrorsInVariables:
     """Nothing is uncertain but a little of the dependent variable."""
-    return Disturbance(np.zeros((n_omega, p, p)), np.zeros((n_omega, p)), np.full(n_omega, 1e-6))
+    return ErrorsInVariables(
+        np.zeros((n_omega, p, p)), np.zeros((n_omega, p)), np.full(n_omega, 1e-6)
+    )
 
 
 @pytest.mark.parametrize("method", ["stepwise", "orthogonal functions"])
@@ -67,7 +75,7 @@ def test_many_maneuvers_support_together_what_none_supports_alone(make_case):
     together = search_equations(weak)
     lost = set(together.absent) - set(ABSENT)
     assert len(lost) < 0.8 * np.mean(alone)
-    assert not set(together.chosen) & set(ABSENT)
+    assert not set(together.selected) & set(ABSENT)
 
 
 def test_drift_of_one_term_over_the_envelope_is_not_taken_for_another(make_case):
@@ -79,10 +87,10 @@ def test_drift_of_one_term_over_the_envelope_is_not_taken_for_another(make_case)
     assert sorted(search_equations(maneuvers).absent) == sorted(ABSENT)
 
 
-def test_the_path_tells_each_step_and_its_criteria(make_case):
+def test_the_path_reports_each_step_and_its_criteria(make_case):
     case = without(make_case(1), ())
     selection = search_equations([evidence(case, 3)]).coefficients["CZ"]
-    assert [step.action for step in selection.path].count("enter") >= len(selection.chosen)
+    assert [step.action for step in selection.path].count("enter") >= len(selection.selected)
     fits = [step.criteria.r_squared for step in selection.path if step.action == "enter"]
     assert fits == sorted(fits)
     assert selection.criteria.r_squared > 0.9
@@ -96,30 +104,30 @@ def test_evidence_gives_the_values_and_errors_of_the_regression_itself():
     X = rng.normal(size=(80, 4)) + 1j * rng.normal(size=(80, 4))
     z = X @ [1.0, -0.5, 0.0, 0.2] + 0.3 * (rng.normal(size=80) + 1j * rng.normal(size=80))
     names = ("CZ_a", "CZ_b", "CZ_c", "CZ_d")
-    found = regression_evidence(X, z, names, exact(80, 4))
+    found = compute_regression_evidence(X, z, names, exact(80, 4))
     plain = regress(X, z, names)
-    all_in = look(found, np.ones(4, dtype=bool))
+    all_in = estimate_subset(found, np.ones(4, dtype=bool))
     assert np.allclose(all_in.values, plain.values)
     assert np.all(all_in.variance > 0.999 * np.diag(plain.corrected_covariance))
     assert np.all(all_in.variance < 1.5 * np.diag(plain.corrected_covariance))
     three = np.array([True, True, False, True])
     fewer = regress(X[:, three], z, ("CZ_a", "CZ_b", "CZ_d"))
-    subset = look(found, three)
+    subset = estimate_subset(found, three)
     assert np.allclose(subset.values[three], fewer.values)
     # the next to enter takes the value it has with all four, for they are then all in
     assert subset.values[2] == pytest.approx(plain.values[2])
 
 
-def test_of_two_terms_that_say_the_same_one_is_chosen():
+def test_one_of_two_identical_terms_is_selected():
     rng = np.random.default_rng(5)
     X = rng.normal(size=(60, 3)) + 1j * rng.normal(size=(60, 3))
     X = np.column_stack([X, X[:, 0], np.zeros(60)])
     z = X[:, 0] + X[:, 1] + 0.1 * (rng.normal(size=60) + 1j * rng.normal(size=60))
     names = ("CZ_a", "CZ_b", "CZ_c", "CZ_same", "CZ_still")
-    found = stepwise_regression([regression_evidence(X, z, names, exact(60, 5))])
-    assert "CZ_b" in found.chosen
-    assert len({"CZ_a", "CZ_same"} & set(found.chosen)) == 1
-    assert not {"CZ_c", "CZ_still"} & set(found.chosen)
+    found = select_stepwise([compute_regression_evidence(X, z, names, exact(60, 5))])
+    assert "CZ_b" in found.selected
+    assert len({"CZ_a", "CZ_same"} & set(found.selected)) == 1
+    assert not {"CZ_c", "CZ_still"} & set(found.selected)
 
 
 def test_more_candidates_than_lines_still_end_in_a_choice():
@@ -127,16 +135,18 @@ def test_more_candidates_than_lines_still_end_in_a_choice():
     X = rng.normal(size=(10, 30)) + 1j * rng.normal(size=(10, 30))
     z = 5.0 * X[:, 3] + 0.01 * (rng.normal(size=10) + 1j * rng.normal(size=10))
     names = tuple(f"CZ_t{k}" for k in range(30))
-    found = stepwise_regression([regression_evidence(X, z, names, exact(10, 30))])
-    assert "CZ_t3" in found.chosen
-    assert len(found.chosen) < 20
+    found = select_stepwise([compute_regression_evidence(X, z, names, exact(10, 30))])
+    assert "CZ_t3" in found.selected
+    assert len(found.selected) < 20
 
 
 def test_resampled_lines_choose_strong_terms_always_and_absent_ones_hardly(make_case):
     case = without(make_case(1), ("CZ_etadot7", "CZ_wf2s"))
     row = [evidence(case, 7)["CZ"]]
     often = dict(
-        zip(row[0].names, selection_frequency(row, stepwise_regression, n_draws=20), strict=True)
+        zip(
+            row[0].names, compute_selection_frequency(row, select_stepwise, n_draws=20), strict=True
+        )
     )
     assert often["CZ_alpha"] == often["CZ_wf1s"] == 1.0
     assert max(often["CZ_etadot7"], often["CZ_wf2s"]) < 0.3
@@ -164,7 +174,7 @@ def test_output_error_finds_the_true_structure_from_all_terms(make_case, n_modes
     for seed in range(6):
         candidates = base.free(off=0.2, seed=seed)
         found = search_candidates([output_error_of(case, seed)], candidates)
-        assert set(candidates.names) - set(found.best.chosen) == set(absent), seed
+        assert set(candidates.names) - set(found.best.selected) == set(absent), seed
         assert found.best.converged
         assert found.best is found.candidates[-1]
 
@@ -177,30 +187,32 @@ def test_terms_missing_at_the_start_come_in_by_their_score(make_case):
     begin = [name for name in candidates.names if name not in missing]
     start = replace(candidates, start=case.truth.values.ravel() * 1.1)
     found = search_candidates([output_error_of(case, 11)], start, begin)
-    assert set(candidates.names) - set(found.best.chosen) == {"CZ_etadot7", "Cm_bfs"}
-    assert found.candidates[0].chosen == tuple(begin)
+    assert set(candidates.names) - set(found.best.selected) == {"CZ_etadot7", "Cm_bfs"}
+    assert found.candidates[0].selected == tuple(begin)
     assert "entered by the score" in found.candidates[1].why
 
 
-def test_what_is_foretold_of_a_change_is_what_the_refit_says(make_case):
+def test_the_predicted_change_agrees_with_the_refit(make_case):
     case = without(make_case(1), ("CZ_etadot7", "Cm_bfs"))
     experiment, candidates = output_error_of(case, 12), case.free()
     full = maximize([experiment], candidates)
-    evidence = likelihood_evidence(experiment, candidates, full.values, full.values.size)
+    evidence = compute_likelihood_evidence(experiment, candidates, full.values, full.values.size)
     inside = np.ones(full.values.size, dtype=bool)
     inside[candidates.names.index("Cm_bfs")] = False
-    fewer = maximize([experiment], reduced(candidates, inside, full.values))
+    fewer = maximize([experiment], select_candidates(candidates, inside, full.values))
     rose = 2.0 * (fewer.steps[-1].cost - full.steps[-1].cost)
-    out = look(evidence, np.ones_like(inside))
+    out = estimate_subset(evidence, np.ones_like(inside))
     assert out.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
     theta = np.zeros(full.values.size)
     theta[inside] = fewer.values
-    back = look(likelihood_evidence(experiment, candidates, theta, int(inside.sum())), inside)
+    back = estimate_subset(
+        compute_likelihood_evidence(experiment, candidates, theta, int(inside.sum())), inside
+    )
     assert back.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
     assert back.values[~inside] == pytest.approx(full.values[~inside], rel=0.05)
 
 
-def test_several_maneuvers_share_a_structure_and_keep_their_values(make_case):
+def test_several_maneuvers_share_a_model_structure_and_have_their_own_values(make_case):
     base = make_case(1)
     absent = ("CZ_etadot7", "Cm_bfs")
     maneuvers = [
@@ -208,7 +220,7 @@ def test_several_maneuvers_share_a_structure_and_keep_their_values(make_case):
         for seed, scale in enumerate((0.8, 1.0, 1.2))
     ]
     found = search_candidates(maneuvers, base.free())
-    assert set(base.truth.named()) - set(found.best.chosen) == set(absent)
+    assert set(base.truth.named()) - set(found.best.selected) == set(absent)
     slopes = [dict(zip(e.names, e.values, strict=True)) for e in found.best.estimates]
     assert [round(one["CZ_alpha"] / base.truth.named()["CZ_alpha"], 1) for one in slopes] == [
         0.8, 1.0, 1.2,
@@ -225,10 +237,10 @@ def test_nearly_dependent_terms_are_named_with_their_condition_index():
     rng = np.random.default_rng(8)
     X = rng.normal(size=(200, 5))
     X[:, 4] = 100.0 * (X[:, 0] + X[:, 1] + 0.01 * rng.normal(size=200))
-    (found,) = near_dependencies(X.T @ X, ("a", "b", "c", "d", "e"))
+    (found,) = find_near_dependencies(X.T @ X, ("a", "b", "c", "d", "e"))
     assert set(found.shares) == {"a", "b", "e"}
     assert found.index == pytest.approx(np.linalg.cond(X / np.linalg.norm(X, axis=0)), rel=1e-6)
-    assert near_dependencies(X[:, :4].T @ X[:, :4], ("a", "b", "c", "d")) == ()
+    assert find_near_dependencies(X[:, :4].T @ X[:, :4], ("a", "b", "c", "d")) == ()
 
 
 def test_the_true_structure_predicts_best_what_it_did_not_see(make_case):
@@ -242,8 +254,8 @@ def test_the_true_structure_predicts_best_what_it_did_not_see(make_case):
     costs = {}
     everything = np.ones(candidates.start.size, dtype=bool)
     for name, gone in (("true", absent), ("all", ()), ("few", ("CZ_wf1s", "Cm_q", *absent))):
-        kept = everything & [n not in gone for n in candidates.names]
-        estimate = maximize([fitted], reduced(candidates, kept, candidates.start))
+        free = everything & [n not in gone for n in candidates.names]
+        estimate = maximize([fitted], select_candidates(candidates, free, candidates.start))
         halves = cross_validate([fitted], [estimate], candidates)
         elsewhere = cross_validate([fitted], [estimate], candidates, [unseen, faster])
         assert [len(halves), len(elsewhere)] == [2, 2]

@@ -1,4 +1,4 @@
-"""A weighted trend is the textbook's, and its judgement of the scatter is calibrated."""
+"""A weighted trend agrees with the textbook, and its chi-square test is calibrated."""
 
 from __future__ import annotations
 

@@ -1,17 +1,17 @@
-"""The test of residuals for whiteness: no alarm over white noise, and one over what is missing."""
+"""Whiteness test of residuals: no alarm for white noise, an alarm for unmodelled response."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.diagnostics import whitened, whiteness
-from flexsid.sysid.spectra.fourier import finite_fourier_transform, unit_lines
-from flexsid.sysid.spectra.line_correlation import line_correlation
+from flexsid.sysid.estimation.diagnostics import whiten, whiteness
+from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
+from flexsid.sysid.spectra.noise_correlation import compute_noise_correlation
 
 RATE_HZ = 50.0
 PERIOD_S = 20.0
-LINES = unit_lines(np.arange(4, 104), PERIOD_S)
+LINES = compute_harmonic_frequencies(np.arange(4, 104), PERIOD_S)
 START_S = 0.4
 
 
@@ -23,8 +23,8 @@ def spectra(duration_s: float, n_records: int, seed: int) -> np.ndarray:
 
 def alarms(noise: np.ndarray, duration_s: float) -> float:
     """Share of the columns with a probability below 5 %."""
-    known = line_correlation(LINES, START_S, START_S + duration_s)
-    white = whitened(noise, known)
+    known = compute_noise_correlation(LINES, START_S, START_S + duration_s)
+    white = whiten(noise, known)
     return float(np.mean([whiteness(column) < 0.05 for column in white.T]))
 
 
@@ -52,6 +52,6 @@ def test_the_correlation_of_lines_is_that_of_their_noise():
     noise = spectra(24.0, 4000, seed=4)[:12]
     found = noise @ noise.conj().T
     size = np.sqrt(np.real(np.diag(found)))
-    known = line_correlation(LINES[:12], START_S, START_S + 24.0)
+    known = compute_noise_correlation(LINES[:12], START_S, START_S + 24.0)
     np.testing.assert_allclose(found / np.outer(size, size), known, atol=0.06)
     assert abs(known[0, 1]) == pytest.approx(0.156, abs=2e-3)

@@ -1,4 +1,4 @@
-"""A finished run with numbers that can be checked in the head."""
+"""Fixtures: a finished run with simple numbers, a modal table and a prediction."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from flexsid.records.run import (
 )
 from flexsid.storage.store import Store
 
-OMEGA = 2 * np.pi * np.array([2.0, 1.0, 4.0])  # not in order, as FRE may keep them
+OMEGA = 2 * np.pi * np.array([2.0, 1.0, 4.0])  # not in order, as FRE may store them
 MEASURED = np.array([[2.0 + 0j, 1j], [1.0 + 0j, 1j], [-1.0 + 1e-9j, 1j]])
 FITTED = np.array([[1.0 + 0j, 1j], [1.0 + 0j, 1j], [-1.0 - 1e-9j, 1j]])
 
@@ -83,7 +83,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
 
 @pytest.fixture
 def modal_table(store: Store, aircraft: Aircraft) -> ModalTable:
-    """Two modes; SW1B goes from 10 to 20 Hz as the tanks fill."""
+    """Modes of which SW1B rises from 10 to 20 Hz with the fuel fraction."""
     assert aircraft.id is not None
     omega = 2 * np.pi * np.array([[10.0, 30.0, 40.0], [20.0, 30.0, 40.0]])
     return store.modal_tables.add(
@@ -105,7 +105,7 @@ def modal_table(store: Store, aircraft: Aircraft) -> ModalTable:
 
 @pytest.fixture
 def prediction(store: Store, aircraft: Aircraft) -> DerivativePrediction:
-    """Cm_alpha goes from -1 to -2 as the tanks fill."""
+    """Prediction with Cm_alpha from -1 to -2 with the fuel fraction."""
     assert aircraft.id is not None
     return store.predictions.add(
         DerivativePrediction(

@@ -1,4 +1,4 @@
-"""What the comparison page relies on."""
+"""Comparison of derivatives between runs and with a prediction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.records.comparison import AgreementCount
 from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import Method
-from flexsid.workflow.comparison.derivative_comparison import compare, of_coefficient
+from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 
 
 def row(comparison, name):
@@ -42,7 +42,7 @@ def test_runs_are_judged_in_combined_standard_errors(store, add_result, predicti
 
 @pytest.fixture
 def wind_tunnel(store, aircraft):
-    """A prediction that gives standard errors, far from what the runs below have."""
+    """A prediction with standard errors that differs from the runs."""
     return store.predictions.add(
         DerivativePrediction(
             aircraft_id=aircraft.id,
@@ -56,7 +56,7 @@ def wind_tunnel(store, aircraft):
     )
 
 
-def test_a_prediction_changes_nothing_in_how_the_runs_agree(store, add_result, wind_tunnel):
+def test_prediction_does_not_change_agreement_of_runs(store, add_result, wind_tunnel):
     runs = [
         add_result({"Cm_alpha": (-1.0 - 0.01 * k, 0.1), "Cm_q": (-8.0, 0.1)}, method=method)
         for k, method in enumerate((Method.OE, Method.EE))
@@ -74,11 +74,11 @@ def test_a_prediction_changes_nothing_in_how_the_runs_agree(store, add_result, w
     assert near is not None
     assert (far.consistent, near.consistent) == (False, True)
     assert far.difference_sigma == pytest.approx(2.0 / (0.1 * 2**0.5)), "from the farthest run"
-    (only,) = of_coefficient(beside, "Cm").prediction_verdicts
+    (only,) = select_coefficient(beside, "Cm").prediction_verdicts
     assert only == verdict
 
 
-def test_one_run_beside_a_prediction_is_judged_as_that_only(store, add_result, wind_tunnel):
+def test_single_run_is_compared_with_the_prediction_only(store, add_result, wind_tunnel):
     run = add_result({"Cm_alpha": (-1.0, 0.1)})
     comparison = compare(store, [run.id], [wind_tunnel.id])
     assert comparison.runs_verdict.n_judged == 0
@@ -87,7 +87,7 @@ def test_one_run_beside_a_prediction_is_judged_as_that_only(store, add_result, w
     assert comparison.prediction_verdicts[0].n_judged == 1
 
 
-def test_what_has_no_standard_error_is_not_judged(store, add_result, prediction):
+def test_missing_standard_error_is_not_compared(store, add_result, prediction):
     run = add_result({"Cm_alpha": (-1.0, 0.1), "Cm_q": (-8.0, None)})
     comparison = compare(store, [run.id], [prediction.id])
     for name in ("Cm_alpha", "Cm_q"):
@@ -95,7 +95,7 @@ def test_what_has_no_standard_error_is_not_judged(store, add_result, prediction)
         assert row(comparison, name).max_difference_sigma is None
 
 
-def test_derivatives_stand_in_the_order_of_the_table(store, add_result):
+def test_derivatives_are_in_the_order_of_the_table(store, add_result):
     small = add_result({"tau_q": (0.01, 0.001), "Cm_wf4s": (1.0, 0.1), "Cm_alpha": (1.0, 0.1)})
     large = add_result(
         {
@@ -136,9 +136,9 @@ def test_residualized_prediction_is_a_source_of_its_own_shown_once(store, add_re
 def test_one_coefficient_can_be_picked(store, add_result):
     run = add_result({"CZ_alpha": (-4.0, 0.1), "CQ7_eta7": (-1.0, 0.1)})
     comparison = compare(store, [run.id], [])
-    assert [row.name for row in of_coefficient(comparison, "CQ7").rows] == ["CQ7_eta7"]
+    assert [row.name for row in select_coefficient(comparison, "CQ7").rows] == ["CQ7_eta7"]
     with pytest.raises(BadInput, match="CZ, CQ7"):
-        of_coefficient(comparison, "Cm")
+        select_coefficient(comparison, "Cm")
 
 
 def test_a_run_without_result_cannot_be_compared(store, add_run):
@@ -149,7 +149,7 @@ def test_a_run_without_result_cannot_be_compared(store, add_run):
         compare(store, [], [])
 
 
-def test_scatter_and_pairs_are_judged_by_chi_square(store, add_result):
+def test_scatter_and_pairs_are_tested_by_chi_square(store, add_result):
     runs = [
         add_result({"Cm_alpha": (value, 0.1), "Cm_q": (-8.0, 0.2)}, method=method)
         for value, method in ((-1.0, Method.OE), (-1.1, Method.FRE), (-1.6, Method.EE))
@@ -172,7 +172,7 @@ def test_scatter_and_pairs_are_judged_by_chi_square(store, add_result):
     assert far.probability < 0.01 < near.probability
 
 
-def test_only_what_was_set_up_otherwise_is_told(store, add_result):
+def test_only_different_settings_are_listed(store, add_result):
     first = add_result({"Cm_alpha": (-1.0, 0.1)})
     second = add_result({"Cm_alpha": (-1.0, 0.1)}, method=Method.EE)
     setup = {one.name: one.values for one in compare(store, [first.id, second.id], []).setup}

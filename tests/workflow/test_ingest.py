@@ -1,4 +1,4 @@
-"""Ingest: what was recorded is kept as it was, once, with everything the mapping says."""
+"""Import of recordings: stored unchanged, once, with the metadata of the mapping."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import import_files, import_maneuver, read_upload
-from flexsid.workflow.importing.persistence import largest_correlation
+from flexsid.workflow.importing.persistence import compute_largest_correlation
 from flexsid.workflow.importing.unconfirmed_values import find_guesses
 
 ROOT = Path(__file__).parents[2]
@@ -148,10 +148,10 @@ def test_an_aircraft_is_not_redefined_in_passing(store: Store, tmp_path: Path) -
         import_files(store, [file], other)
 
 
-def test_the_aircraft_chosen_must_be_that_of_the_mapping(
+def test_selected_aircraft_must_be_that_of_the_mapping(
     store: Store, aircraft: Aircraft, tmp_path: Path
 ) -> None:
-    with pytest.raises(BadInput, match="The mapping is for 'Kite', but 'X-1' was chosen"):
+    with pytest.raises(BadInput, match="The mapping is for 'Kite', but 'X-1' was selected"):
         import_files(store, [write_flight(tmp_path)], MAPPING, aircraft.id)
 
 
@@ -163,10 +163,10 @@ def test_files_without_a_mapping_must_have_a_known_form(store: Store, tmp_path: 
 def test_correlation_is_the_largest_of_all_pairs() -> None:
     t = np.linspace(0.0, 1.0, 1000, endpoint=False)
     sine, cosine = np.sin(2 * np.pi * t), np.cos(2 * np.pi * t)
-    assert largest_correlation([sine]) is None
-    assert largest_correlation([sine, cosine]) == pytest.approx(0.0, abs=1e-12)
-    assert largest_correlation([sine, cosine, -sine - cosine]) == pytest.approx(0.5**0.5)
-    assert largest_correlation([sine, np.full(1000, 3.0)]) == 0.0
+    assert compute_largest_correlation([sine]) is None
+    assert compute_largest_correlation([sine, cosine]) == pytest.approx(0.0, abs=1e-12)
+    assert compute_largest_correlation([sine, cosine, -sine - cosine]) == pytest.approx(0.5**0.5)
+    assert compute_largest_correlation([sine, np.full(1000, 3.0)]) == 0.0
 
 
 @pytest.fixture
@@ -182,7 +182,7 @@ needs_records = pytest.mark.skipif(
 @needs_records
 def test_a_simulated_record_is_recognised(store: Store, flex28: Aircraft) -> None:
     file = RECORDS / "065Vf_n4_fta506.npz"
-    with pytest.raises(BadInput, match="nobody confirmed"):
+    with pytest.raises(BadInput, match="not confirmed"):
         import_files(store, [file])
     kinds = {str(guess.kind) for guess in find_guesses(store, read_upload([file]))}
     assert kinds == {"aircraft", "flight", "clock", "unit"}
@@ -208,9 +208,9 @@ def test_a_simulated_record_is_recognised(store: Store, flex28: Aircraft) -> Non
     assert channels["wf3s_command"].role is Role.COMMAND
     assert channels["az_egi"].unit == "g"
     assert channels["s_ros2l_p45"].unit == "ustrain"
-    kept = store.arrays.get(channels["q"].array)
-    assert kept.dtype == np.float32
-    np.testing.assert_array_equal(kept, record["outputs"][:, 1])
+    stored = store.arrays.get(channels["q"].array)
+    assert stored.dtype == np.float32
+    np.testing.assert_array_equal(stored, record["outputs"][:, 1])
     # Every sensor of the aircraft was recorded under its own name.
     assert {sensor.name for sensor in flex28.sensors} <= set(channels)
 
@@ -229,7 +229,7 @@ def test_the_same_record_gives_its_noise_free_channels_by_another_mapping(
 
 
 @needs_records
-def test_an_upload_says_which_built_in_aircraft_it_needs(store: Store) -> None:
+def test_upload_has_its_built_in_aircraft(store: Store) -> None:
     upload = read_upload([RECORDS / "080Vf_n8_fta503.npz"])
     assert upload.builtin == "FLEX-28"
     with pytest.raises(UnknownRecord, match="There is no aircraft 'FLEX-28'"):

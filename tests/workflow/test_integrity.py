@@ -1,4 +1,4 @@
-"""What is stored is what is used: damage and later changes show where a result is read."""
+"""Damage and later changes of stored data are detected when a result is read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.records.conditioning import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun
 from flexsid.storage import queue
 from flexsid.storage.arrays import DamagedData
-from flexsid.storage.content import changed_since
+from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, runs
 from flexsid.workflow.runs import estimation
@@ -26,7 +26,7 @@ def flown(flown_url: str) -> Iterator[Store]:
 
 
 def _damage(store: Store, name: str) -> None:
-    """Change one byte of an array, as a bad disk would."""
+    """Change one byte of an array."""
     with store.database.transaction() as connection:
         data = bytearray(
             connection.execute(sa.select(arrays.c.data).where(arrays.c.hash == name)).scalar_one()
@@ -36,7 +36,7 @@ def _damage(store: Store, name: str) -> None:
         connection.execute(this.values(data=bytes(data)))
 
 
-def test_damaged_samples_are_not_computed_with(flown: Store) -> None:
+def test_damaged_samples_are_refused(flown: Store) -> None:
     (channel,) = flown.channels.find(maneuver_id=1, name="q")
     _damage(flown, channel.array)
     with pytest.raises(DamagedData, match="channel 'q' of maneuver 1") as refused:
@@ -44,7 +44,7 @@ def test_damaged_samples_are_not_computed_with(flown: Store) -> None:
     assert refused.value.code == "damaged-data"
 
 
-def test_a_damaged_covariance_names_its_run(flown: Store) -> None:
+def test_error_of_a_damaged_covariance_has_its_run(flown: Store) -> None:
     result = flown.runs.get(1).result
     assert result is not None
     _damage(flown, result.covariance)
@@ -53,14 +53,14 @@ def test_a_damaged_covariance_names_its_run(flown: Store) -> None:
 
 
 def _alter(store: Store, run: EstimationRun) -> None:
-    """Make the first parameter of a result three times as large, past the program."""
+    """Multiply the first parameter of a result by three in the database."""
     result = store.runs.encode_field("result", run.result)
     result["parameters"][0]["value"] *= 3.0
     with store.database.transaction() as connection:
         connection.execute(sa.update(runs).where(runs.c.id == run.id).values(result=result))
 
 
-def test_an_altered_result_is_noticed_when_it_is_read(flown: Store) -> None:
+def test_altered_result_is_detected_on_read(flown: Store) -> None:
     run = flown.runs.get(1)
     assert run.result_hash is not None
     assert not run.altered
@@ -68,26 +68,26 @@ def test_an_altered_result_is_noticed_when_it_is_read(flown: Store) -> None:
     assert flown.runs.get(1).altered
 
 
-def test_so_is_an_altered_request(flown: Store) -> None:
+def test_altered_request_is_detected_on_read(flown: Store) -> None:
     run = flown.runs.get(1)
     flown.runs.replace(replace(run, structure=replace(run.structure, modes=(7,))))
     assert flown.runs.get(1).altered
 
 
-def test_a_run_says_which_of_its_data_were_corrected_since(flown: Store) -> None:
+def test_run_lists_data_corrected_since(flown: Store) -> None:
     run = flown.runs.get(1)
     assert run.rests_on is not None
     assert {"maneuver 1", "aircraft 1"} <= set(run.rests_on)
-    assert changed_since(flown.database, [run.rests_on, None]) == [(), ()]
+    assert find_changes(flown.database, [run.rests_on, None]) == [(), ()]
     taken = Correction(channel="q", kind=StepKind.CALIBRATION, scale=1.1)
     step = flown.conditioning.add(ConditioningStep(maneuver_id=1, channel="q", correction=taken))
-    assert changed_since(flown.database, [run.rests_on]) == [("maneuver 1",)]
+    assert find_changes(flown.database, [run.rests_on]) == [("maneuver 1",)]
     assert step.id is not None
     flown.conditioning.delete(step.id)
-    assert changed_since(flown.database, [run.rests_on]) == [()]
+    assert find_changes(flown.database, [run.rests_on]) == [()]
 
 
-def test_data_corrected_between_request_and_computation_are_those_of_the_run(flown: Store) -> None:
+def test_run_uses_data_corrected_before_computation(flown: Store) -> None:
     before = flown.runs.get(1)
     asked = EstimationRun(
         maneuver_id=1,
@@ -100,8 +100,8 @@ def test_data_corrected_between_request_and_computation_are_those_of_the_run(flo
     run = queue.claim(flown, queue.add(flown, asked).id)
     assert run is not None
     assert run.id is not None
-    computed = estimation.compute(estimation.prepare(flown, run), lambda progress: None)
-    done = estimation.keep(flown, run.id, run.attempt, computed)
+    computed = estimation.compute_run(estimation.prepare(flown, run), lambda progress: None)
+    done = estimation.store_result(flown, run.id, run.attempt, computed)
     assert done.rests_on == before.rests_on
     assert done.data_hash == before.data_hash
     assert done.input_hash not in (None, asked.input_hash)

@@ -1,4 +1,4 @@
-"""Lateral motion is never taken for longitudinal: maneuvers, surfaces, sensors and channels."""
+"""Lateral maneuvers, surfaces, sensors and channels are refused by the longitudinal model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexsid.importers.channels import RawChannel
 from flexsid.importers.clock import Clock
 from flexsid.importers.source import SourceFile
 from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind, Surface
-from flexsid.records.axes import axis_in_name, symmetry_of
+from flexsid.records.axes import find_axis_in_name, get_symmetry
 from flexsid.records.comparison import Against
 from flexsid.records.flight import FlightChannel
 from flexsid.records.maneuver import Role
@@ -22,11 +22,11 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.longitudinal import AxisNotSupported
-from flexsid.workflow.comparison.trends import trend
+from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.importing.persistence import check_axes
 from flexsid.workflow.measurements.reconstruction import reconstruct
-from flexsid.workflow.measurements.sensor_responses import sense
-from flexsid.workflow.measurements.symmetric_motion import settle_axis
+from flexsid.workflow.measurements.sensor_responses import gather_sensors
+from flexsid.workflow.measurements.symmetric_motion import determine_axis
 from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.estimation import prepare
 
@@ -37,9 +37,9 @@ _MODE = Structure(modes=(7,), fixed={})
 def flown(flown_file: Any, tmp_path: Any) -> Iterator[Store]:
     file = tmp_path / "flown.db"
     file.write_bytes(flown_file.read_bytes())
-    kept = Store.open(f"sqlite:///{file}")
-    yield kept
-    kept.close()
+    opened = Store.open(f"sqlite:///{file}")
+    yield opened
+    opened.close()
 
 
 def _run(structure: Structure = _MODE, method: Method = Method.EE) -> EstimationRun:
@@ -51,9 +51,7 @@ def _with(flown: Store, change: Callable[[Aircraft], Aircraft]) -> None:
 
 
 @pytest.mark.parametrize("method", list(Method))
-def test_a_lateral_maneuver_is_refused_by_every_method_and_named(
-    flown: Store, method: Method
-) -> None:
+def test_lateral_maneuver_is_refused_by_every_method(flown: Store, method: Method) -> None:
     flown.maneuvers.replace(replace(flown.maneuvers.get(1), axis="lateral"))
     with pytest.raises(AxisNotSupported, match="maneuver 1 'flown' is lateral") as refused:
         prepare(flown, _run(method=method))
@@ -62,11 +60,11 @@ def test_a_lateral_maneuver_is_refused_by_every_method_and_named(
     with pytest.raises(AxisNotSupported):
         reconstruct(flown, 1)
     with pytest.raises(AxisNotSupported):
-        trend(flown, [1], "Cm_alpha", Against.FUEL)
+        fit_derivative_trend(flown, [1], "Cm_alpha", Against.FUEL)
 
 
 @pytest.mark.parametrize(
-    ("kind", "axis", "said"),
+    ("kind", "axis", "message"),
     [
         (SensorKind.GYRO, "x", "roll rate p, not pitch rate q"),
         (SensorKind.GYRO, "z", "yaw rate r, not pitch rate q"),
@@ -74,8 +72,8 @@ def test_a_lateral_maneuver_is_refused_by_every_method_and_named(
         (SensorKind.ATTITUDE, "x", "bank angle phi, not pitch angle theta"),
     ],
 )
-def test_a_sensor_of_another_axis_is_no_output_of_the_model(
-    flown: Store, kind: SensorKind, axis: str, said: str
+def test_sensor_of_another_axis_is_refused_as_output(
+    flown: Store, kind: SensorKind, axis: str, message: str
 ) -> None:
     name = {SensorKind.GYRO: "q", SensorKind.VANE: "alpha", SensorKind.ATTITUDE: "theta"}[kind]
 
@@ -85,14 +83,14 @@ def test_a_sensor_of_another_axis_is_no_output_of_the_model(
     _with(flown, lambda one: replace(one, sensors=tuple(map(turn, one.sensors))))
     channel = next(c for c in flown.channels.find(maneuver_id=1) if c.name == name)
     flown.channels.replace(replace(channel, name="sensor_9"))
-    with pytest.raises(AxisNotSupported, match=f"'sensor_9' .*{said}"):
+    with pytest.raises(AxisNotSupported, match=f"'sensor_9' .*{message}"):
         prepare(flown, _run(replace(_MODE, outputs=("sensor_9", "az_egi"))))
     assert "sensor_9" not in prepare(flown, _run()).model.outputs
-    assert "lateral" in sense(flown, flown.maneuvers.get(1)).left_out["sensor_9"]
+    assert "lateral" in gather_sensors(flown, flown.maneuvers.get(1)).excluded["sensor_9"]
 
 
 def test_a_sensor_whose_name_contradicts_its_record_is_refused(flown: Store) -> None:
-    # As an aircraft was kept before names were looked at: a roll gyro of axis y.
+    # An aircraft stored before names were checked: a roll gyro of axis y.
     _with(
         flown,
         lambda one: replace(
@@ -101,16 +99,16 @@ def test_a_sensor_whose_name_contradicts_its_record_is_refused(flown: Store) -> 
     )
     channel = next(c for c in flown.channels.find(maneuver_id=1) if c.name == "q")
     flown.channels.replace(replace(channel, name="p"))
-    with pytest.raises(AxisNotSupported, match=r"'p' is recorded as a gyro of axis y.*says x"):
+    with pytest.raises(AxisNotSupported, match=r"'p' is recorded as a gyro of axis y.*indicates x"):
         prepare(flown, _run(replace(_MODE, outputs=("p", "az_egi"))))
 
 
-def test_names_say_axes_and_sides() -> None:
+def test_axes_and_sides_are_parsed_from_names() -> None:
     gyro, vane = SensorKind.GYRO, SensorKind.VANE
     named = {"p": "x", "p_egi": "x", "Roll_Rate": "x", "q_nose": "y", "gyro_r": "z", "rate_3": None}
-    assert {name: axis_in_name(gyro, name) for name in named} == named
-    assert (axis_in_name(vane, "beta_boom"), axis_in_name(vane, "vane_1")) == ("z", None)
-    assert axis_in_name(SensorKind.ACCELEROMETER, "ay_cf") == "y"
+    assert {name: find_axis_in_name(gyro, name) for name in named} == named
+    assert (find_axis_in_name(vane, "beta_boom"), find_axis_in_name(vane, "vane_1")) == ("z", None)
+    assert find_axis_in_name(SensorKind.ACCELEROMETER, "ay_cf") == "y"
 
 
 @pytest.mark.parametrize(
@@ -127,14 +125,14 @@ def test_surfaces_are_read_by_name_unless_declared(
     aircraft: Aircraft, names: tuple[str, ...], expected: tuple[str, ...]
 ) -> None:
     own = replace(aircraft, surfaces=tuple(Surface(name=name) for name in names))
-    assert tuple(symmetry_of(own, name) for name in names) == expected
+    assert tuple(get_symmetry(own, name) for name in names) == expected
     declared = replace(
         own, surfaces=tuple(replace(one, symmetry="symmetric") for one in own.surfaces)
     )
-    assert {symmetry_of(declared, name) for name in names} == {"symmetric"}
+    assert {get_symmetry(declared, name) for name in names} == {"symmetric"}
 
 
-def test_an_antisymmetric_surface_is_no_input_of_the_model(flown: Store) -> None:
+def test_antisymmetric_surface_is_refused_as_input(flown: Store) -> None:
     _with(
         flown,
         lambda one: replace(
@@ -147,11 +145,11 @@ def test_an_antisymmetric_surface_is_no_input_of_the_model(flown: Store) -> None
     )
     with pytest.raises(AxisNotSupported, match="'wf4s' of FLEX-28 is antisymmetric"):
         prepare(flown, _run(replace(_MODE, inputs=("bfs", "wf4s"))))
-    # Left out by itself, it still moves the aircraft: only symmetric outputs are taken.
+    # An omitted surface still moves the aircraft: only symmetric outputs are used.
     task = prepare(flown, _run())
     assert task.model.inputs == ("bfs", "wf1s", "wf2s", "wf3s")
     assert any("wf4s is excited too" in warning for warning in task.warnings)
-    with pytest.raises(AxisNotSupported, match="'az_ofl' reads beside the symmetric one"):
+    with pytest.raises(AxisNotSupported, match="'az_ofl' measures"):
         prepare(flown, _run(replace(_MODE, outputs=("q", "az_ofl"))))
 
 
@@ -162,13 +160,13 @@ def test_single_surfaces_are_fitted_with_symmetric_outputs_only(flown: Store) ->
             one, surfaces=tuple(replace(s, symmetry="single") for s in one.surfaces)
         ),
     )
-    chosen = set(prepare(flown, _run()).model.outputs)
-    assert {"alpha", "q", "theta", "az_egi", "az_ofs", "s_bend1s"} <= chosen
-    assert not chosen & {"az_ofl", "s_bend1l", "ay_wll"}
-    with pytest.raises(AxisNotSupported, match="'s_bend1r' reads"):
+    outputs = set(prepare(flown, _run()).model.outputs)
+    assert {"alpha", "q", "theta", "az_egi", "az_ofs", "s_bend1s"} <= outputs
+    assert not outputs & {"az_ofl", "s_bend1l", "ay_wll"}
+    with pytest.raises(AxisNotSupported, match="'s_bend1r' measures"):
         prepare(flown, _run(replace(_MODE, outputs=("q", "s_bend1r"))))
-    seen = sense(flown, flown.maneuvers.get(1))
-    assert "az_ofl" in seen.left_out
+    seen = gather_sensors(flown, flown.maneuvers.get(1))
+    assert "az_ofl" in seen.excluded
     assert "az_egi" in seen.model.outputs
 
 
@@ -179,23 +177,23 @@ def test_the_antisymmetric_part_of_a_pair_is_refused(flown: Store) -> None:
         prepare(flown, _run(replace(_MODE, outputs=("q", "az_ofa"))))
 
 
-def test_gyros_that_turn_mostly_in_roll_are_refused_though_nobody_declared_it(
+def test_undeclared_roll_motion_is_refused(
     flown: Store,
 ) -> None:
     _add_roll_gyro(flown, 25.0)
     with pytest.raises(AxisNotSupported, match="p is 25 times as large as the pitch rate"):
         prepare(flown, _run())
     with pytest.raises(AxisNotSupported, match="p is 25 times"):
-        sense(flown, flown.maneuvers.get(1))
+        gather_sensors(flown, flown.maneuvers.get(1))
 
 
-def test_as_much_roll_as_turbulence_gives_is_estimated(flown: Store) -> None:
+def test_roll_rate_of_turbulence_is_accepted(flown: Store) -> None:
     _add_roll_gyro(flown, 1.5)
     assert "p" not in prepare(flown, _run()).model.outputs
 
 
 def _add_roll_gyro(flown: Store, ratio: float) -> None:
-    """Record a roll rate that is some times the pitch rate."""
+    """Record a roll rate that is a multiple of the pitch rate."""
     q = next(s for s in flown.aircraft.get(1).sensors if s.name == "q")
     _with(flown, lambda one: replace(one, sensors=(*one.sensors, replace(q, name="p", axis="x"))))
     channel = next(c for c in flown.channels.find(maneuver_id=1) if c.name == "q")
@@ -215,7 +213,7 @@ def test_a_channel_of_another_unit_or_sensor_is_refused(flown: Store) -> None:
         prepare(flown, _run())
 
 
-def test_an_axis_that_nobody_declared_is_asked_for(aircraft: Aircraft) -> None:
+def test_undeclared_axis_raises_a_query(aircraft: Aircraft) -> None:
     rate = np.sin(np.arange(99.0))
 
     def flown(*inputs: str, roll: float = 0.5) -> list[tuple[FlightChannel, np.ndarray]]:
@@ -225,16 +223,16 @@ def test_an_axis_that_nobody_declared_is_asked_for(aircraft: Aircraft) -> None:
 
     lateral = flown("wf1a", "wf2a")
     with pytest.raises(BadInput, match=r"wf1a, wf2a\) are antisymmetric") as asked:
-        settle_axis(None, aircraft, lateral)
+        determine_axis(None, aircraft, lateral)
     assert asked.value.code == "axis-needed"
-    assert settle_axis("lateral", aircraft, lateral) == "lateral"
-    assert settle_axis(None, aircraft, flown("wf1s")) == "longitudinal"
+    assert determine_axis("lateral", aircraft, lateral) == "lateral"
+    assert determine_axis(None, aircraft, flown("wf1s")) == "longitudinal"
     turned = tuple(replace(sensor, axis="y") for sensor in aircraft.sensors)
     with pytest.raises(BadInput, match="p is 10 times"):
-        settle_axis(None, replace(aircraft, sensors=turned), flown("wf1s", roll=10.0))
+        determine_axis(None, replace(aircraft, sensors=turned), flown("wf1s", roll=10.0))
 
 
-def test_a_column_called_by_another_axis_is_asked_about(aircraft: Aircraft) -> None:
+def test_column_named_after_another_axis_raises_a_query(aircraft: Aircraft) -> None:
     clock = Clock(start_s=0.0, rate_hz=100.0, n_samples=9)
     pitch = next(s for s in aircraft.sensors if s.kind is SensorKind.GYRO)
     own = replace(aircraft, sensors=(replace(pitch, name="q", axis="y"),))
@@ -248,9 +246,9 @@ def test_a_column_called_by_another_axis_is_asked_about(aircraft: Aircraft) -> N
         field="p",
         source=source,
     )
-    with pytest.raises(BadInput, match="Column 'p' is called as a gyro of axis x") as asked:
+    with pytest.raises(BadInput, match="Column 'p' has the name of a gyro of axis x") as asked:
         check_axes(own, [column])
-    assert asked.value.code == "doubtful-axis"
+    assert asked.value.code == "unconfirmed-axis"
     check_axes(own, [replace(column, confirmed=("other-axis",)), replace(column, field="rate")])
 
 
@@ -267,7 +265,7 @@ def _channel(name: str, unit: str, role: Role) -> FlightChannel:
     )
 
 
-def test_structures_that_name_lateral_channels_are_not_kept(flown: Store) -> None:
+def test_model_structures_with_lateral_channels_are_refused(flown: Store) -> None:
     own = flown.aircraft.get(1)
     lateral = replace(own, surfaces=(*own.surfaces, Surface(name="wf1a")))
     with pytest.raises(AxisNotSupported, match="'wf1a'"):

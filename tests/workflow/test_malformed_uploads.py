@@ -1,4 +1,4 @@
-"""An upload that is not what it says: the error names the place, and nothing is stored."""
+"""Malformed uploads: the error has the location, and nothing is stored."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def holds_nothing(store: Store) -> bool:
         pytest.param(cell(1, 2, "wf"), "missing-column", None, "bf", id="a missing column"),
     ],
 )
-def test_the_place_is_named_and_nothing_is_stored(
+def test_error_has_the_location_and_nothing_is_stored(
     store: Store,
     aircraft: Aircraft,
     tmp_path: Path,

@@ -1,4 +1,4 @@
-"""The numbers behind the figures of a maneuver."""
+"""Views of a maneuver."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def flown(store, aircraft, add_maneuver) -> Maneuver:
         duration_s=14.0,
     )
 
-    def keep(name: str, unit: str, role: Role, samples: np.ndarray, rate_hz: float) -> None:
+    def add_channel(name: str, unit: str, role: Role, samples: np.ndarray, rate_hz: float) -> None:
         store.channels.add(
             Channel(
                 name=name,
@@ -52,16 +52,16 @@ def flown(store, aircraft, add_maneuver) -> Maneuver:
             )
         )
 
-    keep("wf1s", "deg", Role.INPUT, first, RATE_HZ)
-    keep("wf4s", "deg", Role.INPUT, first + second, RATE_HZ)
-    keep("az_ofl", "g", Role.OUTPUT, second[::2] + 1.0, RATE_HZ / 2)
-    keep("az_ofr", "g", Role.OUTPUT, 3.0 * second[::2] + 1.0, RATE_HZ / 2)
+    add_channel("wf1s", "deg", Role.INPUT, first, RATE_HZ)
+    add_channel("wf4s", "deg", Role.INPUT, first + second, RATE_HZ)
+    add_channel("az_ofl", "g", Role.OUTPUT, second[::2] + 1.0, RATE_HZ / 2)
+    add_channel("az_ofr", "g", Role.OUTPUT, 3.0 * second[::2] + 1.0, RATE_HZ / 2)
     both = Combination(name="az_ofs", terms=(("az_ofl", 0.5), ("az_ofr", 0.5)))
     store.aircraft.replace(replace(aircraft, combinations=(both,)))
     return maneuver
 
 
-def test_channels_come_in_si_on_the_clock_of_the_recorder(store, flown):
+def test_channels_are_in_si_on_the_clock_of_the_recorder(store, flown):
     value = views.time_history(store, flown.id, ("wf1s", "az_ofl"), 101.0, 103.0)
     surface, accelerometer = value.traces
     assert surface.unit == "rad"
@@ -78,7 +78,7 @@ def test_symmetric_combinations_are_channels_too(store, flown):
     assert np.ptp(trace.values) == pytest.approx(2 * 2.0 * 9.80665, rel=1e-2)
 
 
-def test_inputs_are_shown_first_without_being_asked(store, flown):
+def test_inputs_are_the_default_channels(store, flown):
     names = [trace.name for trace in views.time_history(store, flown.id).traces]
     assert names == ["bfs", "wf1s", "wf4s"], "in the order of the recorder"
 
@@ -90,39 +90,39 @@ def test_only_the_excitation_decides_correlation(store, flown):
     assert value.correlation[0, 2] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_spectrum_is_at_the_lines_by_their_owners(store, flown):
+def test_spectrum_is_at_the_assigned_harmonics(store, flown):
     value = views.spectrum(store, flown.id, ("wf1s", "wf4s"))
     assert value.frequency_hz == pytest.approx([0.3, 0.5])
-    assert value.owners == ("wf1s", "wf4s")
+    assert value.assigned_inputs == ("wf1s", "wf4s")
     amplitude = np.deg2rad(1.0) * PERIOD_S / 2  # |transform| of a unit sine over its record
     assert value.magnitude == pytest.approx(amplitude * np.array([[1, 1], [0, 1]]), abs=1e-4)
 
 
-def test_lines_beyond_nyquist_are_not_numbers(store, add_maneuver):
+def test_frequencies_above_nyquist_are_nan(store, add_maneuver):
     fast = add_maneuver(excitation=Excitation(period_s=1.0, harmonics={"bfs": (2, 150)}))
     value = views.spectrum(store, fast.id, ("q",))
     assert np.isfinite(value.magnitude[0, 0])
     assert np.isnan(value.magnitude[1, 0])
 
 
-def test_wrong_requests_say_what_there_is(store, flown):
+def test_error_of_a_wrong_request_lists_the_options(store, flown):
     with pytest.raises(BadInput, match="it has bfs, q, wf1s, wf4s, az_ofl, az_ofr, az_ofs"):
         views.time_history(store, flown.id, ("beta",))
     with pytest.raises(BadInput, match="start must come first"):
         views.time_history(store, flown.id, (), 5.0, 5.0)
-    with pytest.raises(BadInput, match="choose 10 to"):
+    with pytest.raises(BadInput, match="select 10 to"):
         views.time_history(store, flown.id, points=1)
 
 
-def test_without_known_excitation_nobody_owns_the_lines(store, add_maneuver):
+def test_unknown_excitation_has_no_assigned_inputs(store, add_maneuver):
     value = views.spectrum(store, add_maneuver(excitation=None).id)
-    assert set(value.owners) == {""}
+    assert set(value.assigned_inputs) == {""}
     assert value.frequency_hz[0] == pytest.approx(2.0)
     assert value.frequency_hz[-1] <= 80.0
 
 
-def test_what_is_read_can_be_drawn(store, flown):
-    chosen = ("wf1s", "wf4s", "az_ofs")
-    draw_time_history(views.time_history(store, flown.id, chosen))
-    draw_plot_matrix(views.plot_matrix(store, flown.id, chosen))
-    draw_spectrum(views.spectrum(store, flown.id, chosen))
+def test_views_can_be_drawn(store, flown):
+    names = ("wf1s", "wf4s", "az_ofs")
+    draw_time_history(views.time_history(store, flown.id, names))
+    draw_plot_matrix(views.plot_matrix(store, flown.id, names))
+    draw_spectrum(views.spectrum(store, flown.id, names))

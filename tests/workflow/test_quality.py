@@ -1,4 +1,4 @@
-"""Faults put on the channels of a flown maneuver are found, told, corrected and undone."""
+"""Faults on channels of a flown maneuver are detected, reported, corrected and undone."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow import views
-from flexsid.workflow.measurements.conditioning import take_steps, undo_step
-from flexsid.workflow.measurements.recording import maneuver_lines
-from flexsid.workflow.measurements.transforms import spectra_of
-from flexsid.workflow.quality.maneuver_quality import quality
+from flexsid.workflow.measurements.conditioning import add_conditioning_steps, undo_step
+from flexsid.workflow.measurements.maneuver_spectra import read_spectra
+from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.quality.maneuver_quality import get_maneuver_quality
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 
@@ -33,8 +33,8 @@ def flown() -> FlownManeuver:
 
 
 @pytest.fixture
-def keep(store: Store, flown: FlownManeuver) -> Callable[[Change], Maneuver]:
-    """Keep the maneuver with its sensors changed."""
+def save_maneuver(store: Store, flown: FlownManeuver) -> Callable[[Change], Maneuver]:
+    """Store the maneuver with its sensors changed."""
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=70))
@@ -60,24 +60,24 @@ def late(samples: np.ndarray, rate_hz: float, delay_s: float) -> np.ndarray:
 
 def front_spectrum(store: Store, maneuver: Maneuver) -> FrequencyData:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    return spectra_of(store, maneuver, aircraft, ("az_ofr",), maneuver_lines(maneuver))
+    return read_spectra(store, maneuver, aircraft, ("az_ofr",), select_frequencies(maneuver))
 
 
-def test_a_sound_maneuver_is_good_and_looked_at_once(store: Store, keep):
-    maneuver = keep(lambda name, x, rate_hz: x)
-    first = quality(store, maneuver.id)
+def test_sound_maneuver_is_good_and_assessed_once(store: Store, save_maneuver):
+    maneuver = save_maneuver(lambda name, x, rate_hz: x)
+    first = get_maneuver_quality(store, maneuver.id)
     assert first.verdict is QualityVerdict.GOOD
     assert "dB above noise" in first.summary
     assert first.figures.n_stretches == 0
-    assert quality(store, maneuver.id) == first
+    assert get_maneuver_quality(store, maneuver.id) == first
     condition = first.report.condition
     assert condition.time_invariant
     assert condition.separation_factor == pytest.approx(2.1, abs=0.3)
     assert {a.name for a in condition.averages} >= {"airspeed", "fuel_fraction", "thrust"}
 
 
-def test_a_fault_of_one_sensor_does_not_put_skews_on_others(store: Store, keep):
-    """No mode explains a spike, and modes that chase it would untime all sensors."""
+def test_fault_of_one_sensor_causes_no_skews_of_others(store: Store, save_maneuver):
+    """No mode fits a spike, and modes that fit it would bias all delays."""
 
     def spoil(name: str, x: np.ndarray, rate_hz: float) -> np.ndarray:
         if name == "az_cf":
@@ -85,8 +85,8 @@ def test_a_fault_of_one_sensor_does_not_put_skews_on_others(store: Store, keep):
             x[round(15.0 * rate_hz)] += 2.5
         return late(x, rate_hz, 0.009) if name == "az_mar" else x
 
-    found = quality(store, keep(spoil).id)
-    skewed = {f.channel for f in found.report.findings if f.about == "skew"}
+    found = get_maneuver_quality(store, save_maneuver(spoil).id)
+    skewed = {f.channel for f in found.report.warnings if f.about == "skew"}
     assert skewed == {"az_mar"}
     channels = {c.name: c for c in found.report.channels}
     delay, std = channels["az_mar"].delay_s, channels["az_mar"].delay_std
@@ -95,7 +95,7 @@ def test_a_fault_of_one_sensor_does_not_put_skews_on_others(store: Store, keep):
     assert abs(delay - 0.009) < 3.0 * std < 3e-3
 
 
-def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store, keep):
+def test_skews_scale_factors_and_biases_are_recovered(store: Store, save_maneuver):
     rng = np.random.default_rng(3)
     delays: dict[str, float] = {}
     wrong = {"alpha": (1.06, 0.02), "q": (0.96, -0.01)}
@@ -105,19 +105,19 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         scale, bias = wrong.get(name, (1.0, 0.0))
         return scale * late(x, rate_hz, delays[name]) + bias
 
-    maneuver = keep(spoil)
-    found = quality(store, maneuver.id)
-    assert found.verdict is QualityVerdict.DOUBTFUL
+    maneuver = save_maneuver(spoil)
+    found = get_maneuver_quality(store, maneuver.id)
+    assert found.verdict is QualityVerdict.QUESTIONABLE
     channels = {c.name: c for c in found.report.channels}
     reference = found.report.skew_reference
     assert reference is not None
     assert found.report.skew_band_hz == pytest.approx((0.25, 13.75), abs=0.05)
-    told = 0
+    resolved = 0
     for name, delay in delays.items():
         c = channels[name]
         if c.delay_s is None or c.delay_std is None:
             continue
-        told += 1
+        resolved += 1
         error = abs(c.delay_s - (delay - delays[reference]))
         assert error < max(1e-3, 3.0 * c.delay_std), name
     # lateral accelerometers on the centre line see nothing of symmetric motion
@@ -132,7 +132,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         assert abs(c.bias - bias) < 3.0 * c.bias_std + 1e-4
 
     before = front_spectrum(store, maneuver)
-    steps = take_steps(
+    steps = add_conditioning_steps(
         store,
         maneuver.id,
         [
@@ -151,7 +151,7 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
         ],
         author="Eva",
     )
-    corrected = quality(store, maneuver.id)
+    corrected = get_maneuver_quality(store, maneuver.id)
     assert corrected.verdict is QualityVerdict.GOOD, corrected.summary
     after = front_spectrum(store, maneuver)
     turned = np.exp(1j * after.omega * (channels["az_ofr"].delay_s or 0.0))[:, None]
@@ -169,19 +169,19 @@ def test_skews_scale_factors_and_biases_on_every_channel_come_back(store: Store,
 
 
 @pytest.mark.parametrize("sensor", ["q", "az_ofl", "theta"])
-def test_a_sign_that_is_wrong_is_named_and_turned(store: Store, keep, sensor: str):
-    maneuver = keep(lambda name, x, rate_hz: -x if name == sensor else x)
-    found = quality(store, maneuver.id)
+def test_wrong_sign_is_detected_and_corrected(store: Store, save_maneuver, sensor: str):
+    maneuver = save_maneuver(lambda name, x, rate_hz: -x if name == sensor else x)
+    found = get_maneuver_quality(store, maneuver.id)
     assert found.verdict is QualityVerdict.BAD
-    (told,) = [f for f in found.report.findings if f.about == "sign"]
-    assert told.channel == sensor
-    take_steps(
+    (warning,) = [f for f in found.report.warnings if f.about == "sign"]
+    assert warning.channel == sensor
+    add_conditioning_steps(
         store, maneuver.id, [Correction(channel=sensor, kind=StepKind.CALIBRATION, scale=-1.0)]
     )
-    assert quality(store, maneuver.id).verdict is QualityVerdict.GOOD
+    assert get_maneuver_quality(store, maneuver.id).verdict is QualityVerdict.GOOD
 
 
-def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep):
+def test_spikes_dropouts_and_saturation_are_detected_and_repaired(store: Store, save_maneuver):
     def spoil(name: str, x: np.ndarray, rate_hz: float) -> np.ndarray:
         if name == "az_cf":
             x[[2000, 4000]] += 3.0
@@ -191,11 +191,11 @@ def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep
             return np.clip(x, -0.6 * np.abs(x).max(), None)
         return x
 
-    maneuver = keep(spoil)
-    found = quality(store, maneuver.id)
+    maneuver = save_maneuver(spoil)
+    found = get_maneuver_quality(store, maneuver.id)
     assert found.verdict is QualityVerdict.BAD
-    about = {(f.about, f.channel): f for f in found.report.findings}
-    assert about["spikes", "az_cf"].severity is QualityVerdict.DOUBTFUL
+    about = {(f.about, f.channel): f for f in found.report.warnings}
+    assert about["spikes", "az_cf"].severity is QualityVerdict.QUESTIONABLE
     assert about["dropouts", "s_bend1r"].severity is QualityVerdict.BAD
     assert about["saturation", "wf3s"].severity is QualityVerdict.BAD
     spikes = next(c for c in found.report.channels if c.name == "az_cf").stretches
@@ -206,57 +206,55 @@ def test_spikes_dropouts_and_saturation_are_told_and_repaired(store: Store, keep
         stretches=tuple((s.first, s.stop) for s in spikes),
     )
     (raw,) = views.read_channels(store, maneuver, ["az_cf"])
-    take_steps(store, maneuver.id, [repair])
+    add_conditioning_steps(store, maneuver.id, [repair])
     (mended,) = views.read_channels(store, maneuver, ["az_cf"])
     changed = np.flatnonzero(raw.values != mended.values)
     assert changed.tolist() == [2000, 4000]
-    left = {(f.about, f.channel) for f in quality(store, maneuver.id).report.findings}
+    left = {(f.about, f.channel) for f in get_maneuver_quality(store, maneuver.id).report.warnings}
     assert ("spikes", "az_cf") not in left
     assert ("dropouts", "s_bend1r") in left
-    with pytest.raises(BadInput, match="leave the channel out"):
-        take_steps(
+    with pytest.raises(BadInput, match="exclude the channel"):
+        add_conditioning_steps(
             store,
             maneuver.id,
             [replace(repair, channel="s_bend1r", stretches=((3000, 3030),))],
         )
 
 
-def test_impossible_corrections_are_refused_whole(store: Store, maneuver: Maneuver):
+def test_impossible_corrections_store_nothing(store: Store, maneuver: Maneuver):
     good = Correction(channel="q", kind=StepKind.DELAY, delay_s=0.004)
     for wrong, words in (
         (Correction(channel="nothing", kind=StepKind.DELAY, delay_s=0.001), "no channel"),
-        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=5.0), "none that a recorder has"),
-        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=float("nan")), "recorder has"),
-        (Correction(channel="bfs", kind=StepKind.CALIBRATION, scale=0.0), "impossible"),
+        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=5.0), "not plausible"),
+        (Correction(channel="bfs", kind=StepKind.DELAY, delay_s=float("nan")), "not plausible"),
+        (Correction(channel="bfs", kind=StepKind.CALIBRATION, scale=0.0), "scale factors from"),
         (Correction(channel="bfs", kind=StepKind.REPAIR), "samples to replace"),
     ):
         with pytest.raises(BadInput, match=words):
-            take_steps(store, maneuver.id or 0, [good, wrong])
+            add_conditioning_steps(store, maneuver.id or 0, [good, wrong])
     assert store.conditioning.find() == []
-    (kept,) = take_steps(store, maneuver.id or 0, [good])
+    (stored,) = add_conditioning_steps(store, maneuver.id or 0, [good])
     with pytest.raises(Conflict, match="undo that first"):
-        take_steps(store, maneuver.id or 0, [good])
+        add_conditioning_steps(store, maneuver.id or 0, [good])
     with pytest.raises(UnknownRecord):
-        undo_step(store, 99, kept.id or 0)
+        undo_step(store, 99, stored.id or 0)
 
 
-def test_a_maneuver_without_modal_table_is_judged_by_what_is_there(
-    store: Store, maneuver: Maneuver
-):
-    found = quality(store, maneuver.id or 0)
+def test_maneuver_without_modal_table_is_partly_assessed(store: Store, maneuver: Maneuver):
+    found = get_maneuver_quality(store, maneuver.id or 0)
     assert found.report.not_checked
     assert any("modal table" in reason for reason in found.report.not_checked)
     assert {c.name for c in found.report.channels} == {"bfs", "q"}
 
 
-def test_little_is_found_where_nobody_says_what_was_excited(store: Store):
+def test_unknown_excitation_limits_the_assessment(store: Store):
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=71))
     assert flight.id is not None
     repeated = replace(fly(n_periods=2, seed=5), excitation=None)
     maneuver = add_maneuver(store, repeated, flight.id)
-    found = quality(store, maneuver.id or 0)
+    found = get_maneuver_quality(store, maneuver.id or 0)
     assert found.verdict is not QualityVerdict.BAD, found.summary
     assert found.report.skew_band_hz is not None
     assert found.report.skew_band_hz[1] == pytest.approx(13.75, abs=0.5)

@@ -1,4 +1,4 @@
-"""Recordings of several files: clocks, sources, doubtful units, whole flights."""
+"""Recordings of several files: clocks, sources, implausible units, whole flights."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from scipy.io import savemat
 
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnreadableFile
-from flexsid.importers.plausibility import find_doubt
+from flexsid.importers.plausibility import find_unit_warning
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.channels import read_flight_channels
@@ -22,10 +22,10 @@ from flexsid.workflow.importing.flight_import import (
     Imported,
     import_each,
     import_files,
-    keep_upload,
     read_upload,
+    store_upload,
 )
-from flexsid.workflow.importing.uploads import KEPT_DAYS, Uploads
+from flexsid.workflow.importing.uploads import RETENTION_DAYS, Uploads
 
 HEAD = """
 [aircraft]
@@ -73,7 +73,7 @@ clock = "fti"
 
 @pytest.fixture
 def files(tmp_path: Path) -> list[Path]:
-    """A recorder at 50 Hz, another at 20 Hz, and instrumentation at 200 Hz with its own time."""
+    """Recorders at 50 and 20 Hz, and instrumentation at 200 Hz with its own time."""
     fast, slow = np.arange(300) / 50.0 + 100.0, np.arange(120) / 20.0 + 100.0
     rows = np.stack([fast, 3 * np.sin(fast)], axis=1)
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="t,bf", comments="")
@@ -85,7 +85,7 @@ def files(tmp_path: Path) -> list[Path]:
     return [tmp_path / name for name in ("a.csv", "b.csv", "fti.mat")]
 
 
-def test_channels_keep_rate_unit_precision_and_source(
+def test_channels_retain_rate_unit_precision_and_source(
     store: Store, aircraft: Aircraft, files: list[Path]
 ) -> None:
     maneuver = import_files(store, files, HEAD + MANEUVER + CHANNELS).maneuver
@@ -113,7 +113,7 @@ def test_channels_keep_rate_unit_precision_and_source(
     np.testing.assert_array_equal(samples, np.cos(np.arange(200, 600) / 100).astype(np.float32))
 
 
-def test_a_whole_flight_is_kept_with_its_channels(
+def test_whole_flight_is_stored_with_its_channels(
     store: Store, aircraft: Aircraft, files: list[Path]
 ) -> None:
     imported = import_files(store, files, HEAD + CHANNELS)
@@ -138,15 +138,15 @@ def test_a_whole_flight_is_kept_with_its_channels(
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('clock = "fti"', 'clock = "egi"', "no clock 'egi'; there is: fti"),
+        ('clock = "fti"', 'clock = "egi"', "no clock 'egi'; defined: fti"),
         ("value = 100, unit", "value = 0, unit", "'maneuver.start' and 'maneuver.stop' leave"),
         ('sensor = "q"', 'sensor = "r"', "has no sensor 'r'; it has q"),
         ('column = "fti.mat:clock"', 'column = "fti.mat:watch"', "'fti.mat:watch'"),
         ("column = 2", "column = 3", r"'fdata' has 2 columns"),
-        ('[time]\ncolumn = "t"', "", "'time' is missing; a.csv does not say"),
+        ('[time]\ncolumn = "t"', "", "'time' is missing; a.csv has no clock"),
     ],
 )
-def test_what_does_not_fit_is_named(
+def test_mismatches_are_listed(
     store: Store, aircraft: Aircraft, files: list[Path], old: str, new: str, words: str
 ) -> None:
     text = HEAD + MANEUVER + CHANNELS
@@ -164,15 +164,15 @@ def test_a_channel_longer_than_its_time_is_refused(
         import_files(store, files, text)
 
 
-def test_an_angle_in_degrees_taken_for_radians_is_asked_about(
+def test_angle_in_degrees_declared_as_radians_raises_a_query(
     store: Store, aircraft: Aircraft, files: list[Path]
 ) -> None:
     text = (HEAD + MANEUVER + CHANNELS).replace('unit = "deg"\n', 'unit = "rad"\n')
-    with pytest.raises(BadInput, match=r"'bfs' moves by [\d.]+ rad.* Is it deg\?") as caught:
+    with pytest.raises(BadInput, match=r"'bfs' varies by [\d.]+ rad.* Is it deg\?") as caught:
         import_files(store, files, text)
-    assert caught.value.code == "doubtful-unit"
-    (question,) = caught.value.context["questions"]  # type: ignore[misc]
-    assert question["code"] == "too-large"
+    assert caught.value.code == "unconfirmed-unit"
+    (query,) = caught.value.context["queries"]  # type: ignore[misc]
+    assert query["code"] == "too-large"
     assert store.maneuvers.find() == []
     confirmed = text.replace('unit = "rad"\n', 'unit = "rad"\nconfirmed = ["too-large"]\n')
     assert import_files(store, files, confirmed).maneuver is not None
@@ -192,35 +192,37 @@ def test_an_angle_in_degrees_taken_for_radians_is_asked_about(
         ("V", Role.OUTPUT, 1e9, None),
     ],
 )
-def test_a_unit_that_does_not_fit_is_doubted(
+def test_implausible_unit_raises_a_warning(
     unit: str, role: Role, size: float, asked: tuple[str, ...] | None
 ) -> None:
-    doubt = find_doubt("x", unit, role, np.array([0.0, size]))
-    assert (None if doubt is None else doubt.instead) == asked
-    assert find_doubt("x", unit, role, np.array([size, size])) is None
+    warning = find_unit_warning("x", unit, role, np.array([0.0, size]))
+    assert (None if warning is None else warning.instead) == asked
+    assert find_unit_warning("x", unit, role, np.array([size, size])) is None
 
 
-def test_progress_is_told_and_cancelling_keeps_nothing(
+def test_progress_is_reported_and_cancelling_stores_nothing(
     store: Store, aircraft: Aircraft, files: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("flexsid.workflow.importing.persistence.BYTES_AT_ONCE", 1)
-    told: list[float] = []
+    fractions: list[float] = []
 
     def report(fraction: float) -> None:
-        told.append(fraction)
-        if len(told) == 2:
+        fractions.append(fraction)
+        if len(fractions) == 2:
             raise Cancelled("enough")
 
     upload = read_upload(files, HEAD + CHANNELS)
     with pytest.raises(Cancelled):
-        keep_upload(store, upload, report=report)
+        store_upload(store, upload, report=report)
     assert store.flights.find() == store.flight_channels.find() == []
-    told.clear()
-    keep_upload(store, upload, report=lambda fraction: told.append(fraction))
-    assert told == pytest.approx([1 / 3, 2 / 3, 1.0])
+    fractions.clear()
+    store_upload(store, upload, report=lambda fraction: fractions.append(fraction))
+    assert fractions == pytest.approx([1 / 3, 2 / 3, 1.0])
 
 
-def test_a_campaign_comes_in_file_by_file(store: Store, aircraft: Aircraft, tmp_path: Path) -> None:
+def test_campaign_is_imported_file_by_file(
+    store: Store, aircraft: Aircraft, tmp_path: Path
+) -> None:
     time_s = np.arange(100) / 50.0
     paths = [tmp_path / f"m{number}.npz" for number in range(4)]
     for number, path in enumerate(paths):
@@ -252,18 +254,18 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import keep_upload, read_upload
+from flexsid.workflow.importing.flight_import import store_upload, read_upload
 
 def report(fraction):
     if fraction > 0.5:
         os.kill(os.getpid(), signal.SIGKILL)
 
 upload = read_upload([Path(name) for name in sys.argv[3:]], sys.argv[2])
-keep_upload(Store.open(sys.argv[1]), upload, report=report)
+store_upload(Store.open(sys.argv[1]), upload, report=report)
 """
 
 
-def test_killed_while_it_writes_an_import_leaves_nothing(
+def test_import_killed_while_writing_stores_nothing(
     store: Store, aircraft: Aircraft, database_url: str, files: list[Path]
 ) -> None:
     text = HEAD + MANEUVER + CHANNELS
@@ -274,31 +276,29 @@ def test_killed_while_it_writes_an_import_leaves_nothing(
     assert import_files(store, files, text).maneuver is not None
 
 
-def test_a_column_that_nobody_uses_may_hold_nan(
-    store: Store, aircraft: Aircraft, files: list[Path]
-) -> None:
+def test_unused_column_may_contain_nan(store: Store, aircraft: Aircraft, files: list[Path]) -> None:
     rows = files[0].read_text().splitlines()
     broken = [
         f"{rows[0]},gps",
         *(f"{row},{'nan' if k else 'inf'}" for k, row in enumerate(rows[1:])),
     ]
     files[0].write_text("\n".join(broken))
-    kept = import_files(store, files, HEAD + MANEUVER + CHANNELS).maneuver
-    assert kept is not None
+    stored = import_files(store, files, HEAD + MANEUVER + CHANNELS).maneuver
+    assert stored is not None
     used = CHANNELS + '[[channels]]\ncolumn = "gps"\nunit = "m"\nrole = "condition"\n'
     mapping = HEAD + MANEUVER.replace("two recorders", "another") + used
     with pytest.raises(UnreadableFile, match="row 2, column 'gps' holds inf"):
         import_files(store, files, mapping)
 
 
-def test_uploads_of_long_ago_are_forgotten_while_the_server_runs(
+def test_old_uploads_are_deleted_while_the_server_runs(
     store: Store, files: list[Path], tmp_path: Path
 ) -> None:
     uploads = Uploads(store, tmp_path / "uploads")
     uploads.start()
     old = uploads.read(files[:1], ["a.csv"])
     state = tmp_path / "uploads" / old.id / "state.json"
-    long_ago = state.stat().st_mtime - (KEPT_DAYS + 1) * 86400
+    long_ago = state.stat().st_mtime - (RETENTION_DAYS + 1) * 86400
     os.utime(state, (long_ago, long_ago))
     new = uploads.read(files[:1], ["a.csv"])
     assert {path.name for path in (tmp_path / "uploads").iterdir()} == {new.id}

@@ -18,7 +18,7 @@ from flexsid.workflow import views
 
 @pytest.fixture
 def pair(store) -> tuple[int, int]:
-    """The same maneuver flown twice."""
+    """The same maneuver, flown twice."""
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=5))
@@ -28,7 +28,7 @@ def pair(store) -> tuple[int, int]:
     return first, second
 
 
-def test_two_flights_of_one_maneuver_agree_and_their_average_is_surer(store, pair):
+def test_average_of_two_flights_has_a_smaller_error(store, pair):
     both = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],))
     assert [r.maneuver_id for r in both.measured] == list(pair)
     mean = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],), average=True)
@@ -53,7 +53,7 @@ def test_periods_that_repeat_are_coherent(store, pair):
     assert spec["layout"]["yaxis3"]["title"]["text"] == "Coherence"
 
 
-def test_a_maneuver_without_known_lines_is_read_by_windows(store, pair):
+def test_maneuver_without_known_harmonics_is_analysed_by_windows(store, pair):
     flown = store.maneuvers.get(pair[0])
     by_lines = views.bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
     store.maneuvers.replace(replace(flown, excitation=None))
@@ -72,7 +72,7 @@ def test_every_plane_can_be_drawn(store, pair, view: View):
     assert len(spec["data"]) == 4 * (2 if view == "bode" else 1)
 
 
-def test_lines_of_an_input_stand_above_its_noise(store, pair):
+def test_harmonics_of_an_input_are_above_its_noise(store, pair):
     value = views.spectrum(store, pair[0], ("q", "bfs"), full=True)
     assert value.noise is not None
     ratio = value.magnitude[:, 0] / value.noise[:, 0]

@@ -1,4 +1,4 @@
-"""A run that nobody described suits the band that was excited, and tells why."""
+"""Proposed runs: model structure and band by the excitation, with reasons."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import pytest
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.proposal_basis import ProposalSource
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
@@ -21,15 +21,15 @@ from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.run_identity import identified
-from flexsid.workflow.runs.run_proposal import propose_run, with_basis, with_proposal
+from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis, propose_run
 
 WIDE, NARROW = 1, 2  # FTA 506 to 13.7 Hz, FTA 503 to 5.4 Hz
 
 
 @pytest.fixture(scope="module")
 def both_bands(flown_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Beside the flown maneuver one of FTA 503."""
+    """Add a maneuver of FTA 503."""
     file = tmp_path_factory.mktemp("bands") / "flown.db"
     shutil.copy(flown_file, file)
     store = Store.open(f"sqlite:///{file}")
@@ -47,7 +47,7 @@ def bands(both_bands: Path, tmp_path: Path) -> Iterator[Store]:
     store.close()
 
 
-def _wanted(maneuver: int, method: Method = Method.EE, **structure: object) -> EstimationRun:
+def _build_run(maneuver: int, method: Method = Method.EE, **structure: object) -> EstimationRun:
     return EstimationRun(
         maneuver_id=maneuver,
         method=method,
@@ -56,7 +56,7 @@ def _wanted(maneuver: int, method: Method = Method.EE, **structure: object) -> E
     )
 
 
-def test_modes_are_those_that_the_band_reaches(bands: Store) -> None:
+def test_modes_in_the_band_are_proposed(bands: Store) -> None:
     narrow, wide = propose_run(bands, [NARROW]), propose_run(bands, [WIDE])
     assert narrow.structure.modes == (7,)
     assert wide.structure.modes == (7, 9)
@@ -67,10 +67,10 @@ def test_modes_are_those_that_the_band_reaches(bands: Store) -> None:
     assert (above.name, above.in_band, above.proposed) == ("SW1T", False, False)
     assert above.frequency_hz == pytest.approx(10.8, abs=0.2)
     assert "SW1T" in narrow.basis.reasons[-1]
-    assert "is left out" in narrow.basis.reasons[-1]
+    assert "is omitted" in narrow.basis.reasons[-1]
 
 
-def test_what_the_model_asks_of_the_data_is_told(bands: Store) -> None:
+def test_proposal_lists_data_requirements(bands: Store) -> None:
     found = propose_run(bands, [NARROW])
     # CZ, Cm and CQ7 by alpha, q, eta7, etadot7 and five surfaces.
     assert (found.n_parameters, found.n_lines) == (27, 125)
@@ -84,7 +84,7 @@ def test_what_the_model_asks_of_the_data_is_told(bands: Store) -> None:
     assert any("excited frequencies for the" in text for text in few.warnings)
 
 
-def test_the_band_of_the_analyst_decides_where_one_is_given(bands: Store) -> None:
+def test_given_band_takes_precedence(bands: Store) -> None:
     assert propose_run(bands, [WIDE], (0.25, 5.4)).structure.modes == (7,)
     assert propose_run(bands, [WIDE], (0.25, 1.5)).structure.modes == ()
 
@@ -93,7 +93,7 @@ def test_maneuvers_fitted_together_have_the_modes_of_the_widest_band(bands: Stor
     assert propose_run(bands, [NARROW, WIDE]).structure.modes == (7, 9)
 
 
-def test_a_maneuver_without_known_excitation_has_the_band_in_which_its_surfaces_moved(
+def test_band_of_unknown_excitation_is_that_of_moving_surfaces(
     bands: Store,
 ) -> None:
     bands.maneuvers.replace(replace(bands.maneuvers.get(NARROW), excitation=None))
@@ -101,41 +101,43 @@ def test_a_maneuver_without_known_excitation_has_the_band_in_which_its_surfaces_
     assert found.structure.modes == (7,)
     assert found.settings.band_hz == found.basis.band_hz
     assert 4.5 < found.basis.band_hz[1] < 7.0
-    assert prepare(bands, with_proposal(bands, _wanted(NARROW))).highest > 0
+    assert prepare(bands, apply_proposal(bands, _build_run(NARROW))).max_omega > 0
 
 
-def test_the_saved_structure_of_this_test_aid_is_taken_before_the_band(bands: Store) -> None:
-    kept = add_structure(
+def test_saved_structure_of_the_fta_takes_precedence_over_the_band(bands: Store) -> None:
+    saved = add_structure(
         bands, ModelStructure(aircraft_id=1, name="rigid", structure=Structure(fixed={}))
     )
-    asked = replace(_wanted(NARROW), structure_id=kept.id, structure_version=1)
-    done = carry_out(bands, asked, estimation_steps(), lambda _progress: None)
+    asked = replace(_build_run(NARROW), structure_id=saved.id, structure_version=1)
+    done = execute_run(bands, asked, load_estimation_pipeline(), lambda _progress: None)
     assert done.state is RunState.SUCCEEDED
     basis = propose_run(bands, [NARROW]).basis
     assert (basis.source, basis.structure_id, basis.run_id) == (
         ProposalSource.SAVED_STRUCTURE,
-        kept.id,
+        saved.id,
         done.id,
     )
     assert propose_run(bands, [WIDE]).basis.source is ProposalSource.BAND
 
 
 def test_a_run_records_the_proposal_that_it_follows(bands: Store) -> None:
-    followed = with_proposal(bands, _wanted(NARROW))
+    followed = apply_proposal(bands, _build_run(NARROW))
     assert followed.proposal is not None
-    assert with_basis(bands, _wanted(NARROW, modes=(7,))).proposal == followed.proposal
-    assert with_basis(bands, _wanted(NARROW, modes=(7, 9))).proposal is None
-    same = identified(bands, _wanted(NARROW, modes=(7,)))
-    assert same.input_hash == identified(bands, followed).input_hash
+    assert (
+        attach_proposal_basis(bands, _build_run(NARROW, modes=(7,))).proposal == followed.proposal
+    )
+    assert attach_proposal_basis(bands, _build_run(NARROW, modes=(7, 9))).proposal is None
+    same = add_hashes(bands, _build_run(NARROW, modes=(7,)))
+    assert same.input_hash == add_hashes(bands, followed).input_hash
 
 
 def test_modes_above_the_band_are_warned_of_on_the_run(bands: Store) -> None:
-    (warning,) = prepare(bands, _wanted(NARROW, modes=(7, 9))).warnings
+    (warning,) = prepare(bands, _build_run(NARROW, modes=(7, 9))).warnings
     assert warning.startswith("SW1T (10")
-    assert "lies above the highest line" in warning
+    assert "lies above the highest fitted" in warning
 
 
-def test_what_has_no_model_is_not_proposed(bands: Store) -> None:
+def test_maneuver_without_model_has_no_proposal(bands: Store) -> None:
     bands.maneuvers.replace(replace(bands.maneuvers.get(NARROW), axis="lateral"))
     with pytest.raises(BadInput, match="is lateral"):
         propose_run(bands, [NARROW])
@@ -145,8 +147,8 @@ def test_the_three_methods_agree_on_what_is_proposed(bands: Store) -> None:
     """With the first two symmetric modes 9 of 44 agreed, and a pole of EE was unstable."""
     ids = []
     for method in Method:
-        run = with_proposal(bands, _wanted(NARROW, method))
-        done = carry_out(bands, run, estimation_steps(), lambda _progress: None)
+        run = apply_proposal(bands, _build_run(NARROW, method))
+        done = execute_run(bands, run, load_estimation_pipeline(), lambda _progress: None)
         assert done.state is RunState.SUCCEEDED, done.error
         assert done.id is not None
         assert done.result is not None

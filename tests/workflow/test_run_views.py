@@ -1,4 +1,4 @@
-"""The numbers behind the figures of a run."""
+"""Views of a run."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def test_fit_of_frequency_responses_names_the_input(store, add_result):
     assert views.fit(store, run.id, ("q",), "wf4s").traces[0].input == "wf4s"
 
 
-def test_the_fit_of_one_input_is_judged_by_its_own_lines(store, add_result):
+def test_fit_of_one_input_is_assessed_at_its_harmonics(store, add_result):
     judged = OutputQuality(block="wf4s", output="q", r_squared=0.7, theil=0.2, whiteness=0.5)
     run = add_result({"Cm_alpha": (-1.0, 0.1)}, Method.FRE, "wf4s", quality=(judged,))
     assert views.fit(store, run.id, ("q",), "wf4s").traces[0].r_squared == 0.7
 
 
-def test_fit_says_what_there_is(store, add_result, add_run):
+def test_error_of_an_unknown_block_lists_the_blocks(store, add_result, add_run):
     run = add_result({"Cm_alpha": (-1.0, 0.1)})
     with pytest.raises(BadInput, match="q, az_egi"):
         views.fit(store, run.id, ("alpha",))
@@ -70,14 +70,14 @@ def test_poles_stand_beside_the_modes_in_vacuo(store, add_result, modal_table):
     assert -pole.real / np.hypot(pole.real, pole.imag) == pytest.approx(0.02)
 
 
-def test_iterations_and_derivatives_come_through(store, add_result, prediction):
+def test_iterations_and_derivatives_are_returned(store, add_result, prediction):
     run = add_result({"Cm_alpha": (-1.0, 0.1), "CZ_q": (-8.0, None)})
     assert views.iterations(store, run.id).iterations[0].cost == 9.0
     value = views.derivatives(store, [run.id], [prediction.id], "Cm")
     assert [row.name for row in value.rows] == ["Cm_alpha"]
 
 
-def test_envelope_takes_the_filters_of_the_list(store, add_maneuver):
+def test_envelope_applies_the_filters_of_the_list(store, add_maneuver):
     add_maneuver(fuel=0.2, airspeed_ratio=0.6)
     fast = add_maneuver(fuel=0.8, airspeed_ratio=1.05)
     value = views.envelope(store, min_airspeed_ratio=1.0)

@@ -1,21 +1,21 @@
-"""Where a fit starts, and what happens where it does not converge."""
+"""Start values of a fit, and restarts without convergence."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from flexsid.jobs.direct import carry_out
-from flexsid.jobs.steps import estimation_steps
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.pipeline import load_estimation_pipeline
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import limits
 from flexsid.workflow import views
-from flexsid.workflow.runs.estimation import compute, prepare
+from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_export import export_run
 
 
-def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):
+def test_unconverged_fit_is_restarted_from_perturbed_values(flown_url: str):
     store = Store.open(flown_url)
     run = EstimationRun(
         maneuver_id=1,
@@ -23,15 +23,15 @@ def test_a_fit_that_does_not_converge_is_tried_from_elsewhere(flown_url: str):
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(start=Start.PREDICTION, max_iterations=1),
     )
-    said: list[str] = []
-    computed = compute(prepare(store, run), lambda progress: said.append(progress.message))
+    messages: list[str] = []
+    computed = compute_run(prepare(store, run), lambda progress: messages.append(progress.message))
     store.close()
-    assert any("perturbed" in message for message in said)
+    assert any("perturbed" in message for message in messages)
     assert computed.estimate.outcome.value == "iteration limit"
     assert np.isfinite(computed.estimate.values).all()
 
 
-def test_a_fit_that_did_not_converge_claims_no_standard_error(flown_url: str):
+def test_unconverged_fit_has_no_standard_errors(flown_url: str):
     store = Store.open(flown_url)
     run = EstimationRun(
         maneuver_id=1,
@@ -39,7 +39,7 @@ def test_a_fit_that_did_not_converge_claims_no_standard_error(flown_url: str):
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(start=Start.PREDICTION, max_iterations=1),
     )
-    done = carry_out(store, run, estimation_steps(), lambda _: None)
+    done = execute_run(store, run, load_estimation_pipeline(), lambda _: None)
     result = done.result
     assert result is not None
     assert done.id is not None
@@ -54,16 +54,16 @@ def test_a_fit_that_did_not_converge_claims_no_standard_error(flown_url: str):
 
 
 def test_a_parameter_at_its_limit_is_no_estimate(flown_url: str, monkeypatch):
-    """The limit is set below what the sensor really lags."""
+    """The limit is set below the true delay of the sensor."""
     monkeypatch.setitem(limits._LIMITS, "delay", (-1e-6, 1e-6))
     store = Store.open(flown_url)
     run = EstimationRun(
         maneuver_id=1,
         method=Method.OE,
-        structure=Structure(modes=(7, 9), fixed={}, also_free=("delay_q",)),
+        structure=Structure(modes=(7, 9), fixed={}, extra_parameters=("delay_q",)),
         settings=RunSettings(start=Start.PREDICTION),
     )
-    done = carry_out(store, run, estimation_steps(), lambda _: None)
+    done = execute_run(store, run, load_estimation_pipeline(), lambda _: None)
     result = done.result
     assert result is not None
     assert result.fit.outcome == "converged"
@@ -75,7 +75,7 @@ def test_a_parameter_at_its_limit_is_no_estimate(flown_url: str, monkeypatch):
     store.close()
 
 
-def test_values_that_are_those_of_the_prior_are_named(flown_url: str):
+def test_estimates_dominated_by_the_prior_raise_a_warning(flown_url: str):
     store = Store.open(flown_url)
     priors = {"Cm_q": (-12.0, 1e-4), "Cm_alpha": (-1.0, 1e3)}
     run = EstimationRun(
@@ -84,7 +84,7 @@ def test_values_that_are_those_of_the_prior_are_named(flown_url: str):
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(priors=priors),
     )
-    found = compute(prepare(store, run), lambda progress: None).warnings
+    found = compute_run(prepare(store, run), lambda progress: None).warnings
     (text,) = [one for one in found if "prior" in one]
     assert "Cm_q" in text
     assert "Cm_alpha" not in text

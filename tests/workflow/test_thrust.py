@@ -1,4 +1,4 @@
-"""Thrust follows from the state of the engines by a ground-test table, wherever it is needed."""
+"""Thrust from the engine state by a ground-test table."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexsid.demo.aircraft import thrust_table
+from flexsid.demo.aircraft import build_thrust_table
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
@@ -21,13 +21,13 @@ from flexsid.storage.store import Store
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.aircraft.thrust import (
-    keep_thrust,
-    parse_table,
-    table_thrust,
-    total_temperature,
+    compute_total_temperature,
+    interpolate_thrust,
+    parse_thrust_table,
+    set_thrust_table,
 )
 from flexsid.workflow.importing.maneuver_cutting import cut_maneuver
-from flexsid.workflow.measurements.condition_spread import flown_condition
+from flexsid.workflow.measurements.condition_spread import assess_condition
 
 TEXT = """speed;0;20
 30000; 10; 9
@@ -36,18 +36,18 @@ TEXT = """speed;0;20
 """
 
 
-def test_a_table_is_read_as_people_write_it_and_interpolated_in_both_axes():
-    table = parse_table(TEXT, ("left", "right"), ("rpm", "degC", "lbf"), "bench")
+def test_table_is_parsed_and_interpolated_in_both_axes():
+    table = parse_thrust_table(TEXT, ("left", "right"), ("rpm", "degC", "lbf"), "bench")
     assert table.source == "bench"
     assert table.total_temperature_k == pytest.approx((273.15, 293.15))
     rpm = np.array([30e3, 45e3, 75e3])
     speeds = {"left": to_si(rpm, "rpm"), "right": to_si(rpm[::-1], "rpm")}
-    found = table_thrust(table, speeds, 278.15)
+    found = interpolate_thrust(table, speeds, 278.15)
     cold = np.array([10.0, 45.0, 140.0])
     each = 0.75 * cold + 0.25 * np.array([9.0, 40.5, 126.0])
     assert found == pytest.approx((each + each[::-1]) * 4.4482216152605)
-    alone = parse_table("30000,10\n60000,80", ("left",), ("rpm", "K", "N"))
-    assert table_thrust(alone, {"left": to_si([45e3], "rpm")}, 200.0) == pytest.approx([45.0])
+    alone = parse_thrust_table("30000,10\n60000,80", ("left",), ("rpm", "K", "N"))
+    assert interpolate_thrust(alone, {"left": to_si([45e3], "rpm")}, 200.0) == pytest.approx([45.0])
 
 
 @pytest.mark.parametrize(
@@ -55,35 +55,35 @@ def test_a_table_is_read_as_people_write_it_and_interpolated_in_both_axes():
     [
         ("", ("a",), "two rows"),
         ("30000,10", ("a",), "two rows"),
-        ("30000,10\n20000,20", ("a",), "rise"),
+        ("30000,10\n20000,20", ("a",), "increasing rotation speeds"),
         ("30000,10\n40000,x", ("a",), "row 2, column 2 is 'x'"),
         ("30000,10\n40000,nan", ("a",), "finite"),
         ("30000,10,9\n40000,20,18", ("a",), "temperatures in the first row"),
         ("rpm,260,280\n30000,10,9\n40000,20", ("a",), "row 3 has 2 numbers"),
-        ("rpm,280,260\n30000,10,9\n40000,20,18", ("a",), "temperatures that rise"),
-        ("30000,10\n40000,20", (), "names no engine"),
+        ("rpm,280,260\n30000,10,9\n40000,20,18", ("a",), "increasing temperatures"),
+        ("30000,10\n40000,20", (), "has no engine"),
         ("30000,10\n40000,20", ("a", "a"), "one twice"),
     ],
 )
 def test_tables_that_cannot_be_interpolated_are_refused(text: str, engines, words: str):
     with pytest.raises(BadInput, match=words):
-        parse_table(text, engines, ("rpm", "K", "N"))
+        parse_thrust_table(text, engines, ("rpm", "K", "N"))
 
 
 def test_units_that_do_not_fit_are_refused():
     with pytest.raises(BadInput, match="angular rate is expected"):
-        parse_table(TEXT, ("a",), ("N", "K", "N"))
+        parse_thrust_table(TEXT, ("a",), ("N", "K", "N"))
 
 
-def test_an_engine_outside_of_the_table_is_named():
-    with pytest.raises(BadInput, match="'engine_speed_l' reaches"):
-        table_thrust(thrust_table(), {"engine_speed_l": np.array([20e3])}, 288.0)
+def test_engine_outside_the_table_is_reported():
+    with pytest.raises(BadInput, match="'engine_speed_l' ranges"):
+        interpolate_thrust(build_thrust_table(), {"engine_speed_l": np.array([20e3])}, 288.0)
 
 
 def test_total_temperature_of_standard_air():
     # ISO 2533 at 1524 m: 278.244 K, 1.05555 kg/m3
-    assert total_temperature(1.05555, 0.0) == pytest.approx(278.244, abs=0.01)
-    assert total_temperature(1.05555, 100.0) == pytest.approx(278.244 + 4.977, abs=0.01)
+    assert compute_total_temperature(1.05555, 0.0) == pytest.approx(278.244, abs=0.01)
+    assert compute_total_temperature(1.05555, 100.0) == pytest.approx(278.244 + 4.977, abs=0.01)
 
 
 def test_a_cut_maneuver_has_the_thrust_of_its_engines(store: Store):
@@ -97,20 +97,20 @@ def test_a_cut_maneuver_has_the_thrust_of_its_engines(store: Store):
     truth = load_truth()
     thrust = truth.condition_at(0.7 * truth.flutter_speed_at(0.5), 0.5).thrust
     assert cut.condition.thrust_n == pytest.approx(thrust, rel=1e-4)
-    averages = {a.name: a for a in flown_condition(store, cut).averages}
+    averages = {a.name: a for a in assess_condition(store, cut).averages}
     assert averages["thrust"].mean == pytest.approx(thrust, rel=1e-4)
     assert averages["mass"].mean == pytest.approx(cut.condition.mass_kg, rel=1e-4)
     assert averages["mass"].drift < 0.0
     assert averages["engine_speed_l"].unit == "rad/s"
-    # A table that says half as much gives half of it to what is cut afterwards.
+    # A table with half the thrust gives half of it to maneuvers that are cut afterwards.
     assert aircraft.thrust is not None
     half = tuple(tuple(0.5 * value for value in row) for row in aircraft.thrust.thrust_n)
-    keep_thrust(store, aircraft.id, replace(aircraft.thrust, thrust_n=half))
+    set_thrust_table(store, aircraft.id, replace(aircraft.thrust, thrust_n=half))
     again = cut_maneuver(store, flight.id, Cut(label="b", start_s=20.0, stop_s=50.0))
     assert again.condition.thrust_n == pytest.approx(0.5 * thrust, rel=1e-4)
     assert store.maneuvers.get(cut.id or 0).condition.thrust_n == pytest.approx(thrust, rel=1e-4)
     # Without any, thrust balances the drag; what was measured counts more than a table.
-    bare = keep_thrust(store, aircraft.id, None)
+    bare = set_thrust_table(store, aircraft.id, None)
     measured = {"airspeed": 40.0, "density": 1.05, "fuel_fraction": 0.5}
     drag = complete_condition(bare, measured).thrust_n
     assert drag > 0.0
@@ -151,12 +151,12 @@ def test_a_mapping_brings_a_thrust_table():
         read_aircraft(MappingTable(part))
 
 
-def test_a_recorded_maneuver_keeps_what_its_aircraft_flew_with(store: Store):
+def test_recorded_maneuver_retains_its_thrust(store: Store):
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=51))
     assert flight.id is not None
-    kept = add_maneuver(store, fly(modes_in_truth=2, noise=False), flight.id)
+    stored = add_maneuver(store, fly(modes_in_truth=2, noise=False), flight.id)
     truth = load_truth()
-    wanted = truth.condition_at(0.65 * truth.flutter_speed_at(0.5), 0.5).thrust
-    assert kept.condition.thrust_n == pytest.approx(wanted, rel=1e-5)
+    expected = truth.condition_at(0.65 * truth.flutter_speed_at(0.5), 0.5).thrust
+    assert stored.condition.thrust_n == pytest.approx(expected, rel=1e-5)

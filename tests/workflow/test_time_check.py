@@ -1,4 +1,4 @@
-"""The identified model beside the recording, in time, stable or not."""
+"""Time responses of the identified model against the recording."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.estimation import compute, keep, prepare
+from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 from flexsid.workflow.views import time_check
 
 
@@ -36,7 +36,9 @@ def test_model_follows_the_recording_also_beyond_flutter(store: Store, ratio: fl
     assert run.id is not None
     claimed = queue.claim(store, run.id)
     assert claimed is not None
-    keep(store, run.id, claimed.attempt, compute(prepare(store, run), lambda progress: None))
+    store_result(
+        store, run.id, claimed.attempt, compute_run(prepare(store, run), lambda progress: None)
+    )
 
     check = time_check(store, run.id, ["q", "az_ofs"])
     assert [trace.r_squared > 0.95 for trace in check.traces] == [True, True]

@@ -1,4 +1,4 @@
-"""What every answer carries, and how much a request may bring."""
+"""Security headers, cross-site checks and body limits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ API = "/api/v1"
 @pytest.mark.parametrize(
     "path", ["/", "/api/docs", f"{API}/health", f"{API}/runs/77", f"{API}/figures/poles?run_id=x"]
 )
-def test_every_answer_says_what_a_page_may_do(empty: TestClient, path: str) -> None:
+def test_every_response_has_security_headers(empty: TestClient, path: str) -> None:
     headers = empty.get(path, headers={"Accept": "text/html"}).headers
     policy = dict(
         part.strip().split(" ", 1) for part in headers["content-security-policy"].split(";")
@@ -32,14 +32,14 @@ def test_every_answer_says_what_a_page_may_do(empty: TestClient, path: str) -> N
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-def test_a_refusal_is_guarded_too(empty: TestClient) -> None:
+def test_refusal_has_security_headers(empty: TestClient) -> None:
     refused = empty.get(f"{API}/health", headers={"Host": "evil.example"})
     assert refused.status_code == 403
     assert "script-src 'self'" in refused.headers["content-security-policy"]
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-def test_a_body_is_as_large_as_its_route_needs(empty: TestClient) -> None:
+def test_body_limit_depends_on_route(empty: TestClient) -> None:
     announced = empty.post(f"{API}/runs", content=b"x" * (LARGEST_BODY + 1))
     assert (announced.status_code, announced.json()["code"]) == (413, "too-large")
 
@@ -49,18 +49,18 @@ def test_a_body_is_as_large_as_its_route_needs(empty: TestClient) -> None:
 
     unannounced = empty.post(f"{API}/runs", content=pieces())
     assert unannounced.status_code == 413
-    lied = empty.post(f"{API}/runs", content=b"{}", headers={"Content-Length": "9" * 30})
-    assert lied.status_code == 413
-    # Files may be larger than that; what they hold is looked at before it is believed.
+    overflow = empty.post(f"{API}/runs", content=b"{}", headers={"Content-Length": "9" * 30})
+    assert overflow.status_code == 413
+    # Uploads have a larger limit.
     files = [("files", ("record.csv", b"x" * (LARGEST_BODY + 1)))]
     assert empty.post(f"{API}/uploads", files=files).status_code != 413
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
 @pytest.mark.parametrize("method", ["POST", "PUT", "PATCH", "DELETE"])
-def test_no_way_of_changing_is_open_to_another_site(empty: TestClient, method: str) -> None:
+def test_cross_site_changes_are_refused(empty: TestClient, method: str) -> None:
     for path in ("runs", "runs/changes", "saved-views", "maneuvers/1", "uploads"):
-        answer = empty.request(
+        response = empty.request(
             method, f"{API}/{path}", headers={"Sec-Fetch-Site": "cross-site"}, json={}
         )
-        assert (answer.status_code, answer.json()["code"]) == (403, "cross-site")
+        assert (response.status_code, response.json()["code"]) == (403, "cross-site")

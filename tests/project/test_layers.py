@@ -1,4 +1,4 @@
-"""The house is built one floor above the other, and stays so."""
+"""The layers of the package and their import contracts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PACKAGE = ROOT / "backend" / "flexsid"
 HEAVY = {"fastapi", "sqlalchemy", "plotly", "pydantic", "pandas", "alembic", "uvicorn"}
 
 
-def test_floors_import_downwards_only():
+def test_layers_import_downwards_only():
     lint = subprocess.run(
         [sys.executable, "-c", "from importlinter.cli import lint_imports_command as c; c()"],
         cwd=ROOT,
@@ -26,7 +26,7 @@ def test_floors_import_downwards_only():
 
 
 @pytest.mark.parametrize(
-    ("floor", "light"),
+    ("layer", "excluded"),
     [
         ("sysid", HEAVY),
         ("nomenclature", HEAVY | {"numpy", "scipy"}),
@@ -36,32 +36,32 @@ def test_floors_import_downwards_only():
         ("workflow", {"fastapi", "plotly", "pandas", "uvicorn"}),
     ],
 )
-def test_a_floor_does_not_drag_in_what_it_does_not_need(floor, light):
-    names = [f"flexsid.{floor}", *_modules(PACKAGE / floor)]
+def test_a_layer_imports_no_heavy_library_that_it_does_not_need(layer, excluded):
+    names = [f"flexsid.{layer}", *_modules(PACKAGE / layer)]
     script = f"import sys; {'; '.join(f'import {name}' for name in names)}; print(*sys.modules)"
-    answer = subprocess.run(
+    imported = subprocess.run(
         [sys.executable, "-c", script],
         cwd=ROOT / "backend",
         capture_output=True,
         text=True,
         check=True,
     )
-    assert not light & set(answer.stdout.split())
+    assert not excluded & set(imported.stdout.split())
 
 
-def test_no_drawer_for_odds_and_ends():
+def test_no_module_is_named_utils_or_helpers():
     banned = {"utils", "util", "helpers", "helper", "common", "misc", "manager", "managers"}
     sources = [*PACKAGE.rglob("*.py"), *(ROOT / "frontend" / "src").rglob("*.ts*")]
     parts = {part for path in sources for part in path.relative_to(ROOT).with_suffix("").parts}
     assert not banned & {part.lower() for part in parts}
 
 
-def test_every_package_says_what_it_is():
+def test_every_package_has_a_docstring():
     for path in PACKAGE.rglob("__init__.py"):
         assert path.read_text().startswith('"""'), f"{path.relative_to(ROOT)} has no docstring"
 
 
-def test_every_folder_states_its_rules():
+def test_every_folder_has_a_readme():
     for folder in ("backend", "docs", "frontend", "migrations", "tests"):
         assert (ROOT / folder / "README.md").is_file(), folder
 

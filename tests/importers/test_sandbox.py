@@ -1,4 +1,4 @@
-"""The process that reads: it can be stopped, it ends with its parent, and it is used again."""
+"""The reader process is stopped after its time limit, ends with its parent, and is reused."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from scipy.io import savemat
 from waiting import wait_until
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers import confined
+from flexsid.importers import sandbox
 
-STAYS_BEHIND = """
+KILLED_PARENT = """
 import os, sys
 from pathlib import Path
-from flexsid.importers import confined
-confined.read_all([Path(sys.argv[1])])
-print(confined._idle[0]._process.pid, flush=True)
+from flexsid.importers import sandbox
+sandbox.read_all([Path(sys.argv[1])])
+print(sandbox._idle[0]._process.pid, flush=True)
 os.kill(os.getpid(), 9)
 """
 
@@ -35,17 +35,17 @@ def test_reading_that_takes_too_long_is_stopped(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as changed:
-        changed.setattr(confined, "SECONDS", 0.01)
-        changed.setattr(confined, "_BYTES_PER_SECOND", 1e12)
+        changed.setattr(sandbox, "SECONDS", 0.01)
+        changed.setattr(sandbox, "_BYTES_PER_SECOND", 1e12)
         with pytest.raises(UnreadableFile, match=r"flight\.csv: reading takes more than") as caught:
-            confined.read_all([record])
+            sandbox.read_all([record])
     assert caught.value.code == "too-slow"
-    assert confined.read_all([record]).numbers("q").size == 200_000
+    assert sandbox.read_all([record]).numbers("q").size == 200_000
 
 
 def test_samples_outlive_the_file_they_were_mapped_from(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", q=np.arange(5.0), empty=np.zeros((0, 3)), name=np.array("NOM"))
-    sources = confined.read_all([tmp_path / "a.npz"])
+    sources = sandbox.read_all([tmp_path / "a.npz"])
     (tmp_path / "a.npz").unlink()
     np.testing.assert_array_equal(sources.numbers("q"), np.arange(5.0))
     assert sources.items[0].arrays["empty"].shape == (0, 3)
@@ -56,13 +56,13 @@ def test_samples_outlive_the_file_they_were_mapped_from(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="only Linux lists its processes there")
 def test_the_reader_ends_with_its_parent(record: Path) -> None:
-    command = [sys.executable, "-c", STAYS_BEHIND, str(record)]
+    command = [sys.executable, "-c", KILLED_PARENT, str(record)]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     pid = int(ended.stdout)
     command_line = Path(f"/proc/{pid}/cmdline")
 
     def is_over() -> bool:
-        try:  # a zombie that nobody has waited for yet has an empty command
+        try:  # a zombie process has an empty command
             return not command_line.read_bytes()
         except OSError:
             return True
@@ -79,5 +79,5 @@ def test_a_file_that_crashes_a_library_is_refused_and_the_next_is_read(
     raw[177] = 36  # a type that does not exist; scipy 1.17 looks it up without a check
     path.write_bytes(raw)
     with pytest.raises(UnreadableFile, match=r"flight\.mat: "):
-        confined.read_all([path])
-    assert confined.read_all([record]).numbers("q").size == 200_000
+        sandbox.read_all([path])
+    assert sandbox.read_all([record]).numbers("q").size == 200_000

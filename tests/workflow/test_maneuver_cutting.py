@@ -1,4 +1,4 @@
-"""A whole flight is cut into the maneuvers that were flown, and they are as if imported so."""
+"""Cutting of a whole flight into maneuvers."""
 
 from __future__ import annotations
 
@@ -17,8 +17,12 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.workflow import views
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
-from flexsid.workflow.importing.maneuver_cutting import cut_maneuver, find_maneuvers, flight_history
-from flexsid.workflow.measurements.maneuver_spectra import measure
+from flexsid.workflow.importing.maneuver_cutting import (
+    cut_maneuver,
+    find_maneuvers,
+    read_flight_history,
+)
+from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
 
 START_S = 1000.0
 
@@ -59,32 +63,32 @@ def test_maneuvers_are_found_with_trim_and_harmonics_and_cut(
 
     first = found[0]
     cut = Cut(label="first", start_s=first.start_s, stop_s=first.stop_s, fta=506)
-    kept = cut_maneuver(store, flight_id, cut)
-    assert kept.id is not None
-    assert kept.excitation == first.excitation
-    assert kept.condition.airspeed_m_s == pytest.approx(flown[0].condition.airspeed_m_s, rel=1e-3)
-    assert kept.condition.mass_kg == pytest.approx(flown[0].condition.mass_kg, rel=1e-3)
-    assert kept.airspeed_ratio == pytest.approx(0.65, abs=0.002)
-    aircraft = store.aircraft.get(kept.aircraft_id)
-    lines = measure(
-        store, kept, aircraft, tuple(flown[0].truth.inputs), define_outputs(aircraft, ["q"])
+    stored = cut_maneuver(store, flight_id, cut)
+    assert stored.id is not None
+    assert stored.excitation == first.excitation
+    assert stored.condition.airspeed_m_s == pytest.approx(flown[0].condition.airspeed_m_s, rel=1e-3)
+    assert stored.condition.mass_kg == pytest.approx(flown[0].condition.mass_kg, rel=1e-3)
+    assert stored.airspeed_ratio == pytest.approx(0.65, abs=0.002)
+    aircraft = store.aircraft.get(stored.aircraft_id)
+    lines = read_measured_spectra(
+        store, stored, aircraft, tuple(flown[0].truth.inputs), define_outputs(aircraft, ["q"])
     )
     assert lines.commands is not None
     responses = lines.responses()
     assert np.all(np.isfinite(responses["bfs"].values))
-    (trace,) = views.read_channels(store, kept, ["az_egi"])
+    (trace,) = views.read_channels(store, stored, ["az_egi"])
     original = next(c for c in flown[0].channels if c.name == "az_egi")
     assert np.array_equal((trace.values / 9.80665).astype(np.float32), original.samples)
 
     again = find_maneuvers(store, flight_id)
-    assert [one.maneuver_id for one in again] == [kept.id, None]
+    assert [one.maneuver_id for one in again] == [stored.id, None]
     # FTA numbers follow from maneuvers with the same harmonics
     assert [one.fta for one in again] == [506, None]
     with pytest.raises(Conflict, match="another label"):
         cut_maneuver(store, flight_id, cut)
 
 
-def test_a_marker_names_what_was_flown(store: Store, flight_id: int):
+def test_marker_is_labelled_with_the_maneuver(store: Store, flight_id: int):
     channels = store.flight_channels.find(flight_id=flight_id)
     clock = next(c for c in channels if c.role is Role.CONDITION)
     number = np.zeros(clock.n_samples, dtype=np.float32)
@@ -103,7 +107,7 @@ def test_a_marker_names_what_was_flown(store: Store, flight_id: int):
     assert marked.excitation is None
 
 
-def test_surfaces_tell_where_nothing_else_was_recorded(store: Store, flight_id: int):
+def test_excitation_is_recognised_from_surfaces_alone(store: Store, flight_id: int):
     for channel in store.flight_channels.find(flight_id=flight_id, role=Role.COMMAND):
         assert channel.id is not None
         store.flight_channels.delete(channel.id)
@@ -113,7 +117,7 @@ def test_surfaces_tell_where_nothing_else_was_recorded(store: Store, flight_id: 
     assert found[0].stop_s == pytest.approx(START_S + PAUSE_S + 30.0, abs=1.5)
 
 
-def test_windows_that_hold_nothing_are_refused(store: Store, flight_id: int):
+def test_empty_windows_are_refused(store: Store, flight_id: int):
     for start_s, stop_s in ((5.0, 4.0), (0.0, 10.0), (1020.0, 1020.01), (9000.0, 9010.0)):
         with pytest.raises(BadInput):
             cut_maneuver(store, flight_id, Cut(label="x", start_s=start_s, stop_s=stop_s))
@@ -124,9 +128,9 @@ def test_windows_that_hold_nothing_are_refused(store: Store, flight_id: int):
 
 
 def test_a_flight_is_read_over_a_window(store: Store, flight_id: int):
-    value = flight_history(store, flight_id, ["q", "bfs_command"], 1040.0, 1041.0)
+    value = read_flight_history(store, flight_id, ["q", "bfs_command"], 1040.0, 1041.0)
     assert [trace.name for trace in value.traces] == ["q", "bfs_command"]
     assert value.traces[0].time_s[[0, -1]] == pytest.approx([1040.0, 1041.0], abs=0.006)
-    assert len(flight_history(store, flight_id).traces) == 4
+    assert len(read_flight_history(store, flight_id).traces) == 4
     with pytest.raises(BadInput, match="no channel"):
-        flight_history(store, flight_id, ["nothing"])
+        read_flight_history(store, flight_id, ["nothing"])

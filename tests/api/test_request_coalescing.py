@@ -1,4 +1,4 @@
-"""Equal questions that wait at the same time are answered together, and never with old news."""
+"""Equal concurrent GET requests share one response, never an outdated one."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from starlette.types import Message, Receive, Scope, Send
 
-from flexsid.api.together import Together
+from flexsid.api.request_coalescing import RequestCoalescing
 
 
 class Service:
-    """Counts up with every question; takes a moment to answer."""
+    """Counts its requests; responds with a delay."""
 
     def __init__(self, *, length: bool = True) -> None:
         self.asked = 0
@@ -36,12 +36,14 @@ class Service:
 
 
 def _run(scenario: Coroutine[Any, Any, None]) -> None:
-    """Run in a thread of its own: a browser of other tests keeps a loop in this one."""
+    """Run in a separate thread: browser tests may have an event loop in this one."""
     with ThreadPoolExecutor(1) as thread:
         thread.submit(asyncio.run, scenario).result()
 
 
-async def ask(app: Together, path: str = "/list", query: bytes = b"", **scope: Any) -> str:
+async def send_request(
+    app: RequestCoalescing, path: str = "/list", query: bytes = b"", **scope: Any
+) -> str:
     sent: list[Message] = []
 
     async def send(message: Message) -> None:
@@ -56,27 +58,27 @@ async def ask(app: Together, path: str = "/list", query: bytes = b"", **scope: A
     return str(sent[1]["body"].decode())
 
 
-def test_fifty_pages_cost_what_two_do() -> None:
+def test_fifty_equal_requests_are_processed_as_two() -> None:
     async def scenario() -> None:
         service = Service()
-        app = Together(service)
-        answers = await asyncio.gather(*(ask(app) for _ in range(50)))
-        # The first was already being answered when the others asked.
-        assert answers == ["1"] + 49 * ["2"]
-        assert await ask(app) == "3"  # nothing is kept for later
+        app = RequestCoalescing(service)
+        responses = await asyncio.gather(*(send_request(app) for _ in range(50)))
+        # The first was being processed when the others arrived.
+        assert responses == ["1"] + 49 * ["2"]
+        assert await send_request(app) == "3"  # responses are not cached
 
     _run(scenario())
 
 
-def test_whoever_asks_after_a_change_sees_it() -> None:
+def test_request_after_change_is_not_outdated() -> None:
     async def scenario() -> None:
         service = Service()
-        app = Together(service)
+        app = RequestCoalescing(service)
         service.pause.clear()
-        first = asyncio.create_task(ask(app))
+        first = asyncio.create_task(send_request(app))
         await asyncio.sleep(0.01)
-        service.asked = 100  # a change, while the first answer is on its way
-        second = asyncio.create_task(ask(app))
+        service.asked = 100  # a change, while the first response is being sent
+        second = asyncio.create_task(send_request(app))
         await asyncio.sleep(0.01)
         service.pause.set()
         assert (await first, await second) == ("1", "101")
@@ -84,31 +86,31 @@ def test_whoever_asks_after_a_change_sees_it() -> None:
     _run(scenario())
 
 
-def test_other_questions_are_answered_for_themselves() -> None:
+def test_different_requests_are_processed_separately() -> None:
     async def scenario() -> None:
         service = Service()
-        app = Together(service)
+        app = RequestCoalescing(service)
         ann, bob = ([(b"x-flexsid-analyst", name)] for name in (b"Ann", b"Bob"))
-        answers = await asyncio.gather(
-            ask(app),
-            ask(app, query=b"limit=5"),
-            ask(app, path="/other"),
-            ask(app, headers=ann),
-            ask(app, headers=bob),
-            ask(app, method="POST"),
-            ask(app, method="POST"),
+        responses = await asyncio.gather(
+            send_request(app),
+            send_request(app, query=b"limit=5"),
+            send_request(app, path="/other"),
+            send_request(app, headers=ann),
+            send_request(app, headers=bob),
+            send_request(app, method="POST"),
+            send_request(app, method="POST"),
         )
-        assert sorted(answers) == list("1234567")
+        assert sorted(responses) == list("1234567")
 
     _run(scenario())
 
 
-def test_a_stream_is_not_waited_for() -> None:
+def test_streams_are_not_shared() -> None:
     async def scenario() -> None:
         service = Service(length=False)
-        app = Together(service)
+        app = RequestCoalescing(service)
         service.pause.clear()
-        streams = [asyncio.create_task(ask(app)) for _ in range(3)]
+        streams = [asyncio.create_task(send_request(app)) for _ in range(3)]
         await asyncio.sleep(0.01)
         assert service.asked == 3
         service.pause.set()
@@ -117,20 +119,20 @@ def test_a_stream_is_not_waited_for() -> None:
     _run(scenario())
 
 
-def test_an_error_is_nobody_elses() -> None:
+def test_error_is_not_shared() -> None:
     async def scenario() -> None:
         service = Service()
-        app = Together(service)
+        app = RequestCoalescing(service)
         service.pause.clear()
-        first = asyncio.create_task(ask(app))
+        first = asyncio.create_task(send_request(app))
         await asyncio.sleep(0.01)
         service.fails = True
-        second = asyncio.create_task(ask(app))
+        second = asyncio.create_task(send_request(app))
         service.pause.set()
         assert await first == "1"
         with pytest.raises(ValueError, match="broken"):
             await second
         service.fails = False
-        assert await ask(app) == "3"
+        assert await send_request(app) == "3"
 
     _run(scenario())

@@ -1,4 +1,4 @@
-"""A user relies on: a run names all that it rests on, and nothing later changes what it says."""
+"""Identity of runs: stored inputs and hashes that later changes do not affect."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.identified_models import identified as identified_model
-from flexsid.workflow.runs.run_identity import identified
+from flexsid.workflow.runs.identified_models import load_identified_model as identified_model
+from flexsid.workflow.runs.run_identity import add_hashes
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 
@@ -23,7 +23,7 @@ def flown(flown_url: str):
     store.close()
 
 
-def wanted(store: Store, **changes: object) -> EstimationRun:
+def build_run(store: Store, **changes: object) -> EstimationRun:
     first = store.runs.get(1)
     run = EstimationRun(
         maneuver_id=1, method=Method.EE, structure=first.structure, settings=RunSettings()
@@ -32,16 +32,16 @@ def wanted(store: Store, **changes: object) -> EstimationRun:
 
 
 def stiffer(store: Store) -> int:
-    """Import another FEM, all frequencies a tenth higher."""
+    """Import another FEM with all frequencies 10 % higher."""
     fem = next(t for t in store.modal_tables.find(aircraft_id=1) if t.kind == "FEM")
     omega = store.arrays.put(1.1 * store.arrays.get(fem.arrays["omega"]))
     arrays = fem.arrays | {"omega": omega}
-    kept = store.modal_tables.add(replace(fem, id=None, name="FEM 2", arrays=arrays))
-    assert kept.id is not None
-    return kept.id
+    stored = store.modal_tables.add(replace(fem, id=None, name="FEM 2", arrays=arrays))
+    assert stored.id is not None
+    return stored.id
 
 
-def test_a_run_names_the_modal_tables_that_it_took(flown):
+def test_run_stores_its_modal_tables(flown):
     run = flown.runs.get(1)
     kinds = [flown.modal_tables.get(n).kind for n in (run.modal_table_id, run.damping_table_id)]
     assert kinds == ["FEM", "GVT"]
@@ -58,23 +58,23 @@ def test_a_table_imported_later_changes_no_model(flown):
     before = state_matrix(flown, run)
     later = stiffer(flown)
     assert (before == state_matrix(flown, run)).all()
-    anew = identified(flown, wanted(flown))
+    anew = add_hashes(flown, build_run(flown))
     assert anew.modal_table_id == later
     assert anew.input_hash != run.input_hash
-    as_before = wanted(flown, modal_table_id=run.modal_table_id)
-    assert identified(flown, as_before).input_hash == run.input_hash
+    as_before = build_run(flown, modal_table_id=run.modal_table_id)
+    assert add_hashes(flown, as_before).input_hash == run.input_hash
 
 
-def test_a_table_that_a_run_took_is_not_deleted(flown):
+def test_table_used_by_a_run_is_not_deleted(flown):
     table = flown.runs.get(1).modal_table_id
     with pytest.raises(Conflict, match="used by other records"):
         flown.modal_tables.delete(table)
     flown.modal_tables.delete(stiffer(flown))
 
 
-def test_nothing_new_begins_with_a_deleted_maneuver(flown):
+def test_deleted_maneuver_starts_no_run(flown):
     change_maneuvers(flown, [1], Action.DELETE)
     with pytest.raises(Conflict, match="maneuver 1 was deleted; restore it"):
-        identified(flown, wanted(flown))
+        add_hashes(flown, build_run(flown))
     change_maneuvers(flown, [1], Action.RESTORE)
-    assert identified(flown, wanted(flown)).input_hash is not None
+    assert add_hashes(flown, build_run(flown)).input_hash is not None

@@ -1,4 +1,4 @@
-"""Steps whose task says what happens to it; workers load this module by name."""
+"""A pipeline whose task states what happens to it; workers load this module by name."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import EstimationRun, Fit, ParameterEstimate, Progress, RunResult
 
 if TYPE_CHECKING:
-    from flexsid.jobs.steps import Steps
+    from flexsid.jobs.pipeline import JobPipeline
     from flexsid.storage.store import Store
 
 
-def load() -> Steps:
-    from flexsid.jobs.steps import Steps
+def load() -> JobPipeline:
+    from flexsid.jobs.pipeline import JobPipeline
 
-    return Steps(prepare, compute, keep)
+    return JobPipeline(prepare, compute, save)
 
 
 def prepare(store: Store, run: EstimationRun) -> dict[str, Any]:
@@ -62,10 +62,10 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
     return {"value": 2.0}
 
 
-def keep(
+def save(
     store: Store, run_id: int, attempt: int, outcome: dict[str, Any], worker: str
 ) -> EstimationRun:
-    # Loaded here, for workers start quickly without it.
+    # Imported here, so that workers start quickly.
     import numpy as np
 
     from flexsid.storage import queue

@@ -1,4 +1,4 @@
-"""A user relies on: what was flown is recognised, kept as it was, and can be bettered."""
+"""Import of flown multisines, and optimisation of new phases."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def table(values: np.ndarray) -> str:
     return "\n".join(["wf1s,wf4s", *rows]) + "\n"
 
 
-def test_columns_become_the_inputs_of_a_design_that_can_be_bettered(empty: TestClient):
+def test_columns_are_imported_as_inputs_and_phases_are_improved(empty: TestClient):
     flown = sent(empty, table(samples()))
     assert flown.status_code == 201, flown.text
     (design,) = flown.json()["items"]
-    assert design["wish"]["duration_s"] == 8.0
-    first, second = design["wish"]["inputs"]
+    assert design["specification"]["duration_s"] == 8.0
+    first, second = design["specification"]["inputs"]
     assert (first["name"], first["harmonics"]) == ("wf1s", list(HARMONICS["a"]))
     assert second["harmonics"] == list(HARMONICS["b"])
     rows = empty.get(f"{URL}/{design['id']}/export?form=csv").text.splitlines()
@@ -55,13 +55,13 @@ def test_columns_become_the_inputs_of_a_design_that_can_be_bettered(empty: TestC
     order = {"name": "anew", "effort": "quick"}
     begun = empty.post(f"{URL}/{design['id']}/redesign", json=order)
     done = ended(empty, begun.headers["location"])
-    better = empty.get(f"{URL}/{done['made']}").json()
-    assert better["wish"]["inputs"] == design["wish"]["inputs"]
+    better = empty.get(f"{URL}/{done['result_id']}").json()
+    assert better["specification"]["inputs"] == design["specification"]["inputs"]
     for name, factor in better["peak_factors"].items():
         assert factor < design["peak_factors"][name] - 0.05
 
 
-def test_what_is_no_multisine_is_refused_by_column(empty: TestClient):
+def test_column_without_multisine_is_refused(empty: TestClient):
     noise = samples()
     noise[:, 1] = np.random.default_rng(0).normal(size=400)
     refused = sent(empty, table(noise))
@@ -77,12 +77,12 @@ def test_the_multisines_of_maewing1_are_recognised(
     empty: TestClient, database_url: str, capsys: pytest.CaptureFixture[str]
 ):
     files = sorted(FLOWN.glob("*.csv"))
-    form = {"name": "Geri", "rate_hz": "150", "apart": "true"}
+    form = {"name": "Geri", "rate_hz": "150", "separate": "true"}
     parts = [("files", (file.name, file.read_bytes())) for file in files]
-    kept = empty.post(f"{URL}/flown", files=parts, data=form)
-    assert kept.status_code == 201, kept.text
-    assert [one["name"] for one in kept.json()["items"]] == [file.stem for file in files]
-    for one in kept.json()["items"]:
+    stored = empty.post(f"{URL}/flown", files=parts, data=form)
+    assert stored.status_code == 201, stored.text
+    assert [one["name"] for one in stored.json()["items"]] == [file.stem for file in files]
+    for one in stored.json()["items"]:
         (only,) = one["peak_factors"].values()
         assert 1.0 < only < 2.0
     pair = [str(FLOWN / f"playback_OMS2_{k}.csv") for k in (1, 2)]

@@ -1,4 +1,4 @@
-"""A search for structure over flown maneuvers: asked for, carried out, its candidates as runs."""
+"""Model structure searches over flown maneuvers, and runs of their candidates."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, SearchStart, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.workflow.structure_determination.searches import (
-    candidate_of,
-    open_as_run,
+    compute_search,
+    create_candidate_run,
+    get_candidate,
     prepare_search,
-    search,
 )
 
 ABSENT = (
@@ -32,7 +32,7 @@ SPEEDS = (0.65, 0.7, 0.75)
 
 @pytest.fixture(scope="module")
 def flown_store(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory):
-    """Three maneuvers of FLEX-28 whose truth lacks the terms above."""
+    """Three maneuvers of FLEX-28 without the terms above."""
     file = tmp_path_factory.mktemp("searched") / "searched.db"
     file.write_bytes(migrated_file.read_bytes())
     store = Store.open(f"sqlite:///{file}")
@@ -47,7 +47,9 @@ def flown_store(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory):
     store.close()
 
 
-def wanted(method: Method, maneuvers: tuple[int, ...] = (1,), **settings: Any) -> StructureSearch:
+def build_search(
+    method: Method, maneuvers: tuple[int, ...] = (1,), **settings: Any
+) -> StructureSearch:
     return StructureSearch(
         aircraft_id=1,
         maneuver_ids=maneuvers,
@@ -59,53 +61,57 @@ def wanted(method: Method, maneuvers: tuple[int, ...] = (1,), **settings: Any) -
 
 @pytest.mark.parametrize("method", Method)
 def test_every_method_finds_the_terms_of_a_flown_maneuver(flown_store: Store, method: Method):
-    told = []
-    result = search(prepare_search(flown_store, wanted(method)), told.append)
+    progress = []
+    result = compute_search(prepare_search(flown_store, build_search(method)), progress.append)
     proposed = result.proposed
     assert sorted(proposed.structure.absent) == sorted(ABSENT)
     assert proposed.n_terms == 44 - len(ABSENT)
     assert proposed is result.candidates[0], "the true structure also predicts best"
     # of two modes that fly, not eight
     assert proposed.flutter_m_s == pytest.approx(70.1, abs=1.0)
-    assert result.sentence.startswith(f"{method.value} over m0 asks for 31 of 44 terms")
-    assert [step.fraction for step in told] == sorted(step.fraction for step in told)
+    assert result.sentence.startswith(f"{method.value} over m0 supports 31 of 44 terms")
+    assert [step.fraction for step in progress] == sorted(step.fraction for step in progress)
     terms = {term.name: term for group in result.groups for term in group.terms}
     assert set(terms) == set(proposed.structure.free or ()) | set(ABSENT)
     assert all((terms[name].stability or 0.0) <= 0.5 for name in ABSENT)
     assert terms["CZ_alpha"].stability == 1.0
 
 
-def test_a_campaign_is_searched_together_and_predicts_what_it_did_not_see(flown_store: Store):
-    request = wanted(Method.OE, (1, 2), validate_on=(3,), begin=SearchStart.EQUATION_ERROR, draws=2)
-    result = search(prepare_search(flown_store, request), lambda progress: None)
+def test_search_over_a_campaign_is_cross_validated(flown_store: Store):
+    request = build_search(
+        Method.OE, (1, 2), validate_on=(3,), begin=SearchStart.EQUATION_ERROR, draws=2
+    )
+    result = compute_search(prepare_search(flown_store, request), lambda progress: None)
     assert sorted(result.proposed.structure.absent) == sorted(ABSENT)
     assert [one.name for one in result.proposed.predicted] == ["m2"]
     assert (result.proposed.predicted[0].r_squared or 0.0) > 0.8
 
 
-def test_a_candidate_opens_as_one_run_however_often_it_is_opened(flown_store: Store):
-    result = search(prepare_search(flown_store, wanted(Method.EE)), lambda progress: None)
-    waiting = flown_store.searches.add(wanted(Method.EE, (1, 2)))
-    with pytest.raises(Conflict, match="has no candidates yet"):
-        candidate_of(waiting, 0)
-    kept = flown_store.searches.add(
-        replace(wanted(Method.EE, (1, 2)), state=RunState.SUCCEEDED, result=result)
+def test_candidate_run_is_created_once(flown_store: Store):
+    result = compute_search(
+        prepare_search(flown_store, build_search(Method.EE)), lambda progress: None
     )
-    assert kept.id is not None
-    assert flown_store.searches.get(kept.id).result == result
-    run = open_as_run(flown_store, kept.id, 0, "ada")
-    assert open_as_run(flown_store, kept.id, 0, "bob") == run
+    waiting = flown_store.searches.add(build_search(Method.EE, (1, 2)))
+    with pytest.raises(Conflict, match="has no candidates yet"):
+        get_candidate(waiting, 0)
+    stored = flown_store.searches.add(
+        replace(build_search(Method.EE, (1, 2)), state=RunState.SUCCEEDED, result=result)
+    )
+    assert stored.id is not None
+    assert flown_store.searches.get(stored.id).result == result
+    run = create_candidate_run(flown_store, stored.id, 0, "ada")
+    assert create_candidate_run(flown_store, stored.id, 0, "bob") == run
     assert run.structure == result.candidates[0].structure
-    assert run.settings.together_with == (2,)
+    assert run.settings.additional_maneuver_ids == (2,)
     assert run.author == "ada"
 
 
-def test_searches_that_make_no_sense_are_refused(flown_store: Store):
-    for request, said in (
-        (wanted(Method.EE, ()), "at least one maneuver"),
-        (wanted(Method.EE, (1, 1)), "named twice"),
-        (wanted(Method.EE, (1,), validate_on=(1,)), "kept out for validation"),
-        (wanted(Method.EE, f_in=2.0), "f_out 20 is above f_in 2"),
+def test_invalid_searches_are_refused(flown_store: Store):
+    for request, message in (
+        (build_search(Method.EE, ()), "at least one maneuver"),
+        (build_search(Method.EE, (1, 1)), "named twice"),
+        (build_search(Method.EE, (1,), validate_on=(1,)), "for the search and for validation"),
+        (build_search(Method.EE, f_in=2.0), "f_out 20 is above f_in 2"),
     ):
-        with pytest.raises(BadInput, match=said):
+        with pytest.raises(BadInput, match=message):
             prepare_search(flown_store, request)

@@ -1,4 +1,4 @@
-"""Structures over REST: files looked at, questions answered, modes listed, drawn and compared."""
+"""Modal data over REST: import, modes over fuel, mode shapes, correlation, observability."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ ROLLING = [1.0, 0.0, -1.0, 0.0, -0.6, 0.6]
 
 
 def upload(client: TestClient, *files: tuple[str, bytes]) -> str:
-    answer = client.post("/api/v1/uploads", files=[("files", file) for file in files])
-    assert answer.status_code == 201, answer.text
-    return answer.json()["upload"]["id"]
+    response = client.post("/api/v1/uploads", files=[("files", file) for file in files])
+    assert response.status_code == 201, response.text
+    return response.json()["upload"]["id"]
 
 
 @pytest.fixture
 def table(client: TestClient) -> Any:
-    """A small structure at three fuel weights whose modes cross after the second."""
+    """A small structure at three fuel fractions; its modes cross after the second."""
     files = [
         ("deck.bdf", DECK),
         ("empty.f06", printout((5.0, 7.0), [BENDING, ROLLING])),
@@ -49,12 +49,12 @@ def table(client: TestClient) -> Any:
     ]
     identity = upload(client, *files)
     found = client.get(f"/api/v1/uploads/{identity}/structure").json()
-    assert [question["field"] for question in found["questions"]] == [
+    assert [item["field"] for item in found["queries"]] == [
         "length_unit",
         "mass_unit",
         "generalized_mass",
     ]
-    wanted = {
+    payload = {
         "aircraft_id": 1,
         "name": "wing",
         "length_unit": "ft",
@@ -62,12 +62,12 @@ def table(client: TestClient) -> Any:
         "generalized_mass": "unit",
         "fuel": {"empty.f06": 0.0, "half.f06": 0.5, "full.f06": 1.0},
     }
-    answer = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    response = client.post(f"/api/v1/uploads/{identity}/structure", json=payload)
+    assert response.status_code == 201, response.text
+    return response.json()
 
 
-def test_a_structure_is_kept_with_what_was_said_of_it(client: TestClient, table: Any) -> None:
+def test_modal_data_are_stored_with_units_and_notes(client: TestClient, table: Any) -> None:
     assert table["fuel"] == [0.0, 0.5, 1.0]
     assert table["names"] == ["SW1B", "AW1B"]
     assert table["symmetric"] == [True, False]
@@ -77,26 +77,28 @@ def test_a_structure_is_kept_with_what_was_said_of_it(client: TestClient, table:
     assert modes[0]["frequency_hz"] == pytest.approx(5.0, rel=1e-5)
 
 
-def test_modes_are_followed_through_the_crossing(client: TestClient, table: Any) -> None:
+def test_modes_are_tracked_through_crossing(client: TestClient, table: Any) -> None:
     at_full = client.get(f"/api/v1/modal-tables/{table['id']}/modes?fuel=1").json()["items"]
     assert [(mode["name"], round(mode["frequency_hz"], 4)) for mode in at_full] == [
         ("AW1B", 6.0),
         ("SW1B", 6.6),
     ]
-    answer = client.get(f"/api/v1/modal-tables/{table['id']}/shape?number=1&fuel=0.8").json()
-    assert answer["name"] == "SW1B"
-    moved = np.array(answer["displacement_m"])[:, 2] / 0.3048
-    assert moved == pytest.approx(BENDING, abs=1e-5)  # up is up, whatever sign a row had
-    assert np.array(answer["nodes_m"])[:3, 1] == pytest.approx([-1.2192, 0.0, 1.2192])
-    assert answer["sensors"][0]["sensor"]
+    response = client.get(f"/api/v1/modal-tables/{table['id']}/shape?number=1&fuel=0.8").json()
+    assert response["name"] == "SW1B"
+    moved = np.array(response["displacement_m"])[:, 2] / 0.3048
+    assert moved == pytest.approx(
+        BENDING, abs=1e-5
+    )  # the sign of the shapes is consistent over fuel
+    assert np.array(response["nodes_m"])[:3, 1] == pytest.approx([-1.2192, 0.0, 1.2192])
+    assert response["sensors"][0]["sensor"]
 
 
-def test_versions_stand_side_by_side(client: TestClient, table: Any) -> None:
+def test_import_of_same_name_is_new_version(client: TestClient, table: Any) -> None:
     identity = upload(
         client, ("a.f06", printout((5.1, 7.2), [BENDING, ROLLING])), ("deck.bdf", DECK)
     )
-    wanted = {"aircraft_id": 1, "name": "wing", "length_unit": "ft", "generalized_mass": "unknown"}
-    second = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted).json()
+    payload = {"aircraft_id": 1, "name": "wing", "length_unit": "ft", "generalized_mass": "unknown"}
+    second = client.post(f"/api/v1/uploads/{identity}/structure", json=payload).json()
     assert (second["name"], second["version"]) == ("wing", table["version"] + 1)
     at = f"/api/v1/modal-tables/{table['id']}/correlation?other_id={second['id']}&fuel=0"
     pairs = client.get(at).json()["pairs"]
@@ -104,22 +106,22 @@ def test_versions_stand_side_by_side(client: TestClient, table: Any) -> None:
     assert pairs[0]["frequency_change"] == pytest.approx(0.02, abs=1e-5)
 
 
-def test_a_name_is_corrected_and_the_reason_kept(client: TestClient, table: Any) -> None:
+def test_mode_name_is_corrected_with_reason(client: TestClient, table: Any) -> None:
     at = f"/api/v1/modal-tables/{table['id']}"
-    wanted = {"number": 2, "name": "AW1T", "symmetric": False, "reason": "it twists in the GVT"}
+    payload = {"number": 2, "name": "AW1T", "symmetric": False, "reason": "it twists in the GVT"}
     headers = {"X-Flexsid-Analyst": "Ada"}
-    answer = client.post(f"{at}/corrections", json=wanted, headers=headers)
-    assert answer.status_code == 201
+    response = client.post(f"{at}/corrections", json=payload, headers=headers)
+    assert response.status_code == 201
     mode = client.get(f"{at}/modes?fuel=0").json()["items"][1]
     assert mode["name"] == "AW1T"
     assert mode["reason"] == "it twists in the GVT (corrected, by Ada)"
     assert client.get(at).json()["names"] == ["SW1B", "AW1T"]
-    refused = client.post(f"{at}/corrections", json={**wanted, "reason": " "})
+    refused = client.post(f"{at}/corrections", json={**payload, "reason": " "})
     assert refused.json()["code"] == "invalid-request"
 
 
 @pytest.mark.parametrize(
-    ("files", "wanted", "code"),
+    ("files", "payload", "code"),
     [
         ((("a.f06", printout((5.0,), [BENDING])),), {}, "unit-needed"),
         ((("a.f06", printout((5.0,), [BENDING])),), {"length_unit": "m"}, "mass-needed"),
@@ -146,20 +148,20 @@ def test_a_name_is_corrected_and_the_reason_kept(client: TestClient, table: Any)
         ),
     ],
 )
-def test_what_is_missing_is_asked_for(
-    client: TestClient, files: Any, wanted: dict[str, Any], code: str
+def test_missing_information_is_reported(
+    client: TestClient, files: Any, payload: dict[str, Any], code: str
 ) -> None:
     identity = upload(client, *files)
     before = client.get("/api/v1/modal-tables").json()["items"]
-    answer = client.post(
-        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "x", **wanted}
+    response = client.post(
+        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "x", **payload}
     )
-    assert 400 <= answer.status_code < 500
-    assert answer.json()["code"] == code
+    assert 400 <= response.status_code < 500
+    assert response.json()["code"] == code
     assert client.get("/api/v1/modal-tables").json()["items"] == before
 
 
-def test_the_demonstration_aircraft_is_drawn(client: TestClient) -> None:
+def test_mode_shape_of_demonstration_aircraft(client: TestClient) -> None:
     shape = client.get("/api/v1/modal-tables/1/shape?number=9&fuel=0.3").json()
     assert shape["name"] == "SW1T"
     assert len(shape["nodes_m"]) == shape["n_nodes"] == 133
@@ -169,11 +171,11 @@ def test_the_demonstration_aircraft_is_drawn(client: TestClient) -> None:
 
 
 @needs_fem
-def test_maewing1_comes_in_with_its_flutter_summary(client: TestClient) -> None:
+def test_maewing1_is_imported_with_flutter_summary(client: TestClient) -> None:
     names = ["sol103_maewing1_femv4p2p1.op2", "sol103_maewing1_femv4p2p1.f06"]
     identity = upload(client, *((name, (FEM / name).read_bytes()) for name in names))
-    wanted = {"aircraft_id": 1, "name": "FEM 4.2.1", "length_unit": "in", "mass_unit": "slinch"}
-    table = client.post(f"/api/v1/uploads/{identity}/structure", json=wanted).json()
+    payload = {"aircraft_id": 1, "name": "FEM 4.2.1", "length_unit": "in", "mass_unit": "slinch"}
+    table = client.post(f"/api/v1/uploads/{identity}/structure", json=payload).json()
     assert table["names"][:5] == ["SW1B", "AW1T", "SW1T", "AW1B", "SW2B"]
     assert any("agree with the largest displacements printed" in n for n in table["notes"])
     name = "sol145_maewing1_femv5p2.f06"
@@ -184,14 +186,14 @@ def test_maewing1_comes_in_with_its_flutter_summary(client: TestClient) -> None:
     assert summary["points"][0]["omega_rad_s"] == pytest.approx(36.5, abs=0.3)
 
 
-def test_the_number_of_modes_a_condition_needs_is_told_with_evidence(client: TestClient) -> None:
+def test_number_of_modes_needed_at_condition(client: TestClient) -> None:
     condition = "aircraft_id=1&airspeed_m_s=39.8&fuel=0.5&altitude_m=1524"
-    told = client.get(f"/api/v1/modal-tables/order?{condition}").json()
-    assert told["needed"] in (2, 3, 4)
-    assert len(told["steps"]) == 9
-    assert told["steps"][-1]["bias"] == pytest.approx(0.0, abs=1e-9)
-    assert "every derivative of the rigid body is within" in told["evidence"][0]
-    assert "With one mode fewer" in told["evidence"][1]
+    result = client.get(f"/api/v1/modal-tables/order?{condition}").json()
+    assert result["needed"] in (2, 3, 4)
+    assert len(result["steps"]) == 9
+    assert result["steps"][-1]["bias"] == pytest.approx(0.0, abs=1e-9)
+    assert "every derivative of the rigid body is within" in result["evidence"][0]
+    assert "With one mode fewer" in result["evidence"][1]
     drawn = client.get(f"/api/v1/figures/model-order?{condition}&derivatives=Cm_alpha").json()
     assert [trace["name"] for trace in drawn["data"]] == ["residualised", "truncated"]
     band = drawn["layout"]["shapes"][0]
@@ -201,23 +203,23 @@ def test_the_number_of_modes_a_condition_needs_is_told_with_evidence(client: Tes
     ).json()
     names = [trace["name"] for trace in responses["data"][::2]]
     assert names[0] == "all 8 modes"
-    assert names[1:] == ["SP + SW1B", "SP + SW1B + SW1T + SFA", "sensors blind to the structure"]
+    assert names[1:] == ["SP + SW1B", "SP + SW1B + SW1T + SFA", "rigid-body sensors (C_e = 0)"]
 
 
-def test_observability_tells_which_sensor_sees_what(client: TestClient) -> None:
-    told = client.get("/api/v1/modal-tables/1/observability?fuel=0.5").json()
-    assert told["names"][:4] == ["SW1B", "SW1T", "SFA", "SWL"]
-    rows = {row["sensor"]: row["share"] for row in told["rows"]}
-    # Outboard accelerometers see wing torsion; the one at the c.g. next to nothing of it.
+def test_observability_of_modes_by_sensor(client: TestClient) -> None:
+    result = client.get("/api/v1/modal-tables/1/observability?fuel=0.5").json()
+    assert result["names"][:4] == ["SW1B", "SW1T", "SFA", "SWL"]
+    rows = {row["sensor"]: row["share"] for row in result["rows"]}
+    # Outboard accelerometers respond to wing torsion, the one at the c.g. hardly.
     assert rows["az_oar"][1] > 4 * rows["az_egi"][1]
-    assert all(error is not None and error >= 1.0 for error in told["std_error"])
-    best = told["candidates"][0]
-    assert best["gain"] == max(c["gain"] for c in told["candidates"])
-    assert best["helps"] in told["names"]
+    assert all(error is not None and error >= 1.0 for error in result["std_error"])
+    best = result["candidates"][0]
+    assert best["gain"] == max(c["gain"] for c in result["candidates"])
+    assert best["helps"] in result["names"]
     assert 0.0 < best["shrinks_to"] < 1.0
 
 
-def test_modes_are_drawn_over_fuel_and_against_each_other(client: TestClient, table: Any) -> None:
+def test_figures_of_modes_over_fuel_and_mac(client: TestClient, table: Any) -> None:
     figure = client.get(f"/api/v1/figures/modes-against-fuel?modal_table_id={table['id']}").json()
     (crossing,) = [trace for trace in figure["data"] if trace["name"] == "crossing"]
     assert crossing["text"] == ["SW1B × AW1B"]
@@ -228,14 +230,12 @@ def test_modes_are_drawn_over_fuel_and_against_each_other(client: TestClient, ta
 
 
 @pytest.mark.parametrize("form", ["uff", "csv"])
-def test_what_was_imported_is_written_and_comes_back_the_same(
-    client: TestClient, table: Any, form: str
-) -> None:
+def test_exported_modes_are_imported_unchanged(client: TestClient, table: Any, form: str) -> None:
     written = client.get(f"/api/v1/modal-tables/{table['id']}/file?form={form}&fuel=0.5")
     assert f".{form}" in written.headers["content-disposition"]
     identity = upload(client, (f"back.{form}", written.content))
     found = client.get(f"/api/v1/uploads/{identity}/structure").json()
-    assert found["questions"] == []  # the file says its units and masses
+    assert found["queries"] == []  # the file contains units and masses
     again = client.post(
         f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "back"}
     ).json()

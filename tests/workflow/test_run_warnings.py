@@ -1,4 +1,4 @@
-"""What a run is refused for at once, and what its result says of the model that was chosen."""
+"""Refused requests, and warnings about the model of a run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.computation import EstimationTask, compute
+from flexsid.workflow.runs.computation import EstimationTask, compute_run
 from flexsid.workflow.runs.estimation import prepare
 
 Ask = Callable[..., EstimationTask]
@@ -40,13 +40,13 @@ def ask(flown_url: str) -> Iterator[Ask]:
     store.close()
 
 
-def test_an_antisymmetric_mode_is_told(ask: Ask) -> None:
+def test_antisymmetric_mode_raises_a_warning(ask: Ask) -> None:
     (warning,) = ask(Method.OE, modes=(7, 8)).warnings
     assert warning.startswith("AW1B is antisymmetric")
     assert ask(Method.OE).warnings == ()
 
 
-def test_excited_inputs_that_the_model_leaves_out_are_told(ask: Ask) -> None:
+def test_omitted_excited_inputs_raise_a_warning(ask: Ask) -> None:
     (warning,) = ask(Method.OE, inputs=("bfs", "wf1s", "wf3s", "wf4s")).warnings
     assert warning.startswith("wf2s is excited too")
 
@@ -58,11 +58,11 @@ def test_frequency_response_error_of_some_inputs_finds_the_truth(
     task = ask(Method.FRE, inputs=inputs)
     assert task.model.inputs == inputs
     assert task.warnings == ()
-    found = compute(task, lambda progress: None).estimate
+    found = compute_run(task, lambda progress: None).estimate
     assert {block.name for block in found.lines} == set(inputs)
     truth = load_truth().derivatives_at(0.5, 2).named()
-    wanted = np.array([truth[name] for name in found.names])
-    error = (found.values - wanted) / found.std_errors
+    expected = np.array([truth[name] for name in found.names])
+    error = (found.values - expected) / found.std_errors
     assert np.mean(np.abs(error) <= 2.0) >= 0.85
     assert 0.5 < np.sqrt(np.mean(error**2)) < 1.4
 
@@ -75,25 +75,25 @@ def test_frequency_responses_need_the_deflection_of_every_excited_input(
     with store.transaction():
         store.channels.delete(channel.id or 0)
     task = ask(Method.FRE, inputs=("bfs", "wf1s"))
-    with pytest.raises(BadInput, match="belong to none of bfs, wf1s, wf3s, wf4s") as refused:
-        compute(task, lambda progress: None)
-    assert refused.value.code == "inputs-left-out"
+    with pytest.raises(BadInput, match="assigned to none of bfs, wf1s, wf3s, wf4s") as refused:
+        compute_run(task, lambda progress: None)
+    assert refused.value.code == "inputs-excluded"
     store.close()
 
 
 def test_equation_error_holds_delays_that_the_other_methods_estimate(ask: Ask) -> None:
     task = ask(Method.EE, free_delays=True)
     assert task.warnings == ("Equation error holds the delays; OE and FRE estimate them.",)
-    found = compute(task, lambda progress: None)
+    found = compute_run(task, lambda progress: None)
     assert not any(name.startswith("delay_") for name in found.estimate.names)
     assert "delay_q" in ask(Method.OE, free_delays=True).extras
 
 
-def test_equation_error_refuses_what_it_does_not_hold_before_it_is_queued(ask: Ask) -> None:
+def test_extra_parameters_of_equation_error_are_refused(ask: Ask) -> None:
     with pytest.raises(BadInput, match="'omega_7' needs OE or FRE"):
-        ask(Method.EE, also_free=("omega_7",))
+        ask(Method.EE, extra_parameters=("omega_7",))
 
 
-def test_a_shape_without_mode_says_how_it_is_written(ask: Ask) -> None:
+def test_error_of_a_shape_without_mode_has_the_syntax(ask: Ask) -> None:
     with pytest.raises(BadInput, match="shape_<output>_<mode>, such as shape_alpha_7"):
-        ask(Method.OE, also_free=("shape_xyz",))
+        ask(Method.OE, extra_parameters=("shape_xyz",))

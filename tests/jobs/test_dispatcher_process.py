@@ -1,4 +1,4 @@
-"""The dispatcher in a process of its own."""
+"""The dispatcher in a separate process."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import pytest
 from waiting import PATIENCE_S, wait_until
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.apart import DispatcherApart, Duty
-from flexsid.jobs.steps import Steps
+from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
+from flexsid.jobs.pipeline import JobPipeline
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import leases
 from flexsid.storage.store import Store
@@ -24,10 +24,10 @@ HERE = Path(__file__).parent
 
 SERVER = """
 import sys, time
-import stub_steps
-from flexsid.jobs.apart import DispatcherApart, Duty
+import stub_pipeline
+from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
 
-dispatcher = DispatcherApart(Duty(sys.argv[1], stub_steps.load, workers=1))
+dispatcher = DispatcherProcess(DispatcherSettings(sys.argv[1], stub_pipeline.load, workers=1))
 dispatcher.start()
 dispatcher.wake()
 time.sleep(120)
@@ -35,10 +35,10 @@ time.sleep(120)
 
 
 @pytest.fixture
-def duty(database_url: str, steps: Steps) -> Duty:
-    import stub_steps
+def settings(database_url: str, pipeline: JobPipeline) -> DispatcherSettings:
+    import stub_pipeline
 
-    return Duty(database_url, stub_steps.load, workers=1)
+    return DispatcherSettings(database_url, stub_pipeline.load, workers=1)
 
 
 @pytest.fixture
@@ -47,39 +47,39 @@ def changed() -> threading.Event:
 
 
 @pytest.fixture
-def apart(duty: Duty, changed: threading.Event) -> Iterator[DispatcherApart]:
-    made = DispatcherApart(duty, changed.set)
+def process(settings: DispatcherSettings, changed: threading.Event) -> Iterator[DispatcherProcess]:
+    made = DispatcherProcess(settings, changed.set)
     made.start()
     yield made
     made.stop()
 
 
-def test_what_is_queued_is_carried_out_and_the_server_hears_of_it(
+def test_queued_runs_are_executed_and_the_server_is_notified(
     add_run: Callable[..., EstimationRun],
     until: Callable[..., EstimationRun],
-    apart: DispatcherApart,
+    process: DispatcherProcess,
     changed: threading.Event,
 ) -> None:
-    apart.wake()
+    process.wake()
     assert changed.wait(PATIENCE_S)  # it has begun
     changed.clear()
     run = add_run(author="compute")
-    apart.wake()
+    process.wake()
     assert until(run).state is RunState.SUCCEEDED
     assert changed.wait(PATIENCE_S)
 
 
-def test_a_run_goes_on_when_its_dispatcher_is_killed(
+def test_a_run_is_resumed_after_its_dispatcher_is_killed(
     store: Store,
     add_run: Callable[..., EstimationRun],
     until: Callable[..., EstimationRun],
     process_of: Callable[[Path], int],
     is_over: Callable[[int], None],
-    apart: DispatcherApart,
+    process: DispatcherProcess,
     tmp_path: Path,
 ) -> None:
     run = add_run(author=f"hold-once {tmp_path}/pid")
-    apart.wake()
+    process.wake()
     worker = process_of(tmp_path / "pid")
     os.kill(_dispatcher(store), signal.SIGKILL)
     is_over(worker)
@@ -87,21 +87,21 @@ def test_a_run_goes_on_when_its_dispatcher_is_killed(
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
 
 
-def test_stopping_leaves_no_process_and_the_run_for_the_next_server(
+def test_stopping_leaves_no_process_and_queues_the_run_again(
     store: Store,
     add_run: Callable[..., EstimationRun],
     until: Callable[..., EstimationRun],
     process_of: Callable[[Path], int],
     is_over: Callable[[int], None],
-    duty: Duty,
+    settings: DispatcherSettings,
     tmp_path: Path,
 ) -> None:
     run = add_run(author=f"hold {tmp_path}/pid")
-    apart = DispatcherApart(duty)
-    apart.start()
-    apart.wake()
+    process = DispatcherProcess(settings)
+    process.start()
+    process.wake()
     worker, dispatcher = process_of(tmp_path / "pid"), _dispatcher(store)
-    apart.stop()
+    process.stop()
     is_over(worker)
     is_over(dispatcher)
     assert until(run, RunState.QUEUED).attempt == 1
@@ -132,17 +132,19 @@ def test_it_ends_with_a_server_that_is_killed(
 
 
 def test_a_server_without_its_cluster_does_not_start(
-    steps: Steps, monkeypatch: pytest.MonkeyPatch
+    pipeline: JobPipeline, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stub_steps
+    import stub_pipeline
 
     monkeypatch.setattr("flexsid.jobs.cluster._CONNECT_S", 0.2)
-    apart = DispatcherApart(Duty("", stub_steps.load, dask="tcp://127.0.0.1:1"))
-    with pytest.raises(FlexsidError, match="no Dask scheduler answers"):
-        apart.start()
+    process = DispatcherProcess(
+        DispatcherSettings("", stub_pipeline.load, dask="tcp://127.0.0.1:1")
+    )
+    with pytest.raises(FlexsidError, match="no Dask scheduler responds"):
+        process.start()
 
 
 def _dispatcher(store: Store) -> int:
-    """Number of the process that has the lease."""
+    """Return the PID of the process that has the lease."""
     holder = wait_until(lambda: leases.read(store).holder, "a dispatcher")
     return int(holder.split(" ")[2])

@@ -1,4 +1,4 @@
-"""Many who change the same thing at the same moment: nothing is lost, on any database."""
+"""Concurrent changes of one record: none is lost, on any database."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexsid.workflow.model_structures.model_structures import (
     edit_structure,
 )
 from flexsid.workflow.review import decision_review
-from flexsid.workflow.review.evidence import chain_is_whole
+from flexsid.workflow.review.evidence import is_chain_intact
 
 MANY = 6
 
@@ -39,12 +39,10 @@ def _structure(store: Store, aircraft: Aircraft) -> ModelStructure:
     )
 
 
-def test_of_many_edits_at_once_one_is_kept_and_the_others_are_told(
-    store: Store, aircraft: Aircraft
-) -> None:
-    kept = _structure(store, aircraft)
-    assert kept.id is not None
-    structure_id = kept.id
+def test_one_of_concurrent_edits_is_stored(store: Store, aircraft: Aircraft) -> None:
+    stored = _structure(store, aircraft)
+    assert stored.id is not None
+    structure_id = stored.id
 
     def edit(place: int) -> ModelStructure:
         return edit_structure(
@@ -60,21 +58,21 @@ def test_of_many_edits_at_once_one_is_kept_and_the_others_are_told(
     done = _at_once(edit)
     (won,) = [one for one in done if isinstance(one, ModelStructure)]
     assert store.model_structures.get(structure_id) == won
-    for told in done:
-        if told is not won:
-            assert told.context["current"].name == won.name
+    for conflict in done:
+        if conflict is not won:
+            assert conflict.context["current"].name == won.name
     versions = store.structure_versions.find(structure_id=structure_id)
     assert [one.version for one in versions] == [1, 2]
 
 
-def test_words_said_at_once_are_all_kept_in_one_chain(store: Store, aircraft: Aircraft) -> None:
-    kept = _structure(store, aircraft)
-    assert kept.id is not None
+def test_concurrent_comments_are_stored_in_one_chain(store: Store, aircraft: Aircraft) -> None:
+    stored = _structure(store, aircraft)
+    assert stored.id is not None
     decision = decision_review.propose(
         store,
         StructureProposal(
             title="SP",
-            structure=StructureReference(id=kept.id, version=1),
+            structure=StructureReference(id=stored.id, version=1),
             limits={},
             reasoning="enough",
         ),
@@ -85,5 +83,5 @@ def test_words_said_at_once_are_all_kept_in_one_chain(store: Store, aircraft: Ai
     _at_once(lambda place: decision_review.comment(store, number, f"word {place}", str(place)))
     events = store.decision_events.find(decision_id=number)
     assert {event.text for event in events[1:]} == {f"word {place}" for place in range(MANY)}
-    assert chain_is_whole(events)
+    assert is_chain_intact(events)
     assert store.decisions.get(number).version == MANY + 1

@@ -1,4 +1,4 @@
-"""Which modal table a result rests on, and whose damping: by what modes are, not by number."""
+"""Selection of the modal table and of the damping, by mode names and shapes, not numbers."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from flexsid.errors import BadInput
 from flexsid.records.modal_table import ModalKind
 from flexsid.storage.store import Store
 from flexsid.workflow.modal_data.aligned_modes import ASSUMED_DAMPING, find_modal_tables, load_modes
-from flexsid.workflow.modal_data.tracked_modes import damping_at, open_modes
-from flexsid.workflow.views.model_order import OrderQuestion, model_order
+from flexsid.workflow.modal_data.tracked_modes import interpolate_damping, open_modes
+from flexsid.workflow.views.model_order import OrderQuery, study_model_order
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 
@@ -25,10 +25,10 @@ def flown(flown_url: str):
 
 
 def stored(store, kind, **arrays):
-    """The newest table of this kind of FLEX-28, with other arrays."""
+    """Return the newest table of this kind of FLEX-28 with other arrays."""
     table = [t for t in store.modal_tables.find(aircraft_id=1) if t.kind is kind][-1]
-    kept = {name: store.arrays.put(np.asarray(values)) for name, values in arrays.items()}
-    return replace(table, id=None, arrays=kept)
+    stored = {name: store.arrays.put(np.asarray(values)) for name, values in arrays.items()}
+    return replace(table, id=None, arrays=stored)
 
 
 def with_warnings(store):
@@ -45,8 +45,8 @@ def rotated(values):
     return (*values[1:], values[0])
 
 
-def test_a_test_that_numbers_its_modes_otherwise_gives_no_damping_by_number(flown):
-    """Modes without name or shape stay without damping, in runs and in lists of modes alike."""
+def test_damping_is_not_assigned_by_mode_number(flown):
+    """Modes without name or shape have no damping, in runs and in lists of modes."""
     table = stored(flown, ModalKind.GVT, zeta=np.full((2, 25), 0.11))
     names = ("",) * len(table.names)
     flown.modal_tables.add(replace(table, name="another", names=names))
@@ -54,7 +54,7 @@ def test_a_test_that_numbers_its_modes_otherwise_gives_no_damping_by_number(flow
     assert set(found.values()) == {ASSUMED_DAMPING}
     assert "No damping is known for modes" in warnings[0]
     modes = open_modes(flown, flown.modal_tables.get(1))
-    assert np.isnan(damping_at(flown, modes, 0.5)).all()
+    assert np.isnan(interpolate_damping(flown, modes, 0.5)).all()
 
 
 def test_damping_is_found_by_name(flown):
@@ -83,31 +83,31 @@ def test_damping_is_found_by_shape_and_never_where_the_shape_is_another(flown):
     flown.modal_tables.add(replace(table, names=("",) * 25))
     after, warnings = with_warnings(flown)
     assert [after[n] for n in (7, 9, 11)] == pytest.approx([before[n] for n in (7, 9, 11)])
-    assert any("whose shape is alike (MAC 1.00)" in text for text in warnings)
+    assert any("whose shape is similar (MAC 1.00)" in text for text in warnings)
     # The names of the model on shapes of other modes: the names are wrong.
     flown.modal_tables.add(table)
     after, warnings = with_warnings(flown)
     assert after[9] != pytest.approx(before[7], rel=1e-3)
-    assert any("its shape there is another one" in text for text in warnings)
+    assert any("its shape differs" in text for text in warnings)
 
 
-QUESTION = OrderQuestion(aircraft_id=1, airspeed_m_s=39.8, fuel=0.5, altitude_m=1524.0)
+QUERY = OrderQuery(aircraft_id=1, airspeed_m_s=39.8, fuel=0.5, altitude_m=1524.0)
 
 
-def test_model_order_rests_on_the_table_that_was_predicted_for(flown):
-    """A structure of another name, imported later, has none of the predicted modes."""
-    before = model_order(flown, QUESTION)
+def test_model_order_uses_the_modal_table_of_the_prediction(flown):
+    """A table of another name, imported later, has none of the predicted modes."""
+    before = study_model_order(flown, QUERY)
     fem = flown.modal_tables.get(1)
     other = flown.modal_tables.add(
         replace(fem, id=None, name="wing alone", numbers=tuple(range(101, 126)))
     )
-    assert model_order(flown, QUESTION) == before
+    assert study_model_order(flown, QUERY) == before
     assert find_modal_tables(flown, 1, None, None)[0].id == fem.id
     with pytest.raises(BadInput, match="has no generalised force of the modes of modal table"):
-        model_order(flown, replace(QUESTION, modal_table_id=other.id))
+        study_model_order(flown, replace(QUERY, modal_table_id=other.id))
     partly = flown.modal_tables.add(
         replace(fem, id=None, numbers=(*range(1, 10), *range(110, 126)))
     )
-    said = model_order(flown, replace(QUESTION, modal_table_id=partly.id)).evidence
-    assert any("are predicted and not in modal table 'FEM'" in text for text in said)
-    assert any("are not in prediction" in text for text in said)
+    evidence = study_model_order(flown, replace(QUERY, modal_table_id=partly.id)).evidence
+    assert any("are predicted and not in modal table 'FEM'" in text for text in evidence)
+    assert any("are not in prediction" in text for text in evidence)

@@ -1,4 +1,4 @@
-"""Files of a structure joined: what contradicts is refused, what is left out is noted."""
+"""Merged modal data files: contradictions are rejected, unused content is noted."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.importers import confined
-from flexsid.importers.modal_data import StructureAnswers, extract_structure, look_at_structure
+from flexsid.importers import sandbox
+from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data, inspect_modal_data
 
-ANSWERS = StructureAnswers(name="wing", length_unit="m", generalized_mass="unknown")
+OPTIONS = ModalDataOptions(name="wing", length_unit="m", generalized_mass="unknown")
 DECK = "".join(f"GRID,{n},,{n}.,0.,0.\n" for n in (1, 2, 3))
 TURNED = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"  # its x is the basic y
 
@@ -36,33 +36,33 @@ def sources(tmp_path, **files: str):
         stem, kind = name.rsplit("_", 1)
         paths.append(tmp_path / f"{stem}.{kind}")
         paths[-1].write_text(text)
-    return confined.read_all(paths)
+    return sandbox.read_all(paths)
 
 
-def test_grdset_of_another_file_holds_for_all_nodes_that_name_no_system(tmp_path):
+def test_grdset_of_another_file_applies_to_nodes_without_system(tmp_path):
     files = {"main_bdf": "GRDSET,,,,,,5\nINCLUDE 'grids.bdf'\n", "frames_bdf": TURNED}
     read = sources(tmp_path, grids_bdf=DECK, results_f06=printout(), **files)
-    raw = extract_structure(read, ANSWERS)
+    raw = extract_modal_data(read, OPTIONS)
     # One metre along the x of system 5 is one along the basic y.
     assert raw.shape[0, 0, :, :3] == pytest.approx(np.tile([0.0, 1.0, 0.0], (3, 1)))
     assert not any("includes" in note for note in raw.notes)
     other = sources(tmp_path, more_bdf="GRDSET,,,,,,0\n", grids_bdf=DECK, **files)
     with pytest.raises(BadInput, match="different GRDSET"):
-        extract_structure(
-            type(other)((*other.items, *sources(tmp_path, r_f06=printout()).items)), ANSWERS
+        extract_modal_data(
+            type(other)((*other.items, *sources(tmp_path, r_f06=printout()).items)), OPTIONS
         )
 
 
-def test_what_is_not_there_and_not_read_is_noted_on_the_table(tmp_path):
+def test_missing_and_unused_content_is_noted(tmp_path):
     deck = DECK + "GRID,9,,9.,0.,0.\nINCLUDE 'rest.bdf'\nPARAM,WTMASS,.00259\n"
     second = printout(value=2.0).replace("1    JOB", "1    JOB\n0     SUBCASE 2", 1)
     read = sources(tmp_path, wing_bdf=deck, results_f06=printout() + second)
-    notes = " | ".join(extract_structure(read, ANSWERS).notes)
+    notes = " | ".join(extract_modal_data(read, OPTIONS).notes)
     assert "Shapes are given at 3 of the 4 nodes" in notes
     assert "wing.bdf: it includes rest.bdf, which is not among the files" in notes
     assert "PARAM,WTMASS is 0.00259" in notes
     assert "results.f06: it also holds 1 mode shapes of subcase 2" in notes
-    shown = look_at_structure(read).files
+    shown = inspect_modal_data(read).files
     assert any("subcase 2" in text for file in shown for text in file.refused)
 
 
@@ -73,34 +73,34 @@ def test_what_is_not_there_and_not_read_is_noted_on_the_table(tmp_path):
         ({"b_bdf": TURNED + "GRID,2,,2.,0.,0.,5\n"}, "with other displacement axes"),
         (
             {"b_bdf": TURNED, "c_bdf": TURNED.replace("0.,1.,0.", "1.,0.,0.")},
-            "coordinate system 5 is defined twice",
+            "coordinate system 5 has two different definitions",
         ),
         ({"z_f06": printout(400.0)}, "hold different modes for fuel fraction 0"),
     ],
 )
-def test_files_that_contradict_each_other_are_refused(tmp_path, files, message):
+def test_contradictory_files_are_rejected(tmp_path, files, message):
     read = sources(tmp_path, a_bdf=DECK, results_f06=printout(), **files)
     with pytest.raises(BadInput, match=message):
-        extract_structure(read, ANSWERS)
+        extract_modal_data(read, OPTIONS)
 
 
-def test_the_same_node_twice_in_one_place_is_one_node(tmp_path):
+def test_node_repeated_at_one_location_is_one_node(tmp_path):
     same = "CORD2R,7,,1.,0.,0.,1.,0.,1.\n,2.,0.,0.\nGRID,2,7,1.,0.,0.\n"
     read = sources(tmp_path, a_bdf=DECK, b_bdf=same, results_f06=printout())
-    assert extract_structure(read, ANSWERS).node_ids.tolist() == [1, 2, 3]
+    assert extract_modal_data(read, OPTIONS).node_ids.tolist() == [1, 2, 3]
 
 
-def test_generalised_masses_are_of_these_modes_or_not_taken(tmp_path):
-    unit = StructureAnswers(name="w", length_unit="m", mass_unit="kg")
+def test_generalised_masses_are_used_only_for_the_same_modes(tmp_path):
+    unit = ModalDataOptions(name="w", length_unit="m", mass_unit="kg")
     read = sources(tmp_path, a_bdf=DECK, r_f06=printout() + eigenvalues(100.0, 3.0))
-    assert extract_structure(read, unit).mass == pytest.approx(np.array([[3.0]]))
-    said = StructureAnswers(name="w", length_unit="m", mass_unit="kg", generalized_mass="unit")
-    with pytest.raises(BadInput, match="gives mode 1 a generalised mass of 3, unit was answered"):
-        extract_structure(read, said)
+    assert extract_modal_data(read, unit).mass == pytest.approx(np.array([[3.0]]))
+    unit_mass = ModalDataOptions(name="w", length_unit="m", mass_unit="kg", generalized_mass="unit")
+    with pytest.raises(BadInput, match="gives mode 1 a generalised mass of 3, expected"):
+        extract_modal_data(read, unit_mass)
     read = sources(tmp_path, a_bdf=DECK, r_f06=printout(), other_f06=eigenvalues(400.0, 3.0))
-    raw = extract_structure(read, unit)
+    raw = extract_modal_data(read, unit)
     assert raw.mass is None
     assert any("other.f06 are not used: its mode 1 has 3.183 Hz" in note for note in raw.notes)
-    asked = StructureAnswers(name="w", length_unit="m", mass_unit="kg", generalized_mass="file")
+    file_mass = ModalDataOptions(name="w", length_unit="m", mass_unit="kg", generalized_mass="file")
     with pytest.raises(BadInput, match="no file gives the generalised masses"):
-        extract_structure(read, asked)
+        extract_modal_data(read, file_mass)
