@@ -95,7 +95,7 @@ def test_modes_are_identified_stored_and_correlated(client: TestClient, response
     assert table["kind"] == "GVT"
     assert table["numbers"] == list(NUMBERS[:6])
     assert table["names"] == ["SW1B", "AW1B", "SW1T", "AW1T", "SFA", "SWL"]
-    assert table["reasons"][0].startswith("like SW1B of FEM, MAC ")
+    assert table["reasons"][0].startswith("matched to SW1B of FEM, MAC ")
     result = client.get(
         f"/api/v1/modal-tables/1/correlation?other_id={table['id']}&fuel=0&other_fuel=0"
     ).json()
