@@ -16,6 +16,10 @@ PAGE := $(shell find frontend -type f \
 export OPENBLAS_NUM_THREADS := 1
 export UV_NO_PROGRESS := 1
 export UV_LINK_MODE := copy
+# The tests start hundreds of processes; without compiled modules each compiles its libraries
+# again. An empty value also overrides an environment that forbids to write them.
+export PYTHONDONTWRITEBYTECODE :=
+export PYTHONPYCACHEPREFIX := $(CURDIR)/.cache/bytecode
 announce = @printf '\033[1mflexsid: %s\033[0m\n'
 
 .PHONY: help install demo serve docs test test-long lint types rules page-checks browser database format lock clean
@@ -65,6 +69,7 @@ $(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
 	@$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable . || \
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-deps --no-build-isolation --editable .
+	@$(BIN)/python -c 'import flexsid.cli.serve, flexsid.jobs.dispatcher_process' # compiles the modules
 	@touch $@
 
 lock: | $(BIN)/python
@@ -89,14 +94,19 @@ docs: install
 
 # One process more than cores: tests of servers and of the browser mostly wait.
 PROCESSES = $(shell $(BIN)/python -c 'import os; print((os.cpu_count() or 1) + 1)')
+# The checks run beside each other; each prints its output when it has ended.
+SYNC = $(if $(filter output-sync,$(.FEATURES)),--output-sync=recurse)
+# Not the files of most tests first, but the longest (tests/conftest.py).
+PYTEST = $(BIN)/python -m pytest --dist loadfile --no-loadscope-reorder --numprocesses $(PROCESSES)
 
-test: lint types rules page-checks browser database
+test: install
+	@$(MAKE) --no-print-directory --jobs=$(PROCESSES) $(SYNC) page-checks types database lint rules
 	$(announce) 'running the tests'
-	@$(BIN)/python -m pytest --numprocesses $(PROCESSES) --dist loadfile
+	@$(PYTEST)
 
-test-long: install browser database
+test-long: install database
 	$(announce) 'running the long tests'
-	@$(BIN)/python -m pytest --numprocesses auto --dist loadfile -m long
+	@$(PYTEST) -m long
 
 lint: install
 	$(announce) 'style and spelling'
@@ -131,8 +141,9 @@ browser:
 			echo 'flexsid: Chromium is not installed; the browser test will be skipped'; \
 		fi
 
-# The tests also run on PostgreSQL, whose server comes from the system.
-database:
+# The tests also run on PostgreSQL, whose server comes from the system; after the browser,
+# since apt-get runs once at a time.
+database: browser
 	@ls /usr/lib/postgresql/*/bin/postgres >/dev/null 2>&1 || command -v postgres >/dev/null || \
 		if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 			echo 'flexsid: installing PostgreSQL for the tests'; \
@@ -150,4 +161,4 @@ format: install
 clean:
 	rm -rf $(VENV) frontend/node_modules backend/flexsid/frontend_dist dist
 	find . -name __pycache__ -not -path './frontend/*' -prune -exec rm -rf {} +
-	rm -rf .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf .cache/bytecode .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -40,6 +40,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         "client": _client,
         "commands": _commands,
         "rest": _rest,
+        "permissions": _permissions,
         "glossary": _glossary,
     }
     for name, make in pages.items():
@@ -109,9 +110,9 @@ def _modules(folder: str) -> list[str]:
 
 
 def _commands() -> str:
-    from flexsid.cli.main import _parser
+    from flexsid.cli.main import build_parser
 
-    parser = _parser()
+    parser = build_parser()
     lines = ["# Command line", ""]
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
@@ -142,6 +143,14 @@ def _rest() -> str:
     for tag, parts in by_tag.items():
         lines += [f"## {tag.replace('-', ' ').capitalize()}", "", *parts]
     return "\n".join(lines)
+
+
+def _permissions() -> str:
+    from flexsid.api.app import create_app
+    from flexsid.api.permissions import write_permissions
+    from flexsid.settings import Settings
+
+    return write_permissions(create_app(Settings()).openapi()["paths"])
 
 
 def _operation(path: str, method: str, operation: dict[str, Any]) -> list[str]:

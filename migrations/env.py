@@ -9,8 +9,9 @@ from alembic import context
 from sqlalchemy.engine import Connection
 
 from flexsid.settings import read_settings
+from flexsid.storage.columns import UtcDateTime
 from flexsid.storage.database import make_engine, parse_url
-from flexsid.storage.tables import UtcDateTime, metadata
+from flexsid.storage.tables import metadata
 
 
 def render_plainly(kind: str, item: object, _context: object) -> str | Literal[False]:

@@ -16,16 +16,22 @@ from typing import Any
 import numpy as np
 import postgresql as postgresql_server
 import pytest
+from threadpoolctl import threadpool_limits
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, SensorKind, Surface
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Channel, Condition, Excitation, Maneuver, Role
+from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
+
+# Without `make` too: two threads take several times as long as one for small matrices. The
+# environment is read by libraries that are loaded later and by other processes.
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+threadpool_limits(int(os.environ["OPENBLAS_NUM_THREADS"]))
 
 Listening = Callable[[str], AbstractContextManager[str]]
 
@@ -100,6 +106,34 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--every-database", action="store_true", help="run every test on SQLite and PostgreSQL"
     )
+
+
+# Files that take longest, in this order: begun last, they would run alone at the end. Browser
+# tests, which mostly wait, are between those that compute.
+_LONGEST = (
+    *("e2e/test_every_page.py", "cli/test_commands.py", "recovery/test_flutter_forecast.py"),
+    *("e2e/test_conditioning.py", "api/test_resources.py", "workflow/test_quality.py"),
+    *("e2e/test_walk.py", "api/test_uploads.py", "api/test_searches.py"),
+    *("api/test_batches.py", "api/test_designs.py", "e2e/test_lost_server.py"),
+    *("docs/test_site.py", "sysid/test_coverage.py", "e2e/test_first_use.py"),
+    *("docs/test_tutorials.py", "recovery/test_skews.py", "e2e/test_compare.py"),
+    *("recovery/test_flown_maneuvers.py", "api/test_quality.py", "e2e/test_linked_figures.py"),
+    *("recovery/test_out_of_band_modes.py", "api/test_controllers.py", "e2e/test_pictures.py"),
+    *("recovery/test_expected_errors.py", "project/test_compose.py", "e2e/"),
+    *("recovery/", "jobs/", "docs/", "client/", "api/test_odd_maneuvers.py"),
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the longest files first, all others in the order of their names."""
+    folder = Path(__file__).parent
+
+    def rank(item: pytest.Item) -> int:
+        where = item.path.relative_to(folder).as_posix()
+        begins = (k for k, name in enumerate(_LONGEST) if where.startswith(name))
+        return next(begins, len(_LONGEST))
+
+    items.sort(key=rank)
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -211,7 +245,7 @@ def _fly(url: str) -> None:
     from flexsid.demo.campaign import add_aircraft, add_maneuver
     from flexsid.demo.flights import fly
     from flexsid.jobs.inline import execute_run
-    from flexsid.jobs.pipeline import load_estimation_pipeline
+    from flexsid.jobs.kinds import RUN
 
     store = Store.open(url)
     aircraft = add_aircraft(store)
@@ -226,7 +260,7 @@ def _fly(url: str) -> None:
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    execute_run(store, run, load_estimation_pipeline(), lambda progress: None)
+    execute_run(store, run, RUN, lambda progress: None)
     store.close()
 
 

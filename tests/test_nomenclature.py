@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from flexsid.nomenclature import GLOSSARY, describe
+from flexsid.nomenclature import GLOSSARY, TERMS, describe, explain
 from flexsid.units import lookup
 
 CHANNELS = [
@@ -19,7 +19,7 @@ DERIVATIVES = ["CZ_alpha", "Cm_q", "Cm_wf4s", "CQ7_alpha", "CQ7_eta9", "CQ14_eta
 
 
 def test_every_name_stands_for_one_thing():
-    names = [entry.symbol for entry in GLOSSARY]
+    names = [entry.symbol for entry in (*GLOSSARY, *TERMS)]
     assert len(names) == len(set(names))
 
 
@@ -30,6 +30,12 @@ def test_an_entry_is_complete_and_found_by_its_name(entry):
     assert entry.label
     assert entry.html
     assert entry.meaning
+
+
+def test_a_term_of_the_page_does_not_describe_a_channel_of_the_same_name():
+    assert "initial values" in explain("Start").meaning
+    assert explain("CZ_alpha") == describe("CZ_alpha")
+    assert describe("Start").meaning == ""
 
 
 @pytest.mark.parametrize("name", [*CHANNELS, *DERIVATIVES, "eta7", "etaddot9", "CQ7", "tau_az_ofs"])

@@ -71,9 +71,16 @@ def _circular(symbol: str, label: str, html: str, meaning: str) -> Symbol:
     return Symbol(symbol, "rad/s", "Hz", 0.5 / pi, label, html, meaning)
 
 
+def _term(name: str, meaning: str) -> Symbol:
+    """Return the entry of an abbreviation or of a choice, which has no unit."""
+    return _symbol(name, "1", name, name, meaning)
+
+
 _ETADOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DOT ABOVE}"
 _ETADDOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DIAERESIS}"
+_PDOT = "p\N{COMBINING DOT ABOVE}"
 _QDOT = "q\N{COMBINING DOT ABOVE}"
+_RDOT = "r\N{COMBINING DOT ABOVE}"
 
 GLOSSARY: tuple[Symbol, ...] = (
     # Motion of the aircraft
@@ -97,6 +104,15 @@ GLOSSARY: tuple[Symbol, ...] = (
         "a<sub>z</sub><sup>cg</sup>",
         "specific force down at the centre of gravity",
     ),
+    _symbol("pdot", "rad/s2", _PDOT, _PDOT, "roll acceleration, right wing down"),
+    _symbol("rdot", "rad/s2", _RDOT, _RDOT, "yaw acceleration, nose right"),
+    _symbol(
+        "lateral_acceleration",
+        "m/s2",
+        "ay c.g.",
+        "a<sub>y</sub><sup>cg</sup>",
+        "specific force to the right at the centre of gravity",
+    ),
     _symbol("delta", "rad", "δ", "δ", "control surface deflection, trailing edge down"),
     # Flight condition
     _symbol("airspeed", "m/s", "V", "V", "true airspeed"),
@@ -107,6 +123,11 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("fuel_fraction", "1", "w/w_ff", "w/w<sub>ff</sub>", "fuel over full-fuel weight"),
     _symbol("mass", "kg", "m", "m", "mass of the aircraft"),
     _symbol("pitch_inertia", "kg*m2", "I_yy", "I<sub>yy</sub>", "moment of inertia in pitch"),
+    _symbol("roll_inertia", "kg*m2", "I_xx", "I<sub>xx</sub>", "moment of inertia in roll"),
+    _symbol("yaw_inertia", "kg*m2", "I_zz", "I<sub>zz</sub>", "moment of inertia in yaw"),
+    _symbol(
+        "product_of_inertia", "kg*m2", "I_xz", "I<sub>xz</sub>", "product of inertia, ∫ x z dm"
+    ),
     _symbol("thrust", "N", "X_T", "X<sub>T</sub>", "thrust along the body x axis"),
     # Geometry
     _symbol("area", "m2", "S", "S", "wing reference area"),
@@ -140,11 +161,58 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("r_squared", "1", "R²", "R<sup>2</sup>", "share of an output explained by the model"),
     _symbol("std_error", "1", "σ", "σ", "standard error of an estimate"),
     _symbol("residual", "1", "ν", "ν", "measured minus modelled output"),
+    _symbol(
+        "adequacy",
+        "1",
+        "Model adequacy",
+        "Model adequacy",
+        "tests for remaining model error: consistent, suspect or not tested",
+    ),
     _symbol("delay", "s", "τ", "τ", "time delay of a channel"),
 )
 """Quantities with a fixed name; families of names are parsed by :func:`describe`."""
 
+TERMS: tuple[Symbol, ...] = (
+    _term("FTA", "flight test aid: number of the programmed excitation"),
+    _term("OE", "output error: fits measured outputs by outputs simulated from measured inputs"),
+    _term("FRE", "frequency-response error: fits frequency responses, one for each input"),
+    _term("EE", "equation error: linear regression of one coefficient at a time"),
+    _term("FEM", "finite element model, the source of computed modes"),
+    _term("GVT", "ground vibration test, the source of measured modes and damping"),
+    _term("mini-GVT", "vibration on the runway before and after a flight, compared for damage"),
+    _term("MAC", "modal assurance criterion: squared correlation of two mode shapes, 0 to 1"),
+    _term("SP", "short-period mode: angle of attack and pitch rate"),
+    _term("SW1B", "first symmetric wing bending mode"),
+    _term("SW1T", "first symmetric wing torsion mode"),
+    _term("RPF", "relative peak factor: peak-to-peak over 2√2 rms; 1 for a single sine"),
+    _term("Theil", "inequality coefficient of measured and predicted output; 0 is perfect"),
+    _term("Insensitivity", "σ if all other parameters were known exactly"),
+    _term("Cramér-Rao", "Cramér-Rao bound: σ if the noise were as the fit estimated it"),
+    _term("Start", "initial values of the iteration"),
+    _term("Most likely candidate", "of equation error and prediction, that with higher likelihood"),
+    _term("Equation error estimate", "initial values from equation error on the same data"),
+    _term("Prediction", "initial values of all derivatives as predicted"),
+    _term(
+        "Residualized prediction",
+        "prediction in which omitted modes respond statically",
+    ),
+    _term("Retained modes", "modes outside the model structure, with a prior at the prediction"),
+    _term("Input corr.", "largest pairwise correlation of the inputs as measured"),
+    _term("Worst R²", "R² of the output that is fitted worst"),
+    _term("Outcome", "how the iteration ended: converged, or the reason why not"),
+    _term("Iterations", "number of iterations until the end"),
+    _term(
+        "Noise",
+        "share of σ² due to noise; the rest is due to out-of-band modes and the modal table",
+    ),
+    _term("Runs differ", "largest difference between two runs, in their joint σ"),
+    _term("Change", "estimate minus initial value, over σ"),
+)
+"""Abbreviations, columns and choices of the page; not searched by :func:`describe`, since a
+channel may have the same name."""
+
 _BY_NAME = {entry.symbol: entry for entry in GLOSSARY}
+_TERM_BY_NAME = {entry.symbol: entry for entry in TERMS}
 
 _PLACES = {
     "egi": "embedded GPS/INS",
@@ -169,7 +237,7 @@ _COEFFICIENTS = {
     "m": "pitching moment",
     "n": "yawing moment",
 }
-_MOTIONS = {
+MOTIONS = {
     "alpha": "angle of attack",
     "alphadot": "rate of angle of attack",
     "beta": "sideslip",
@@ -177,14 +245,11 @@ _MOTIONS = {
     "q": "pitch rate",
     "r": "yaw rate",
 }
+"""Rigid-body motions by which derivatives are taken."""
 
-_ACCELERATION = re.compile(r"a([xyz])_(\w+)")
-_STRAIN = re.compile(r"s_(\w+)")
 _GAUGE = re.compile(r"(bend|ros)(\d)([lrsa])(?:_(m45|0|p45))?")
 _SURFACE = re.compile(r"(bf|wf)(\d?)([lrsa]?)")
 _MODAL = re.compile(r"eta(d?dot)?(\d+)")
-_FORCE = re.compile(r"CQ(\d+)")
-_DERIVATIVE = re.compile(r"C(Q\d+|[XYZLDlmn])_([A-Za-z]\w*)")
 _MODAL_WORDS = {None: "displacement", "dot": "velocity", "ddot": "acceleration"}
 _ANGLES = {"m45": "−45°", "0": "0°", "p45": "+45°"}
 
@@ -207,8 +272,7 @@ def describe(name: str, unit: str = "") -> Symbol:
     Symbol
         Never fails: an unknown name is its own label.
     """
-    found = _BY_NAME.get(name)
-    found = found or _modal(name) or _force(name) or _derivative(name) or _channel(name)
+    found = _BY_NAME.get(name) or _parse(name)
     if found is None:
         return _symbol(name, unit, name, escape(name), "")
     if unit and unit != found.unit:
@@ -217,67 +281,97 @@ def describe(name: str, unit: str = "") -> Symbol:
     return found
 
 
-def _modal(name: str) -> Symbol | None:
-    match = _MODAL.fullmatch(name)
-    if match is None:
-        return None
-    kind = _BY_NAME[f"eta{match[1] or ''}"]
-    return _symbol(
-        name,
-        kind.unit,
-        f"{kind.label}{match[2]}",
-        f"{kind.html}<sub>{match[2]}</sub>",
-        f"generalised {_MODAL_WORDS[match[1]]} of mode {match[2]}",
-    )
+def explain(name: str) -> Symbol:
+    """Return the term of the page with this name, else what :func:`describe` returns."""
+    return _TERM_BY_NAME.get(name) or describe(name)
 
 
-def _force(name: str) -> Symbol | None:
-    match = _FORCE.fullmatch(name)
-    if match is None:
-        return None
-    return _symbol(
-        name,
-        "1",
-        f"C_Q{match[1]}",
-        f"C<sub>Q{match[1]}</sub>",
-        f"generalised force coefficient of mode {match[1]}",
-    )
+def _parse(name: str) -> Symbol | None:
+    for pattern, explain in _FAMILIES:
+        match = pattern.fullmatch(name)
+        if match is not None:
+            return _symbol(name, *explain(match))
+    return None
 
 
-def _derivative(name: str) -> Symbol | None:
-    match = _DERIVATIVE.fullmatch(name)
-    if match is None:
-        return None
+_Explanation = tuple[str, str, str, str]
+"""Unit, label, label of figures, and meaning."""
+
+
+def _explain_modal(match: re.Match[str]) -> _Explanation:
+    derivative, mode = match.groups()
+    kind = _BY_NAME[f"eta{derivative or ''}"]
+    meaning = f"generalised {_MODAL_WORDS[derivative]} of mode {mode}"
+    return kind.unit, f"{kind.label}{mode}", f"{kind.html}<sub>{mode}</sub>", meaning
+
+
+def _explain_force(match: re.Match[str]) -> _Explanation:
+    mode = match[1]
+    meaning = f"generalised force coefficient of mode {mode}"
+    return "1", f"C_Q{mode}", f"C<sub>Q{mode}</sub>", meaning
+
+
+def _explain_derivative(match: re.Match[str]) -> _Explanation:
     coefficient, variable = match.groups()
-    text, unit, meaning = _variable(variable)
+    text, unit, meaning = _explain_variable(variable)
     # An index needs a mark between it and what follows; single letters do not.
     mark = "," if len(coefficient) > 1 or len(text) > 1 else ""
-    force = (
-        f"generalised force of mode {coefficient[1:]}"
-        if coefficient.startswith("Q")
-        else _COEFFICIENTS[coefficient]
-    )
-    written = f"{escape(coefficient)}{mark}{escape(text)}"
-    return _symbol(
-        name,
-        unit,
-        f"C_{coefficient}{mark}{text}",
-        f"C<sub>{written}</sub>",
-        f"{force} with {meaning}, nondimensional",
-    )
+    force = _COEFFICIENTS.get(coefficient) or f"generalised force of mode {coefficient[1:]}"
+    html = f"C<sub>{escape(coefficient)}{mark}{escape(text)}</sub>"
+    return unit, f"C_{coefficient}{mark}{text}", html, f"{force} with {meaning}, nondimensional"
 
 
-def _variable(variable: str) -> tuple[str, str, str]:
+def _explain_variable(variable: str) -> tuple[str, str, str]:
     """Text, unit of the derivative, and words for what a derivative is taken by."""
     modal = _MODAL.fullmatch(variable)
     if modal is not None:
         text = _ETADOT if modal[1] else "η"
         what = "velocity" if modal[1] else "displacement"
         return f"{text}{modal[2]}", "1", f"{what} of mode {modal[2]}"
-    if variable in _MOTIONS:
+    if variable in MOTIONS:
         glyph = {"alpha": "α", "alphadot": "α̇", "beta": "β"}.get(variable, variable)
-        return glyph, "1/rad", _MOTIONS[variable]
+        return glyph, "1/rad", MOTIONS[variable]
     return f"δ{variable}", "1/rad", f"deflection of {_surface_words(variable)}"
+
+
+def _explain_command(match: re.Match[str]) -> _Explanation:
+    surface = match[1]
+    meaning = f"excitation added to the command of {_surface_words(surface)}"
+    return "rad", f"{surface} command", f"μ<sub>{escape(surface)}</sub>", meaning
+
+
+def _explain_delay(match: re.Match[str]) -> _Explanation:
+    channel = match[1]
+    return "s", f"τ_{channel}", f"τ<sub>{escape(channel)}</sub>", f"time delay of {channel}"
+
+
+def _explain_acceleration(match: re.Match[str]) -> _Explanation:
+    axis, place = match.groups()
+    html = f"a<sub>{axis}</sub><sup>{escape(place)}</sup>"
+    return "m/s2", f"a{axis} {place}", html, f"specific force {_AXES[axis]}, {_place_words(place)}"
+
+
+def _explain_strain(match: re.Match[str]) -> _Explanation:
+    gauge = match[1]
+    return "strain", f"ε {gauge}", f"ε<sup>{escape(gauge)}</sup>", _gauge_words(gauge)
+
+
+def _explain_surface(match: re.Match[str]) -> _Explanation:
+    surface = match[0]
+    meaning = f"deflection of {_surface_words(surface)}"
+    return "rad", f"δ {surface}", f"δ<sub>{surface}</sub>", meaning
+
+
+_FAMILIES = (
+    (_MODAL, _explain_modal),
+    (re.compile(r"CQ(\d+)"), _explain_force),
+    (re.compile(r"C(Q\d+|[XYZLDlmn])_([A-Za-z]\w*)"), _explain_derivative),
+    (re.compile(r"(.*)_command"), _explain_command),
+    (re.compile(r"tau_(.*)"), _explain_delay),
+    (re.compile(r"a([xyz])_(\w+)"), _explain_acceleration),
+    (re.compile(r"s_(\w+)"), _explain_strain),
+    (_SURFACE, _explain_surface),
+)
 
 
 def _surface_words(surface: str) -> str:
@@ -287,42 +381,6 @@ def _surface_words(surface: str) -> str:
     flap = "body flaps" if match[1] == "bf" else "wing flaps"
     words = f"{flap} {match[2]}".strip()
     return f"{words}, {_SIDES[match[3]]}" if match[3] else words
-
-
-def _channel(name: str) -> Symbol | None:
-    if name.endswith("_command"):
-        surface = name.removesuffix("_command")
-        return _symbol(
-            name,
-            "rad",
-            f"{surface} command",
-            f"μ<sub>{escape(surface)}</sub>",
-            f"excitation added to the command of {_surface_words(surface)}",
-        )
-    if name.startswith("tau_"):
-        channel = name.removeprefix("tau_")
-        return _symbol(
-            name, "s", f"τ_{channel}", f"τ<sub>{escape(channel)}</sub>", f"time delay of {channel}"
-        )
-    if match := _ACCELERATION.fullmatch(name):
-        axis, place = match.groups()
-        return _symbol(
-            name,
-            "m/s2",
-            f"a{axis} {place}",
-            f"a<sub>{axis}</sub><sup>{escape(place)}</sup>",
-            f"specific force {_AXES[axis]}, {_place_words(place)}",
-        )
-    if match := _STRAIN.fullmatch(name):
-        gauge = match[1]
-        return _symbol(
-            name, "strain", f"ε {gauge}", f"ε<sup>{escape(gauge)}</sup>", _gauge_words(gauge)
-        )
-    if _SURFACE.fullmatch(name):
-        return _symbol(
-            name, "rad", f"δ {name}", f"δ<sub>{name}</sub>", f"deflection of {_surface_words(name)}"
-        )
-    return None
 
 
 def _place_words(place: str) -> str:

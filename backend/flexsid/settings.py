@@ -4,21 +4,35 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import StrEnum
+from ipaddress import ip_address
+from urllib.parse import urlsplit
 
 from flexsid.errors import BadInput
 
 DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
 DEFAULT_PORT = 8000
+LOOPBACK = "127.0.0.1"
+_SHORTEST_SECRET = 32
+
+
+class Mode(StrEnum):
+    """Who may use a server; settled when it starts."""
+
+    PERSONAL = "personal"  # whoever uses this computer, without log-in
+    TEAM = "team"  # accounts in the database
+    ORGANISATION = "organisation"  # accounts that the organisation authenticates
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """Address of the database, port of the web server, number of worker processes.
+    """Address of the database, port of the web server, number of worker processes, access.
 
     ``dask`` is the address of a scheduler; without it ``workers`` local
     processes compute (None: one less than the number of cores). Reports use the file
-    ``report_template``.
+    ``report_template``. With accounts the server is known to browsers as ``url``, and listens on
+    ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user.
     """
 
     database: str = DEFAULT_DATABASE
@@ -26,18 +40,92 @@ class Settings:
     dask: str | None = None
     workers: int | None = None
     report_template: str | None = None
+    mode: Mode = Mode.PERSONAL
+    url: str | None = None
+    address: str = LOOPBACK
+    proxies: tuple[str, ...] = ()
+    proxy_secret: str | None = field(default=None, repr=False)
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether browsers use TLS, so that cookies are sent encrypted only."""
+        return self.url is not None and self.url.startswith("https://")
 
 
 def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
-    """Read the variables ``FLEXSID_...``; unset ones have their defaults."""
+    """Read the variables ``FLEXSID_...``; unset ones have their defaults.
+
+    Raises
+    ------
+    BadInput
+        If a value is invalid, or would expose data without log-in or encryption.
+    """
     port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
-    return Settings(
+    settings = Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
         port=DEFAULT_PORT if port is None else port,
         dask=environment.get("FLEXSID_DASK") or None,
         workers=_number(environment, "FLEXSID_WORKERS", "a number of processes", 256),
         report_template=environment.get("FLEXSID_REPORT_TEMPLATE") or None,
+        mode=_read_mode(environment.get("FLEXSID_MODE") or Mode.PERSONAL),
+        url=_read_url(environment.get("FLEXSID_URL") or None),
+        address=_read_address("FLEXSID_ADDRESS", environment.get("FLEXSID_ADDRESS") or LOOPBACK),
+        proxies=tuple(
+            _read_address("FLEXSID_PROXIES", part.strip())
+            for part in (environment.get("FLEXSID_PROXIES") or "").split(",")
+            if part.strip()
+        ),
+        proxy_secret=environment.get("FLEXSID_PROXY_SECRET") or None,
     )
+    _check_access(settings)
+    return settings
+
+
+def _check_access(settings: Settings) -> None:
+    """Refuse settings that would expose data."""
+    if settings.mode is Mode.PERSONAL and not ip_address(settings.address).is_loopback:
+        raise BadInput(
+            f"FLEXSID_ADDRESS is {settings.address}, but personal mode has no log-in and is served "
+            "on the loopback address only; set FLEXSID_MODE to team or organisation"
+        )
+    if not ip_address(settings.address).is_loopback and not settings.is_secure:
+        raise BadInput(
+            f"FLEXSID_ADDRESS is {settings.address}; beyond the loopback address FLEXSID_URL must "
+            "be the https:// address of a proxy with TLS"
+        )
+    if settings.mode is Mode.ORGANISATION and not (settings.proxies and settings.proxy_secret):
+        raise BadInput(
+            "organisation mode needs FLEXSID_PROXIES, the addresses of the proxies that name the "
+            "user, and FLEXSID_PROXY_SECRET, which they send"
+        )
+    if settings.proxy_secret is not None and len(settings.proxy_secret) < _SHORTEST_SECRET:
+        raise BadInput(
+            f"FLEXSID_PROXY_SECRET is shorter than {_SHORTEST_SECRET} characters; make one by "
+            "`openssl rand -hex 32`"
+        )
+
+
+def _read_mode(text: str) -> Mode:
+    try:
+        return Mode(text)
+    except ValueError as error:
+        raise BadInput(f"FLEXSID_MODE is {text!r}; expected one of {', '.join(Mode)}") from error
+
+
+def _read_url(text: str | None) -> str | None:
+    if text is None:
+        return None
+    parts = urlsplit(text)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
+        raise BadInput(f"FLEXSID_URL is {text!r}; expected one like https://flexsid.example.org")
+    return f"{parts.scheme}://{parts.netloc.lower()}"
+
+
+def _read_address(name: str, text: str) -> str:
+    try:
+        return str(ip_address(text))
+    except ValueError as error:
+        raise BadInput(f"{name} has {text!r}; expected an IP address") from error
 
 
 def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
+
+from flexsid.errors import BadInput
 
 LONGEST_NAME = 200
 """Characters of a name, a label or a title."""
@@ -14,6 +17,7 @@ LONGEST_NOTE = 10_000
 LONGEST_FIELD = 500
 """Characters of the path of a field in a file."""
 
+_LARGEST_ID = 2**31 - 1  # of an integer column of PostgreSQL
 _INVISIBLE = (
     "\u2028-\u2029"  # separators of lines and paragraphs
     "\u202a-\u202e\u2066-\u2069"  # embeddings, overrides and isolates of direction
@@ -82,6 +86,12 @@ def one_line(text: str) -> str:
     return " ".join(_NOT_IN_A_LINE.sub(" ", text).split())
 
 
+def join_names(names: Sequence[str], most: int = 6) -> str:
+    """Join names by commas; of many the first ones, and the number of the others."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
 def make_c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, ...]:
     """Make unique identifiers of C and MATLAB from names: letters of ASCII, digits, ``_``."""
     made: list[str] = []
@@ -95,3 +105,20 @@ def make_c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, 
             own, number = f"{plain[: longest - 4]}_{number}", number + 1
         made.append(own)
     return tuple(made)
+
+
+def split_names(text: str | None) -> tuple[str, ...] | None:
+    """Parse names separated by commas; None if none are given."""
+    if text is None:
+        return None
+    return tuple(name for name in (part.strip() for part in text.split(",")) if name) or None
+
+
+def split_ids(text: str | None, field: str) -> tuple[int, ...]:
+    """Parse ids separated by commas."""
+    ids: list[int] = []
+    for part in split_names(text) or ():
+        if not (part.isascii() and part.isdigit() and 1 <= int(part[:20]) <= _LARGEST_ID):
+            raise BadInput(f"{field}: {part!r} is not an id; give numbers separated by commas")
+        ids.append(int(part))
+    return tuple(ids)

@@ -36,66 +36,44 @@ class Unit:
     offset: float = 0.0
 
 
-_UNITS: dict[str, Unit] = {
-    "1": Unit(1.0, "number"),
-    "%": Unit(0.01, "number"),
-    "m": Unit(1.0, "length"),
-    "mm": Unit(1e-3, "length"),
-    "ft": Unit(_FOOT, "length"),
-    "in": Unit(_INCH, "length"),
-    "m2": Unit(1.0, "area"),
-    "ft2": Unit(_FOOT**2, "area"),
-    "in2": Unit(_INCH**2, "area"),
-    "s": Unit(1.0, "time"),
-    "ms": Unit(1e-3, "time"),
-    "us": Unit(1e-6, "time"),
-    "ns": Unit(1e-9, "time"),
-    "min": Unit(60.0, "time"),
-    "Hz": Unit(1.0, "frequency"),
-    "kg": Unit(1.0, "mass"),
-    "lb": Unit(_POUND, "mass"),
-    "slug": Unit(_SLUG, "mass"),
-    "t": Unit(1000.0, "mass"),
-    "slinch": Unit(_POUND_FORCE / _INCH, "mass"),
-    "kg*m2": Unit(1.0, "inertia"),
-    "slug*ft2": Unit(_SLUG * _FOOT**2, "inertia"),
-    "lb*ft2": Unit(_POUND * _FOOT**2, "inertia"),
-    "lb*in2": Unit(_POUND * _INCH**2, "inertia"),
-    "lbf*in*s2": Unit(_POUND_FORCE * _INCH, "inertia"),
-    "N": Unit(1.0, "force"),
-    "lbf": Unit(_POUND_FORCE, "force"),
-    "m/s": Unit(1.0, "speed"),
-    "ft/s": Unit(_FOOT, "speed"),
-    "in/s": Unit(_INCH, "speed"),
-    "km/h": Unit(1.0 / 3.6, "speed"),
-    "kt": Unit(_KNOT, "speed"),
-    "m/s2": Unit(1.0, "acceleration"),
-    "ft/s2": Unit(_FOOT, "acceleration"),
-    "in/s2": Unit(_INCH, "acceleration"),
-    "g": Unit(_GRAVITY, "acceleration"),
-    "rad": Unit(1.0, "angle"),
-    "deg": Unit(_DEGREE, "angle"),
-    "mrad": Unit(1e-3, "angle"),
-    "rad/s": Unit(1.0, "angular rate"),
-    "deg/s": Unit(_DEGREE, "angular rate"),
-    "mrad/s": Unit(1e-3, "angular rate"),
-    "rpm": Unit(pi / 30.0, "angular rate"),
-    "rad/s2": Unit(1.0, "angular acceleration"),
-    "deg/s2": Unit(_DEGREE, "angular acceleration"),
-    "Pa": Unit(1.0, "pressure"),
-    "hPa": Unit(100.0, "pressure"),
-    "kPa": Unit(1000.0, "pressure"),
-    "psf": Unit(_POUND_FORCE / _FOOT**2, "pressure"),
-    "psi": Unit(_POUND_FORCE / _INCH**2, "pressure"),
-    "inHg": Unit(3386.389, "pressure"),
-    "kg/m3": Unit(1.0, "density"),
-    "slug/ft3": Unit(_SLUG / _FOOT**3, "density"),
-    "strain": Unit(1.0, "strain"),
-    "ustrain": Unit(1e-6, "strain"),
-    "K": Unit(1.0, "temperature"),
-    "degC": Unit(1.0, "temperature", 273.15),
-    "degF": Unit(5.0 / 9.0, "temperature", 459.67 * 5.0 / 9.0),
-    "V": Unit(1.0, "voltage"),
+_FACTORS: dict[str, dict[str, float]] = {
+    "number": {"1": 1.0, "%": 0.01},
+    "length": {"m": 1.0, "mm": 1e-3, "ft": _FOOT, "in": _INCH},
+    "area": {"m2": 1.0, "ft2": _FOOT**2, "in2": _INCH**2},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
+    "frequency": {"Hz": 1.0},
+    "mass": {"kg": 1.0, "lb": _POUND, "slug": _SLUG, "t": 1000.0, "slinch": _POUND_FORCE / _INCH},
+    "inertia": {
+        "kg*m2": 1.0,
+        "slug*ft2": _SLUG * _FOOT**2,
+        "lb*ft2": _POUND * _FOOT**2,
+        "lb*in2": _POUND * _INCH**2,
+        "lbf*in*s2": _POUND_FORCE * _INCH,
+    },
+    "force": {"N": 1.0, "lbf": _POUND_FORCE},
+    "speed": {"m/s": 1.0, "ft/s": _FOOT, "in/s": _INCH, "km/h": 1.0 / 3.6, "kt": _KNOT},
+    "acceleration": {"m/s2": 1.0, "ft/s2": _FOOT, "in/s2": _INCH, "g": _GRAVITY},
+    "angle": {"rad": 1.0, "deg": _DEGREE, "mrad": 1e-3},
+    "angular rate": {"rad/s": 1.0, "deg/s": _DEGREE, "mrad/s": 1e-3, "rpm": pi / 30.0},
+    "angular acceleration": {"rad/s2": 1.0, "deg/s2": _DEGREE},
+    "pressure": {
+        "Pa": 1.0,
+        "hPa": 100.0,
+        "kPa": 1000.0,
+        "psf": _POUND_FORCE / _FOOT**2,
+        "psi": _POUND_FORCE / _INCH**2,
+        "inHg": 3386.389,
+    },
+    "density": {"kg/m3": 1.0, "slug/ft3": _SLUG / _FOOT**3},
+    "strain": {"strain": 1.0, "ustrain": 1e-6},
+    "temperature": {"K": 1.0, "degC": 1.0, "degF": 5.0 / 9.0},
+    "voltage": {"V": 1.0},
+}
+_OFFSETS = {"degC": 273.15, "degF": 459.67 * 5.0 / 9.0}
+_UNITS = {
+    symbol: Unit(factor, dimension, _OFFSETS.get(symbol, 0.0))
+    for dimension, symbols in _FACTORS.items()
+    for symbol, factor in symbols.items()
 }
 
 _ALIASES = {
@@ -109,6 +87,8 @@ _ALIASES = {
     "lbm": "lb",
     "fps": "ft/s",
 }
+
+_SPELLINGS = str.maketrans({"^": "", " ": "", "·": "*", "²": "2", "°": "deg"})
 
 SYMBOLS: tuple[str, ...] = tuple(_UNITS)
 
@@ -138,11 +118,7 @@ Far above the range of any aircraft: the limit prevents overflow, while
 ``importers.plausibility`` warns of values that are merely unusual.
 """
 
-_SI_UNITS = {
-    unit.dimension: symbol
-    for symbol, unit in _UNITS.items()
-    if unit.factor == 1.0 and unit.offset == 0.0
-}
+_SI_UNITS = {dimension: next(iter(symbols)) for dimension, symbols in _FACTORS.items()}
 
 
 def is_known(unit: str) -> bool:
@@ -162,13 +138,7 @@ def lookup(unit: str) -> Unit:
     BadInput
         If the table has no such symbol; the message names close matches.
     """
-    plain = (
-        unit.replace("^", "")
-        .replace(" ", "")
-        .replace("·", "*")
-        .replace("²", "2")
-        .replace("°", "deg")
-    )
+    plain = unit.translate(_SPELLINGS)
     found = _UNITS.get(_ALIASES.get(plain, plain))
     if found is None:
         known = [*_UNITS, *(alias for alias in _ALIASES if len(alias) > 1)]
@@ -209,12 +179,9 @@ def factor(unit: str, dimension: str) -> float:
     """
     found = lookup(unit)
     if found.dimension != dimension:
-        fitting = ", ".join(
-            symbol for symbol, known in _UNITS.items() if known.dimension == dimension
-        )
         raise BadInput(
             f"Unit '{unit}' measures {found.dimension}, but {dimension} is expected; "
-            f"use one of: {fitting}.",
+            f"use one of: {', '.join(_FACTORS[dimension])}.",
             code="wrong-dimension",
             unit=unit,
         )

@@ -7,7 +7,9 @@ import { RouterProvider } from "@tanstack/react-router";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
-import { healthQuery } from "./api/queries";
+import { axesQuery, healthQuery } from "./api/queries";
+import { SessionGate } from "./components/SessionGate";
+import { setAxes } from "./lib/derivatives";
 import { router } from "./routes";
 import { theme } from "./theme";
 
@@ -33,11 +35,18 @@ const queries: QueryClient = new QueryClient({
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no element with id root");
 
+// Names of derivatives are those of the server.
+await queries
+  .query(axesQuery)
+  .then(setAxes)
+  .catch(() => undefined);
 createRoot(root).render(
   <StrictMode>
     <MantineProvider theme={theme} defaultColorScheme="auto">
       <QueryClientProvider client={queries}>
-        <RouterProvider router={router} />
+        <SessionGate>
+          <RouterProvider router={router} />
+        </SessionGate>
       </QueryClientProvider>
     </MantineProvider>
   </StrictMode>,

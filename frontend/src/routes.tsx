@@ -35,6 +35,7 @@ import {
   runsView,
   runView,
   modalDataView,
+  validationView,
 } from "./views";
 
 /** A page, loaded when first opened, also over a server that comes back. */
@@ -185,6 +186,13 @@ const closedLoop = createRoute({
   component: page(() => import("./pages/ClosedLoopPage"), "ClosedLoopPage"),
 });
 
+const validation = createRoute({
+  getParentRoute: () => root,
+  path: "/validation",
+  validateSearch: validationView,
+  component: page(() => import("./pages/ValidationPage"), "ValidationPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -211,6 +219,12 @@ const aircraft = createRoute({
   getParentRoute: () => root,
   path: "/aircraft",
   component: page(() => import("./pages/AircraftPage"), "AircraftPage"),
+});
+
+const tokens = createRoute({
+  getParentRoute: () => root,
+  path: "/tokens",
+  component: page(() => import("./pages/TokensPage"), "TokensPage"),
 });
 
 const excitation = createRoute({
@@ -287,6 +301,7 @@ export const router = createRouter({
     compare,
     flutter,
     closedLoop,
+    validation,
     search,
     modalData,
     structures,
@@ -296,6 +311,7 @@ export const router = createRouter({
     job,
     batch,
     aircraft,
+    tokens,
     excitation,
     design,
     importPage,

@@ -24,6 +24,7 @@ export interface MenuPage {
     | "/runs"
     | "/model-structures"
     | "/search"
+    | "/validation"
     | "/compare"
     | "/flutter"
     | "/closed-loop"
@@ -83,6 +84,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
       },
       { to: "/model-structures", label: "Model structures", key: "t", at: /^\/model-structures/ },
       { to: "/search", label: "Structure search", key: "h" },
+      { to: "/validation", label: "Validation", key: "x" },
     ],
   },
   { label: "Compare", pages: [{ to: "/compare", label: "Compare", key: "m" }] },
@@ -172,6 +174,7 @@ export const runsView = view((search) => ({
   state: oneOf<RunState>(search.state, STATES),
   tag: text(search.tag),
   deleted: flag(search.deleted),
+  derived: flag(search.derived),
   sort: text(search.sort),
   selected: integers(search.selected),
 }));
@@ -202,7 +205,7 @@ export const maneuverView = view((search) => ({
   inputs: words(search.inputs),
   models: integers(search.models),
   /** Further maneuvers over this one in the Bode plot, or averaged with it. */
-  beside: integers(search.beside),
+  overlay: integers(search.overlay),
   average: flag(search.average),
   /** Models also with sensors blind to the structure. */
   rigid: flag(search.rigid),
@@ -224,11 +227,11 @@ export type ManeuverView = ReturnType<typeof maneuverView>;
 export const newRunView = view((search) => ({
   methods: words(search.methods)?.flatMap((word) => oneOf<Method>(word, METHODS) ?? []),
   /** Run whose choices are the starting point. */
-  like: integer(search.like),
+  template_run: integer(search.template_run),
   /** Further maneuvers that get the same run. */
-  also: integers(search.also),
+  additional_maneuvers: integers(search.additional_maneuvers),
   /** One run over all of them instead of one each. */
-  together: flag(search.together),
+  joint: flag(search.joint),
   /** Band to fit [Hz]. */
   low: number(search.low),
   high: number(search.high),
@@ -297,7 +300,7 @@ export const compareView = view((search) => ({
 export type CompareView = ReturnType<typeof compareView>;
 
 /** Treatment of unmodelled modes, where they are not included with their prediction. */
-export const OTHERS = ["residualized"] as const;
+const UNMODELLED_MODES = ["residualized"] as const;
 
 export const ALONG = ["dynamic_pressure", "fuel"] as const;
 
@@ -307,7 +310,7 @@ export const flutterView = view((search) => ({
   fuel: number(search.fuel),
   altitude: number(search.altitude),
   next: number(search.next),
-  others: oneOf(search.others, OTHERS),
+  unmodelled_modes: oneOf(search.unmodelled_modes, UNMODELLED_MODES),
   /** What roots are followed along, where not airspeed. */
   along: oneOf(search.along, ALONG),
   /** Derivatives drift linearly with dynamic pressure. */
@@ -329,7 +332,7 @@ export const modalDataView = view((search) => ({
   other: integer(search.other),
   other_mode: integer(search.other_mode),
   other_fuel: number(search.other_fuel),
-  beside: flag(search.beside),
+  side_by_side: flag(search.side_by_side),
   still: flag(search.still),
   /** Largest displacement in percent of the span. */
   scale: number(search.scale),
@@ -355,9 +358,25 @@ export const closedLoopView = view((search) => ({
   /** Fuel in percent and altitude [m], where not the fastest point's. */
   fuel: number(search.fuel),
   altitude: number(search.altitude),
-  others: oneOf(search.others, OTHERS),
+  unmodelled_modes: oneOf(search.unmodelled_modes, UNMODELLED_MODES),
 }));
 export type ClosedLoopView = ReturnType<typeof closedLoopView>;
+
+export const PARTITIONS = ["folds", "frequencies", "periods"] as const;
+
+export const validationView = view((search) => ({
+  runs: integers(search.runs),
+  /** Predicted maneuvers; those of the runs by default. */
+  maneuvers: integers(search.maneuvers),
+  /** Prediction that is shown, and its output. */
+  run: integer(search.run),
+  maneuver: integer(search.maneuver),
+  output: text(search.output),
+  /** Data that are held out from refits of the run. */
+  partition: oneOf(search.partition, PARTITIONS),
+  folds: integer(search.folds),
+}));
+export type ValidationView = ReturnType<typeof validationView>;
 
 export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 
@@ -408,7 +427,7 @@ export const importView = view((search) => ({
 
 export const modelStructuresView = view((search) => ({ aircraft: integer(search.aircraft) }));
 
-export const CELL_NUMBERS = ["all", "none"] as const;
+const CELL_NUMBERS = ["all", "none"] as const;
 
 export const modelStructureView = view((search) => ({
   /** Older version that is read; the newest can be changed. */
@@ -445,7 +464,7 @@ export const decisionView = view((search) => ({
 export type DecisionView = ReturnType<typeof decisionView>;
 
 export const SEARCH_ALGORITHMS = ["stepwise", "orthogonal functions"] as const;
-export const SEARCH_STARTS = ["all", "equation error"] as const;
+export const INITIAL_TERMS = ["all", "equation error"] as const;
 
 export const searchView = view((search) => ({
   /** The search that is shown; without one, what the next would be. */
@@ -457,7 +476,7 @@ export const searchView = view((search) => ({
   method: oneOf<Method>(search.method, METHODS),
   modes: integers(search.modes),
   algorithm: oneOf(search.algorithm, SEARCH_ALGORITHMS),
-  begin: oneOf(search.begin, SEARCH_STARTS),
+  initial_terms: oneOf(search.initial_terms, INITIAL_TERMS),
   f_in: number(search.f_in),
   f_out: number(search.f_out),
 }));

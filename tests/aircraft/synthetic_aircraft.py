@@ -27,9 +27,8 @@ from flexsid.records.aircraft import (
     SensorKind,
     Surface,
 )
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Condition, Excitation, Maneuver, Role
-from flexsid.records.modal_table import ModalKind, ModalTable
+from flexsid.records.maneuver import Condition, Excitation, Flight, Maneuver, Role
+from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
@@ -183,9 +182,9 @@ def build(design: Design) -> SyntheticAircraft:
         "flap": 0.5 * np.array(flap, dtype=float).T,
     }
     if design.tail_area:
-        place = int(np.argmin([x for x, _ in design.fuselage]))
-        x_tail = design.fuselage[place][0]
-        z_tail, twist_tail = beam.fuselage_shapes(place)
+        index = int(np.argmin([x for x, _ in design.fuselage]))
+        x_tail = design.fuselage[index][0]
+        z_tail, twist_tail = beam.fuselage_shapes(index)
         tail_slope = 3.5 * 0.7 * design.tail_area / (design.span * chord)
         controls = [0.6 * (a > 1.0) for _, a, _ in design.surfaces]
         one = {"slope": tail_slope, "x_ac": x_tail, "x_aft": x_tail - 0.1 * chord}
@@ -378,16 +377,18 @@ def fly(
         z_cg_m=0.0,
         alpha_rad=0.05,
     )
-    known = excitation if is_excitation_known else None
     return FlownManeuver(
-        label=f"{aircraft.design.name} {kind} {seed}",
-        fta=1,
-        start_s=0.0,
-        duration_s=commands.shape[0] / _SIMULATED_HZ,
-        condition=condition,
-        airspeed_ratio=None,
-        excitation=known,  # type: ignore[arg-type]  # a record may have none
-        max_input_correlation=0.0,
+        maneuver=Maneuver(
+            aircraft_id=0,
+            flight_id=0,
+            label=f"{aircraft.design.name} {kind} {seed}",
+            fta=1,
+            start_s=0.0,
+            duration_s=commands.shape[0] / _SIMULATED_HZ,
+            condition=condition,
+            excitation=excitation if is_excitation_known else None,
+            max_input_correlation=0.0,
+        ),
         channels=tuple(channels),
         truth=aircraft.derivatives_at(speed),
     )

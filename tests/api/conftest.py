@@ -11,6 +11,7 @@ from urllib.parse import quote
 import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
+from preloaded import use_preloaded
 from tests.api.team import Act
 
 from flexsid.api.app import create_app
@@ -32,8 +33,9 @@ def app() -> Iterator[FastAPI]:
 
 
 @pytest.fixture
-def serve(app: FastAPI) -> Serve:
+def serve(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> Serve:
     """Return a function that starts a server on a database, as a context manager."""
+    use_preloaded(monkeypatch)
 
     def start(url: str) -> TestClient:
         app.state.settings = Settings(database=url)

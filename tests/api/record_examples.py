@@ -95,7 +95,6 @@ class _Recorder:
 
     def __init__(self, client: TestClient) -> None:
         self.client = client
-        self.task = ""
         for method in ("OE", "EE"):
             body = {"maneuver_id": 1, "method": method, "structure": {"modes": [7, 9]}}
             self._wait_until_ended(self._create("runs", body))
@@ -140,10 +139,14 @@ class _Recorder:
                     examples[name] = shorten(body)
             elif response.status_code >= 300:
                 print(f"{name}: {method} {path}: {response.status_code} {response.text[:200]}")
-            if name == "request_search":
+            if name in (
+                "request_search",
+                "request_flutter",
+                "request_closed_loop",
+                "request_cross_predictions",
+                "request_cross_validation",
+            ):
                 self._wait_until_ended(response.headers["location"])
-            if name == "redesign_phases":
-                self.task = response.json()["id"]
         return examples
 
     def _request(self, method: str, path: str, operation: dict[str, Any]) -> Any:
@@ -163,8 +166,6 @@ class _Recorder:
             sent = {"json": self.bodies.get(name, example)}
         if name in ("retry_job", "cancel_job"):
             values["path"]["job_id"] = self._queue_run(cancelled=name == "retry_job")
-        if "task_id" in values["path"]:
-            values["path"]["task_id"] = self.task
         if name == "cancel_search":
             body = {"maneuver_ids": [2], "method": "OE", "structure": {"modes": [7, 9, 11]}}
             values["path"]["search_id"] = self._create("searches", body).rpartition("/")[2]
@@ -213,13 +214,15 @@ class _Recorder:
 
 
 def _find_rank(operation: tuple[str, str, dict[str, Any]]) -> int:
-    """Return the order of an operation: creation, reading, then changes of shared records."""
+    """Return the order: creation, results of what was created, reading, then changes."""
     method, path, _ = operation
     if path.endswith(("cancel", "withdrawal", "retry")):
-        return 3
-    if "/uploads/" in path or (method == "post" and path.endswith(("/modes", "/corrections"))):
         return 4
-    return {"post": 0, "put": 1, "get": 2, "delete": 3}[method]
+    if "/uploads/" in path or (method == "post" and path.endswith(("/modes", "/corrections"))):
+        return 5
+    if method == "post" and path.endswith("/results"):
+        return 2
+    return {"post": 0, "put": 1, "get": 3, "delete": 4}[method]
 
 
 def shorten(value: Any) -> Any:

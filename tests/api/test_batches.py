@@ -66,15 +66,16 @@ def test_batch_runs_all_jobs_and_stores_provenance(client: TestClient) -> None:
         assert run["versions"]["numpy"]
         assert len(run["data_hash"]) == len(run["input_hash"]) == 64
         if job["method"] == "EE":
-            assert job["after_run_id"] is None
+            assert job["after_job_id"] is None
             continue
-        first = by_id[job["after_run_id"]]
+        first = by_id[job["after_job_id"]]
         assert first["method"] == "EE"
         assert run["settings"]["start_run_id"] == first["id"]
         assert run["fit"]["start"] == f"run {first['id']}"
         assert job["started_at"] >= first["finished_at"]
     kinds = [line["kind"] for line in client.get(f"{API}/jobs/{jobs[0]['id']}/log").json()["items"]]
-    assert kinds == ["queued", "started", "succeeded"]
+    # A job that takes longer than a second also logs its progress.
+    assert [kind for kind in kinds if kind != "logged"] == ["queued", "started", "succeeded"]
     again = client.post(f"{API}/batches", json=BATCH | {"name": "again"})
     assert again.json() == {"id": 2, "total": 6, "repeated": 6}
     assert [b["batch"]["name"] for b in client.get(f"{API}/batches").json()["items"]] == [

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import logging
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime, timedelta, tzinfo
 
 import pytest
 from fastapi.testclient import TestClient
 from tests.api.team import Act, propose, vote
 
-from flexsid.workflow.review import clock, decision_review, notifications
+from flexsid.workflow.review import decision_review, notifications
 
 HOUR = timedelta(hours=1)
 
 
-class _Slow(datetime):
+class _Slow:
     """A clock one hour behind, as on a second server."""
 
-    @classmethod
-    def now(cls, tz=None) -> datetime:  # type: ignore[override]
+    @staticmethod
+    def now(tz: tzinfo) -> datetime:
         return datetime.now(tz) - HOUR
 
 
@@ -95,7 +95,7 @@ def test_clock_behind_last_event_degrades_health(
 ) -> None:
     propose(act)
     assert _clock_of(client)["state"] == "ok"
-    monkeypatch.setattr(clock, "datetime", _Slow)
+    monkeypatch.setattr(decision_review, "datetime", _Slow)
     part = _clock_of(client)
     assert part["state"] == "degraded"
     assert "behind the last stored event" in part["text"]

@@ -33,6 +33,7 @@ LENIENT = [
     schemathesis.checks.positive_data_acceptance,
 ]
 STREAM = "/api/v1/events"  # it has no end
+READY = "/api/v1/health/ready"  # 503 without dispatcher, as here; see test_operations
 bounded = settings(
     max_examples=2,  # on each of two databases
     derandomize=True,
@@ -42,7 +43,7 @@ bounded = settings(
 )
 
 
-@schema.exclude(method="DELETE").exclude(path=STREAM).parametrize()
+@schema.exclude(method="DELETE").exclude(path=[STREAM, READY]).parametrize()
 @bounded
 def test_route_conforms_to_description(case: Any, changed_url: str) -> None:
     case.call_and_validate(base_url=changed_url, timeout=300, excluded_checks=LENIENT)

@@ -90,7 +90,7 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     body = {"run_id": run, "level": 1, "controller_id": controller}
     begun = client.post(f"{design}/preflight-simulations", json=body)
     assert begun.status_code == 202, begun.text
-    assert ended(client, begun.headers["location"])["state"] == "done"
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
     (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
     assert one["simulation"]["controller_id"] == controller
     ended(client, f"/api/v1/jobs/{one['simulation']['run_id']}")

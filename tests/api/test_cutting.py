@@ -12,7 +12,8 @@ from tests.api.conftest import Serve
 from flexsid.api import responses
 from flexsid.demo.flights import fly
 from flexsid.demo.whole_flight import add_recording, record_flight
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight, ManeuverProposal
+from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
 
 API = "/api/v1/flights"
@@ -31,8 +32,8 @@ def recorded(serve: Serve, flown_url: str) -> Iterator[tuple[TestClient, int]]:
 
 def test_detected_maneuver_is_cut(recorded: tuple[TestClient, int]):
     client, flight = recorded
-    response = client.get(f"{API}/{flight}/found-maneuvers")
-    TypeAdapter(responses.FoundManeuverList).validate_json(response.content)
+    response = client.get(f"{API}/{flight}/maneuver-proposals")
+    TypeAdapter(Items[ManeuverProposal]).validate_json(response.content)
     (found,) = response.json()["items"]
     assert found["label"] == "2-01 FTA 506", "the maneuver of flight 1 had the same harmonics"
     payload = {key: found[key] for key in ("label", "start_s", "stop_s", "fta")}
@@ -44,7 +45,7 @@ def test_detected_maneuver_is_cut(recorded: tuple[TestClient, int]):
     again = client.post(f"{API}/{flight}/maneuvers", json=payload)
     assert again.status_code == 409
     assert again.json()["code"] == "already-exists"
-    (cut,) = client.get(f"{API}/{flight}/found-maneuvers").json()["items"]
+    (cut,) = client.get(f"{API}/{flight}/maneuver-proposals").json()["items"]
     assert cut["maneuver_id"] == made.json()["id"]
     figure = client.get(f"/api/v1/figures/flight-history?flight_id={flight}&channels=q")
     assert figure.json()["data"]
@@ -58,4 +59,4 @@ def test_window_outside_recording_is_refused(recorded: tuple[TestClient, int]):
     assert refused.json()["code"] == "bad-window"
     assert "recorded from 0 to" in refused.json()["detail"]
     assert client.post(f"{API}/99/maneuvers", json=window).status_code == 404
-    assert client.get(f"{API}/1/found-maneuvers").json()["code"] == "no-recording"
+    assert client.get(f"{API}/1/maneuver-proposals").json()["code"] == "no-recording"

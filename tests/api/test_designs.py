@@ -99,7 +99,7 @@ def test_too_large_design_is_refused_before_computation(
     """Forty bands in a long record, each field within its limits."""
     band = {"low_hz": 0.05, "high_hz": 40.0, "count": 50} | changes
     period = band.pop("duration_s", 200.0)
-    bands = [{"name": f"u{place}", **band} for place in range(40)]
+    bands = [{"name": f"u{index}", **band} for index in range(40)]
     payload = FTA_503 | {"fta": None, "bands": bands, "duration_s": period}
     for where in (URL, f"{URL}/searches"):
         response = empty.post(where, json=payload)
@@ -110,7 +110,7 @@ def test_too_large_design_is_refused_before_computation(
 
 def test_long_phase_search_requires_task_or_is_refused(empty: TestClient):
     inputs = [
-        {"name": f"u{place}", "harmonics": list(range(1 + place, 2001, 4))} for place in range(4)
+        {"name": f"u{index}", "harmonics": list(range(1 + index, 2001, 4))} for index in range(4)
     ]
     payload = FTA_503 | {"fta": None, "inputs": inputs, "duration_s": 100.0, "effort": "patient"}
     for where, words in ((URL, "POST /designs/searches"), (f"{URL}/searches", "less effort")):
@@ -168,8 +168,8 @@ def test_target_modes_within_band_are_listed(client: TestClient):
 
 def test_evaluation_of_too_large_design_is_refused():
     inputs = tuple(
-        InputSpecification(name=name, harmonics=tuple(range(1 + place, 2001, 2)))
-        for place, name in enumerate(("a", "b"))
+        InputSpecification(name=name, harmonics=tuple(range(1 + index, 2001, 2)))
+        for index, name in enumerate(("a", "b"))
     )
     specification = DesignSpecification(
         duration_s=500.0, rate_hz=100.0, inputs=inputs, peaks=(0.1, 0.1, 0.1)
@@ -183,14 +183,18 @@ def test_evaluation_of_too_large_design_is_refused():
 def test_mode_without_harmonic_has_no_signal(client: TestClient):
     run = output_error_run(client)
     inputs = [
-        {"name": name, "harmonics": list(range(700 + place, 1000, 5))}
-        for place, name in enumerate(("bfs", "wf1s", "wf2s", "wf3s", "wf4s"))
+        {"name": name, "harmonics": list(range(700 + index, 1000, 5))}
+        for index, name in enumerate(("bfs", "wf1s", "wf2s", "wf3s", "wf4s"))
     ]
     far = FTA_503 | {"name": "far above", "fta": None, "inputs": inputs}
     where = client.post(URL, json=far).headers["location"]
-    result = client.get(f"{where}/expected-response?run_id={run}").json()
+    result = read_result(client, f"{where}/expected-response?run_id={run}")
     bending = next(mode for mode in result["modes"] if mode["name"] == "SW1B")
-    assert (bending["lines"], bending["output"], bending["signal_to_noise"]) == (0, None, None)
+    assert (bending["n_harmonics"], bending["output"], bending["signal_to_noise"]) == (
+        0,
+        None,
+        None,
+    )
 
 
 def test_bands_with_targets_and_power(empty: TestClient):
@@ -214,24 +218,38 @@ def test_bands_with_targets_and_power(empty: TestClient):
     assert both.status_code == 422
 
 
-def output_error_run(client: TestClient) -> int:
-    order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}}
+def output_error_run(client: TestClient, out_of_band_modes: str = "retained") -> int:
+    settings = {"out_of_band_modes": out_of_band_modes}
+    order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}, "settings": settings}
     job = client.post("/api/v1/runs", json=order).headers["location"]
     return ended(client, job)["run_id"]
+
+
+def read_result(client: TestClient, address: str) -> Any:
+    """Request a prediction for a design, wait for its job, and read the result."""
+    path, query = address.split("?")
+    base, name = path.rsplit("/", 1)
+    kind = "predicted-accuracy" if name.startswith("expected") else name
+    begun = client.post(f"{base}/{kind}/results?{query}")
+    assert begun.status_code == 202, begun.text
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    found = client.get(address)
+    assert found.status_code == 200, found.text
+    return found.json()
 
 
 def test_predicted_errors_decrease_with_amplitude(client: TestClient):
     run = output_error_run(client)
     design = client.post(URL, json=FTA_503).headers["location"]
     low, medium = (
-        client.get(f"{design}/expected-errors?run_id={run}&level={level}").json()["items"]
+        read_result(client, f"{design}/expected-errors?run_id={run}&level={level}")["items"]
         for level in (0, 1)
     )
     assert {"CZ_alpha", "Cm_q", "Cm_bfs", "CQ7_eta7"} <= {row["name"] for row in low}
     for one, other in zip(low, medium, strict=True):
         # The unmodelled response grows with the amplitude, the noise does not.
         assert other["std_error"] < 1.3 * one["std_error"] <= 2.6 * other["std_error"]
-    ee = client.get(f"{design}/expected-errors?run_id=1")
+    ee = client.post(f"{design}/predicted-accuracy/results?run_id=1")
     assert ee.status_code == 422
     assert ee.json()["code"] == "not-output-error"
 
@@ -241,7 +259,7 @@ def test_amplitudes_are_optimised_within_limits(client: TestClient):
     made = client.post(URL, json=FTA_503)
     where = made.headers["location"]
     limits = "deflection=0.012&load_factor=0.1"
-    result = client.get(f"{where}/amplitudes?run_id={run}&{limits}").json()
+    result = read_result(client, f"{where}/amplitudes?run_id={run}&{limits}")
     counted = [row for row in result["errors"] if row["counts"]]
     assert counted
     worst = {way: max(row[way] for row in counted) for way in ("flat", "minimax", "d_optimal")}
@@ -254,7 +272,9 @@ def test_amplitudes_are_optimised_within_limits(client: TestClient):
         f"{where}/rescaled", json={"name": "optimised", "gains": result["gains"]["minimax"]}
     )
     assert stored.status_code == 201, stored.text
-    again = client.get(f"{stored.headers['location']}/expected-errors?run_id={run}").json()["items"]
+    again = read_result(client, f"{stored.headers['location']}/expected-errors?run_id={run}")[
+        "items"
+    ]
     by_name = {row["name"]: row["std_error"] / abs(row["value"]) for row in again}
     for row in counted:
         assert by_name[row["name"]] == pytest.approx(row["minimax"], rel=1e-6)
@@ -267,19 +287,24 @@ def test_predicted_response_by_mode_harmonic_and_surface(client: TestClient):
     run = output_error_run(client)
     made = client.post(URL, json=FTA_503 | {"peaks": [0.02, 0.04, 0.08]})
     where = made.headers["location"]
-    result = client.get(f"{where}/expected-response?run_id={run}&level=0").json()
-    louder = client.get(f"{where}/expected-response?run_id={run}&level=2").json()
+    result = read_result(client, f"{where}/expected-response?run_id={run}&level=0")
+    louder = read_result(client, f"{where}/expected-response?run_id={run}&level=2")
     assert len(result["modes"]) >= 2
     for quiet, loud in zip(result["modes"], louder["modes"], strict=True):
         assert quiet["signal_to_noise"] < loud["signal_to_noise"]
     correlation = np.array(result["correlation"])
     assert np.allclose(np.diag(correlation), 1.0)
     assert np.abs(correlation - np.eye(5)).max() < 0.4
-    rows = client.get(f"{where}/expected-errors?run_id={run}").json()["items"]
-    assert sum(result["worth"].values()) == pytest.approx(len(rows), rel=1e-6)
+    rows = read_result(client, f"{where}/expected-errors?run_id={run}")["items"]
+    # The prior of retained modes is information too; without them all of it is of the design.
+    assert sum(result["information"].values()) < len(rows)
+    bare = output_error_run(client, "omitted")
+    rows = read_result(client, f"{where}/expected-errors?run_id={bare}")["items"]
+    result = read_result(client, f"{where}/expected-response?run_id={bare}&level=0")
+    assert sum(result["information"].values()) == pytest.approx(len(rows), rel=1e-6)
     where = f"design_id={made.json()['id']}&run_id={run}"
-    worth = client.get(f"/api/v1/figures/design-worth?{where}").json()
-    assert len(worth["data"]) == 5
+    information = client.get(f"/api/v1/figures/design-information?{where}").json()
+    assert len(information["data"]) == 5
     signal = client.get(f"/api/v1/figures/design-signal?{where}").json()
     assert "dB" in signal["data"][0]["colorbar"]["title"]["text"]
 
@@ -287,7 +312,7 @@ def test_predicted_response_by_mode_harmonic_and_surface(client: TestClient):
 def test_classic_inputs_within_limits_have_larger_errors(client: TestClient):
     run = output_error_run(client)
     where = client.post(URL, json=FTA_503).headers["location"]
-    result = client.get(f"{where}/classic-inputs?run_id={run}&level=1").json()
+    result = read_result(client, f"{where}/classic-inputs?run_id={run}&level=1")
     multisine, *others = result["inputs"]
     assert [one["kind"] for one in others] == ["doublet", "3-2-1-1", "sweep"]
     for one in others:

@@ -10,7 +10,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-FOR_PROGRAMS = {"application/octet-stream", "application/pdf"}
+FOR_PROGRAMS = {"application/octet-stream", "application/pdf", "application/x-matlab-data"}
 Operation = tuple[str, str, dict[str, Any]]
 
 

@@ -37,14 +37,24 @@ def test_values_in_other_units_are_refused_by_command_line(flown_url: str, capsy
         assert words in capsys.readouterr().err
 
 
-def test_flutter_prediction_runs_as_task(client):
+def test_flutter_prediction_is_stored(client):
     begun = client.post("/api/v1/flutter/results?run_ids=1")
     assert begun.status_code == 202, begun.text
-    now = ended(client, begun.headers["location"])
-    assert (now["state"], now["result_id"]) == ("done", None)
-    assert client.get("/api/v1/flutter?run_ids=1").json()["sentence"]
-    missing = client.post("/api/v1/flutter/results?run_ids=999")
-    assert missing.status_code == 202
-    now = ended(client, missing.headers["location"])
-    assert now["state"] == "failed"
-    assert "999" in now["message"]
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    found = client.get("/api/v1/flutter?run_ids=1").json()
+    assert found["sentence"]
+    (derived,) = found["derived_runs"]
+    run = client.get(f"/api/v1/runs/{derived['derived_run_id']}").json()
+    assert (run["derived_from_run_id"], run["state"]) == (1, "succeeded")
+    assert f"/api/v1/jobs/{run['derivation']['job_id']}" == begun.headers["location"]
+    listed = [
+        [item["id"] for item in client.get(f"/api/v1/runs?{query}").json()["items"]]
+        for query in ("", "derived=true", "derived=true&derived_from_run_id=1")
+    ]
+    assert listed == [[1], [run["id"]], [run["id"]]]
+    for along in ("airspeed", "dynamic_pressure", "fuel"):
+        figure = client.get(f"/api/v1/figures/v-omega-zeta?run_ids=1&along={along}")
+        assert figure.json()["data"]
+    for kind in ("root-locus", "equivalent-modes", "flutter-forecast", "flutter-map"):
+        assert client.get(f"/api/v1/figures/{kind}?run_ids=1").json()["data"]
+    assert client.post("/api/v1/flutter/results?run_ids=999").status_code == 404

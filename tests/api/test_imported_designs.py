@@ -31,7 +31,7 @@ def samples(names: tuple[str, ...] = ("a", "b")) -> np.ndarray:
 
 def sent(client: TestClient, text: str, **fields: Any):
     form = {"name": "flown", "rate_hz": "50", "unit": "deg"} | fields
-    return client.post(f"{URL}/flown", files=[("files", ("table.csv", text))], data=form)
+    return client.post(f"{URL}/import", files=[("files", ("table.csv", text))], data=form)
 
 
 def table(values: np.ndarray) -> str:
@@ -79,7 +79,7 @@ def test_the_multisines_of_maewing1_are_recognised(
     files = sorted(FLOWN.glob("*.csv"))
     form = {"name": "Geri", "rate_hz": "150", "separate": "true"}
     parts = [("files", (file.name, file.read_bytes())) for file in files]
-    stored = empty.post(f"{URL}/flown", files=parts, data=form)
+    stored = empty.post(f"{URL}/import", files=parts, data=form)
     assert stored.status_code == 201, stored.text
     assert [one["name"] for one in stored.json()["items"]] == [file.stem for file in files]
     for one in stored.json()["items"]:
@@ -87,7 +87,19 @@ def test_the_multisines_of_maewing1_are_recognised(
         assert 1.0 < only < 2.0
     pair = [str(FLOWN / f"playback_OMS2_{k}.csv") for k in (1, 2)]
     assert (
-        main(["flown", *pair, "--rate", "150", "--name", "OMS2", "--database", database_url]) == 0
+        main(
+            [
+                "import-multisine",
+                *pair,
+                "--rate",
+                "150",
+                "--name",
+                "OMS2",
+                "--database",
+                database_url,
+            ]
+        )
+        == 0
     )
     printed = capsys.readouterr().out
     assert "OMS2" in printed

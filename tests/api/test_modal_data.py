@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from scipy.io import loadmat
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"
@@ -48,7 +50,7 @@ def table(client: TestClient) -> Any:
         ("full.f06", printout((6.0, 6.6), [ROLLING, BENDING])),
     ]
     identity = upload(client, *files)
-    found = client.get(f"/api/v1/uploads/{identity}/structure").json()
+    found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()
     assert [item["field"] for item in found["queries"]] == [
         "length_unit",
         "mass_unit",
@@ -62,7 +64,7 @@ def table(client: TestClient) -> Any:
         "generalized_mass": "unit",
         "fuel": {"empty.f06": 0.0, "half.f06": 0.5, "full.f06": 1.0},
     }
-    response = client.post(f"/api/v1/uploads/{identity}/structure", json=payload)
+    response = client.post(f"/api/v1/uploads/{identity}/modal-data", json=payload)
     assert response.status_code == 201, response.text
     return response.json()
 
@@ -98,7 +100,7 @@ def test_import_of_same_name_is_new_version(client: TestClient, table: Any) -> N
         client, ("a.f06", printout((5.1, 7.2), [BENDING, ROLLING])), ("deck.bdf", DECK)
     )
     payload = {"aircraft_id": 1, "name": "wing", "length_unit": "ft", "generalized_mass": "unknown"}
-    second = client.post(f"/api/v1/uploads/{identity}/structure", json=payload).json()
+    second = client.post(f"/api/v1/uploads/{identity}/modal-data", json=payload).json()
     assert (second["name"], second["version"]) == ("wing", table["version"] + 1)
     at = f"/api/v1/modal-tables/{table['id']}/correlation?other_id={second['id']}&fuel=0"
     pairs = client.get(at).json()["pairs"]
@@ -154,7 +156,7 @@ def test_missing_information_is_reported(
     identity = upload(client, *files)
     before = client.get("/api/v1/modal-tables").json()["items"]
     response = client.post(
-        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "x", **payload}
+        f"/api/v1/uploads/{identity}/modal-data", json={"aircraft_id": 1, "name": "x", **payload}
     )
     assert 400 <= response.status_code < 500
     assert response.json()["code"] == code
@@ -175,7 +177,7 @@ def test_maewing1_is_imported_with_flutter_summary(client: TestClient) -> None:
     names = ["sol103_maewing1_femv4p2p1.op2", "sol103_maewing1_femv4p2p1.f06"]
     identity = upload(client, *((name, (FEM / name).read_bytes()) for name in names))
     payload = {"aircraft_id": 1, "name": "FEM 4.2.1", "length_unit": "in", "mass_unit": "slinch"}
-    table = client.post(f"/api/v1/uploads/{identity}/structure", json=payload).json()
+    table = client.post(f"/api/v1/uploads/{identity}/modal-data", json=payload).json()
     assert table["names"][:5] == ["SW1B", "AW1T", "SW1T", "AW1B", "SW2B"]
     assert any("agree with the largest displacements printed" in n for n in table["notes"])
     name = "sol145_maewing1_femv5p2.f06"
@@ -234,10 +236,10 @@ def test_exported_modes_are_imported_unchanged(client: TestClient, table: Any, f
     written = client.get(f"/api/v1/modal-tables/{table['id']}/file?form={form}&fuel=0.5")
     assert f".{form}" in written.headers["content-disposition"]
     identity = upload(client, (f"back.{form}", written.content))
-    found = client.get(f"/api/v1/uploads/{identity}/structure").json()
+    found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()
     assert found["queries"] == []  # the file contains units and masses
     again = client.post(
-        f"/api/v1/uploads/{identity}/structure", json={"aircraft_id": 1, "name": "back"}
+        f"/api/v1/uploads/{identity}/modal-data", json={"aircraft_id": 1, "name": "back"}
     ).json()
     for what in ("modes?fuel=0.5", "shape?number=1&fuel=0.5", "shape?number=2&fuel=0.5"):
         first = client.get(f"/api/v1/modal-tables/{table['id']}/{what}").json()
@@ -249,3 +251,25 @@ def test_exported_modes_are_imported_unchanged(client: TestClient, table: Any, f
         else:
             assert second["displacement_m"] == first["displacement_m"]
             assert second["nodes_m"] == first["nodes_m"]
+
+
+def test_exported_modes_are_read_by_others(client: TestClient, table: Any) -> None:
+    """Single precision for readers that do not know double; MATLAB."""
+    at = f"/api/v1/modal-tables/{table['id']}"
+    single = client.get(f"{at}/file?form=uff-single&fuel=0.5")
+    identity = upload(client, ("single.uff", single.content))
+    again = client.post(
+        f"/api/v1/uploads/{identity}/modal-data", json={"aircraft_id": 1, "name": "single"}
+    ).json()
+    first = client.get(f"{at}/shape?number=1&fuel=0.5").json()
+    second = client.get(f"/api/v1/modal-tables/{again['id']}/shape?number=1&fuel=0.5").json()
+    largest = first["largest_m"]
+    np.testing.assert_allclose(
+        second["displacement_m"], first["displacement_m"], atol=1e-5 * largest
+    )
+    assert b"         2         6\n" in single.content  # real, single precision
+    file: Any = io.BytesIO(client.get(f"{at}/file?form=mat&fuel=0.5").content)
+    found = loadmat(file)
+    assert found["shapes"].shape == (found["numbers"].size, found["nodes"].shape[0], 6)
+    hertz = [mode["frequency_hz"] for mode in client.get(f"{at}/modes?fuel=0.5").json()["items"]]
+    assert found["frequency_hz"].ravel() == pytest.approx(hertz)

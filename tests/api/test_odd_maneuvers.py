@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from tests.api.conftest import Serve
+from waiting import assess
 
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import GROUND
@@ -77,7 +78,7 @@ def _stuck(dead: str, value: float = 3.1) -> Samples:
 def test_constant_channel_is_reported(flown_url: str, serve: Serve, dead: str) -> None:
     _store_copy(flown_url, _stuck(dead), "longitudinal")
     with serve(flown_url) as client:
-        quality = client.get(f"{API}/maneuvers/2/quality").json()
+        quality = assess(client, 2)
         assert quality["verdict"] == "bad"
         assert f"{dead} has 1 dropout" in quality["summary"]
         not_checked = [
@@ -96,7 +97,7 @@ def test_sensor_freeze_is_detected(flown_url: str, serve: Serve) -> None:
 
     _store_copy(flown_url, freeze, "longitudinal")
     with serve(flown_url) as client:
-        quality = client.get(f"{API}/maneuvers/2/quality").json()
+        quality = assess(client, 2)
     assert quality["verdict"] == "bad"
     assert "q has 1 dropout" in quality["summary"]
 
@@ -116,7 +117,9 @@ def test_constant_sensor_is_refused_by_every_method(flown_url: str, method: Meth
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-def test_lateral_maneuvers_are_refused_by_longitudinal_model(flown_url: str, serve: Serve) -> None:
+def test_lateral_maneuvers_need_a_lateral_model_and_antisymmetric_surfaces(
+    flown_url: str, serve: Serve
+) -> None:
     _store_copy(flown_url, lambda _name, values: values, "lateral")
     model = {"modes": [7]}
     with serve(flown_url) as client:
@@ -141,8 +144,9 @@ def test_lateral_maneuvers_are_refused_by_longitudinal_model(flown_url: str, ser
             client.get(f"{API}/figures/time-check?run_id=1&maneuver_id=2"),
             client.get(f"{API}/figures/plot-matrix?maneuver_id=2&modes=7"),
         ]
-        not_checked = client.get(f"{API}/maneuvers/2/quality").json()["report"]["not_checked"]
+        not_checked = assess(client, 2)["report"]["not_checked"]
     assert {(one.status_code, one.json()["code"]) for one in responses} == {
-        (422, "axis-not-supported")
+        (422, "axis-not-supported"),
+        (422, "no-input"),
     }
-    assert any("is lateral" in text for text in not_checked)
+    assert any("no recorded input" in text for text in not_checked)

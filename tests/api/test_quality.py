@@ -13,6 +13,8 @@ API = "/api/v1"
 
 
 def test_campaign_is_assessed_and_listed(client: TestClient):
+    unassessed = client.get(f"{API}/maneuvers/1/quality").json()
+    assert unassessed == {"quality": None, "job": None}, "reading assesses nothing"
     before = client.get(f"{API}/quality").json()
     assert before["counts"] == {
         "good": 0,
@@ -32,7 +34,7 @@ def test_campaign_is_assessed_and_listed(client: TestClient):
     assert item["figures"]["signal_to_noise_db"] > 15.0
     assert response.json()["assessing"]["failed"] == 0
     one = client.get(f"{API}/maneuvers/1/quality")
-    found = TypeAdapter(ManeuverQuality).validate_json(one.content)
+    found = TypeAdapter(ManeuverQuality).validate_python(one.json()["quality"])
     assert found.summary == item["summary"]
     assert client.get(f"{API}/quality?verdict=missing").json()["items"] == []
     assert client.get(f"{API}/quality?sort=colour").status_code == 422

@@ -8,13 +8,19 @@ from pydantic import TypeAdapter
 from waiting import ended
 
 from flexsid.api import responses, run_responses
-from flexsid.api.routes.batches import BatchList
-from flexsid.api.routes.figures.figure import Figure
-from flexsid.api.routes.jobs import JobList, JobLog, QueueStatus
-from flexsid.records.aircraft import Aircraft
+from flexsid.api.routes.figures import Figure
+from flexsid.api.routes.jobs import QueueStatus
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.comparison import Comparison
-from flexsid.records.flight import Flight
-from flexsid.storage.job_list import Job
+from flexsid.records.job import JobEvent
+from flexsid.records.maneuver import Flight
+from flexsid.records.modal_data import ModalTable
+from flexsid.records.model_structure import ModelStructure
+from flexsid.storage.batches import BatchProgress
+from flexsid.storage.job_list import JobItem
+from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.storage.paging import Items, Page
+from flexsid.storage.run_list import RunItem
 from flexsid.workflow.runs.run_export import RunExport
 
 API = "/api/v1"
@@ -38,27 +44,27 @@ FIGURES = (
     ("path", "model"),
     [
         ("health", responses.Health),
-        ("aircraft", responses.AircraftList),
+        ("aircraft", Page[Aircraft]),
         ("aircraft/1", Aircraft),
-        ("flights?aircraft_id=1", responses.FlightList),
+        ("flights?aircraft_id=1", Page[Flight]),
         ("flights/1", Flight),
-        ("maneuvers?search=FLOWN&method=EE&state=succeeded", responses.ManeuverList),
+        ("maneuvers?search=FLOWN&method=EE&state=succeeded", Page[ManeuverItem]),
         ("maneuvers/1", responses.ManeuverDetail),
-        ("modal-tables?aircraft_id=1&kind=FEM", responses.ModalTableList),
+        ("modal-tables?aircraft_id=1&kind=FEM", Page[ModalTable]),
         ("modal-tables/1", responses.ModalTableDetail),
-        ("predictions?aircraft_id=1", responses.PredictionList),
+        ("predictions?aircraft_id=1", Page[DerivativePrediction]),
         ("predictions/1?fuel=0.3", responses.PredictionDetail),
-        ("model-structures?aircraft_id=1", responses.ModelStructureList),
-        ("runs?maneuver_id=1&method=EE&state=succeeded", run_responses.RunList),
+        ("model-structures?aircraft_id=1", Page[ModelStructure]),
+        ("runs?maneuver_id=1&method=EE&state=succeeded", Page[RunItem]),
         ("runs/1", run_responses.Run),
         ("runs/1/export", RunExport),
-        ("jobs", JobList),
-        ("jobs/1", Job),
-        ("jobs/1/log", JobLog),
+        ("jobs", Page[JobItem]),
+        ("jobs/1", JobItem),
+        ("jobs/1/log", Items[JobEvent]),
         ("jobs/status", QueueStatus),
-        ("batches", BatchList),
+        ("batches", Page[BatchProgress]),
         ("comparisons?run_ids=1&prediction_ids=1,2", Comparison),
-        ("nomenclature", responses.Glossary),
+        ("nomenclature", Page[responses.GlossaryEntry]),
     ],
 )
 def test_responses_conform_to_declared_models(client: TestClient, path: str, model: type) -> None:

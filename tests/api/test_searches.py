@@ -10,13 +10,15 @@ from waiting import ended
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
+from flexsid.storage import queue
 from flexsid.storage.store import Store
+from flexsid.workflow.structure_determination import searches
 
 SEARCH: dict[str, Any] = {
     "maneuver_ids": [1],
     "method": "OE",
     "structure": {"modes": [7, 9]},
-    "settings": {"draws": 2},
+    "settings": {"resamplings": 2},
 }
 
 
@@ -32,29 +34,31 @@ def test_search_returns_candidates_that_open_as_runs(client: TestClient):
     assert proposed["n_terms"] >= 42
     (line,) = client.get("/api/v1/searches").json()["items"]
     assert line["sentence"].startswith("OE over flown supports")
-    place = found["result"]["candidates"].index(proposed)
-    run = client.post(f"{address}/candidates/{place}/run").json()
+    index = found["result"]["candidates"].index(proposed)
+    run = client.post(f"{address}/candidates/{index}/run").json()
     assert run["structure"]["free"] == proposed["structure"]["free"]
-    assert client.post(f"{address}/candidates/{place}/run").json()["id"] == run["id"]
-    assert client.get(address).json()["result"]["candidates"][place]["run_id"] == run["id"]
+    assert client.post(f"{address}/candidates/{index}/run").json()["id"] == run["id"]
+    assert client.get(address).json()["result"]["candidates"][index]["run_id"] == run["id"]
     assert client.post(f"{address}/candidates/99/run").status_code == 404
     late = client.post(f"{address}/cancel")
     assert late.status_code == 409
-    assert late.json()["code"] == "search-ended"
+    assert late.json()["code"] == "job-ended"
 
 
 def test_interrupted_search_is_resumed_by_next_server(serve, flown_url):
     store = Store.open(flown_url)
-    left = store.searches.add(
+    left = searches.add_search(
+        store,
         StructureSearch(
             aircraft_id=1,
             maneuver_ids=(1,),
             method=Method.EE,
             structure=Structure(modes=(7, 9), fixed={}),
-            settings=SearchSettings(draws=0),
-            state=RunState.RUNNING,
-        )
+            settings=SearchSettings(resamplings=0),
+        ),
     )
+    assert queue.claim(store, left.job_id) is not None
+    assert store.searches.get(left.id or 0).state is RunState.RUNNING
     store.close()
     with serve(flown_url) as client:
         found = ended(client, f"/api/v1/searches/{left.id}")
@@ -62,7 +66,7 @@ def test_interrupted_search_is_resumed_by_next_server(serve, flown_url):
 
 
 def test_running_search_is_cancelled(client: TestClient):
-    many = SEARCH | {"method": "EE", "settings": {"draws": 500}}
+    many = SEARCH | {"method": "EE", "settings": {"resamplings": 500}}
     address = client.post("/api/v1/searches", json=many).headers["location"]
     assert client.post(f"{address}/cancel").json()["state"] == "cancelled"
     after = client.post("/api/v1/searches", json=SEARCH | {"method": "EE"}).headers["location"]

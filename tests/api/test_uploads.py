@@ -277,9 +277,9 @@ import os, signal, sys, time
 from fastapi.testclient import TestClient
 from flexsid.api.app import create_app
 from flexsid.settings import Settings
-from flexsid.workflow.importing import persistence, uploads
+from flexsid.workflow.importing import flight_import, uploads
 
-persistence.BYTES_AT_ONCE = 1
+flight_import.BYTES_AT_ONCE = 1
 store_upload = uploads.store_upload
 
 def killed(store, upload, aircraft_id, report, add_builtin_aircraft, confirmed):

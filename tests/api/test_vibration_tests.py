@@ -10,6 +10,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from flexsid.demo.flex28 import load_nodes, load_truth
+from flexsid.workflow.modal_data import ground_vibration_test
 
 NUMBERS = (7, 8, 9, 10, 11, 12, 13)
 NODES = tuple(range(1, 134, 3))
@@ -102,16 +103,48 @@ def test_modes_are_identified_stored_and_correlated(client: TestClient, response
     pairs = {pair["name"]: pair for pair in result["pairs"]}
     assert all(pairs[name]["mac"] > 0.98 for name in ("SW1B", "SW1T", "SWL"))
     assert min(point["comac"] for point in result["points"]) > 0.9
+    assert all(pair["mac"] >= 0.1 for pair in result["pairs"])
+    assert "modes have no counterpart" in " ".join(result["notes"])
+    payload = {"name": "FEM updated", "test_ids": [table["id"]]}
+    response = client.post("/api/v1/modal-tables/1/updates", json=payload)
+    assert response.status_code == 201, response.text
+    updated = response.json()
+    assert updated["kind"] == "FEM"
+    assert any(note.startswith("SW1B: frequency x ") for note in updated["notes"])
+    refused = client.post("/api/v1/modal-tables/1/updates", json={"name": "none"}).json()
+    assert refused["code"] == "nothing-to-update"
 
 
 def test_stabilisation_diagram(client: TestClient, responses: Any) -> None:
     at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
     drawn = client.get(f"{at}&low_hz=2&high_hz=17&order=20").json()
     names = [trace["name"] for trace in drawn["data"]]
-    assert names == ["measured", "fitted", "new pole", "stable frequency", "stable"]
+    indicators = ["mode indicator", "mode indicator 2"]
+    assert names == [
+        "measured", "fitted", *indicators, "new pole", "stable frequency", "stable"
+    ]  # fmt: skip
     assert len(drawn["layout"]["shapes"]) == 6
     refused = client.get(f"{at}&low_hz=100&high_hz=110").json()
-    assert refused["code"] == "too-few-lines"
+    assert refused["code"] == "too-few-frequencies"
+
+
+def test_figure_and_list_of_modes_rest_on_one_fit(
+    client: TestClient, responses: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fitted = []
+
+    def fit(*arguments: Any) -> Any:
+        fitted.append(arguments)
+        return identify_modes(*arguments)
+
+    identify_modes = ground_vibration_test.identify_modes
+    monkeypatch.setattr(ground_vibration_test, "identify_modes", fit)
+    search = "low_hz=2&high_hz=9&order=16"
+    shown = client.get(f"/api/v1/measured-responses/{responses['id']}/modes?{search}").json()
+    at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
+    drawn = client.get(f"{at}&{search}").json()
+    assert len(drawn["layout"]["shapes"]) == len(shown["items"]) + len(shown["unmodelled_hz"])
+    assert len(fitted) == 1
 
 
 def test_mode_shapes_are_mass_orthogonal(client: TestClient) -> None:

@@ -36,12 +36,13 @@ from flexsid.sysid.estimation.frequency_response_error import frequency_response
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.noise import compute_group_powers, compute_residual_density
+from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
@@ -64,12 +65,13 @@ def main() -> None:
     print_fits(truth)
     print_iteration(truth)
     print_growth(truth)
+    print_nuisance(truth)
     print_batch()
     print_fleet(truth)
 
 
 def print_fits(truth: Truth) -> None:
-    problem, table = make_problem(truth, n_modes=4, n_lines=65)
+    problem, table = make_problem(truth, n_modes=4, n_frequencies=65)
     parameters = free_all(problem, problem.start)
     ours, seconds = timed(lambda: fit(problem, parameters), repeat=21)
     plain, toolbox_s = timed(lambda: toolbox(problem), repeat=1)
@@ -97,7 +99,7 @@ def print_fits(truth: Truth) -> None:
 
 
 def print_iteration(truth: Truth) -> None:
-    problem, table = make_problem(truth, n_modes=4, n_lines=650)
+    problem, table = make_problem(truth, n_modes=4, n_frequencies=650)
     step = gauss_newton_step(problem)
     _, seconds = timed(step, repeat=21)
     _, toolbox_s = timed(lambda: toolbox_iteration(problem, problem.start), repeat=1)
@@ -112,7 +114,7 @@ def print_iteration(truth: Truth) -> None:
 
 
 def print_growth(truth: Truth) -> None:
-    """Exponents of the time of one iteration in modes, lines and outputs."""
+    """Exponents of the time of one iteration in modes, frequencies and outputs."""
     exponents = {}
     for name, values in (
         ("modes", (2, 4, 8)),
@@ -124,7 +126,7 @@ def print_growth(truth: Truth) -> None:
             problem, _ = make_problem(
                 truth,
                 n_modes=value if name == "modes" else 4,
-                n_lines=value if name == "frequencies" else 260,
+                n_frequencies=value if name == "frequencies" else 260,
                 n_outputs=value if name == "outputs" else N_OUTPUTS,
             )
             times.append(timed(gauss_newton_step(problem), repeat=15)[1])
@@ -132,12 +134,43 @@ def print_growth(truth: Truth) -> None:
     report_result("oe_iteration_growth", max(exponents.values()), "exponent of time", **exponents)
 
 
+def print_nuisance(truth: Truth) -> None:
+    """Output error of eight modes, four of them as nuisance, against four modes alone."""
+    whole, table = make_problem(truth, n_modes=8, n_frequencies=N_HARMONICS)
+    predicted = 0.8 * table.values
+    prior = build_nuisance_prior(
+        table.modes, table.inputs, DerivativeTable(table.modes, table.inputs, predicted).named()
+    )
+    bare = replace(
+        whole,
+        model=make_model(truth, 4, N_OUTPUTS),
+        start=0.8 * truth.derivatives_at(0.5, 4).values.ravel(),
+    )
+    own = set(list_derivative_names(table.modes[:4], table.inputs))
+    nuisance = tuple(name for name in table.named() if name not in own)
+    settings = FitSettings(priors=prior.list_priors(nuisance, 0.3))
+    parameters = free_all(whole, predicted.ravel())
+    fitted, seconds = timed(lambda: maximize([as_experiment(whole)], parameters, settings), 5)
+    alone = free_all(bare, bare.start)
+    omitted, bare_s = timed(lambda: fit(bare, alone), 5)
+    report_result(
+        "nuisance_vs_bare",
+        seconds / bare_s,
+        "output error of four modes alone",
+        ours_ms=1e3 * seconds,
+        baseline_ms=1e3 * bare_s,
+        parameters=len(fitted.names),
+        iterations=len(fitted.steps),
+        baseline_iterations=len(omitted.steps),
+    )
+
+
 def print_batch() -> None:
-    n_maneuvers, n_lines, n_terms, n_coefficients = 1000, 65, 15, 6
-    shape = (n_maneuvers, n_lines, n_terms)
+    n_maneuvers, n_frequencies, n_terms, n_coefficients = 1000, 65, 15, 6
+    shape = (n_maneuvers, n_frequencies, n_terms)
     X = RNG.normal(size=shape) + 1j * RNG.normal(size=shape)
     theta = RNG.normal(size=(n_maneuvers, n_terms, n_coefficients))
-    z = X @ theta + 0.01 * RNG.normal(size=(n_maneuvers, n_lines, n_coefficients))
+    z = X @ theta + 0.01 * RNG.normal(size=(n_maneuvers, n_frequencies, n_coefficients))
     names = tuple(f"C_{k}" for k in range(n_terms))
 
     def one_by_one() -> np.ndarray:
@@ -166,7 +199,7 @@ def print_fleet(truth: Truth) -> None:
     per_maneuver = seconds / len(sample)
     alone = []
     for seed in range(5):
-        problem, _ = make_problem(truth, n_modes=4, n_lines=N_HARMONICS, seed=seed)
+        problem, _ = make_problem(truth, n_modes=4, n_frequencies=N_HARMONICS, seed=seed)
         alone.append(timed(lambda p=problem: toolbox(p), repeat=1)[1])
     report_result(
         "fleet_vs_toolbox",
@@ -219,19 +252,19 @@ def make_model(truth: Truth, n_modes: int, n_outputs: int) -> AeroelasticModel:
 
 
 def make_problem(
-    truth: Truth, n_modes: int, n_lines: int, n_outputs: int = N_OUTPUTS, seed: int = 7
+    truth: Truth, n_modes: int, n_frequencies: int, n_outputs: int = N_OUTPUTS, seed: int = 7
 ) -> tuple[Problem, DerivativeTable]:
     """Lines of a maneuver with 1 % noise; the start is off by up to 40 %."""
     rng = np.random.default_rng(seed)
     model = make_model(truth, n_modes, n_outputs)
     table = truth.derivatives_at(0.5, n_modes)
-    omega = 2.0 * np.pi * np.linspace(0.25, 13.75, n_lines)
-    u = rng.normal(size=(n_lines, 5)) + 1j * rng.normal(size=(n_lines, 5))
+    omega = 2.0 * np.pi * np.linspace(0.25, 13.75, n_frequencies)
+    u = rng.normal(size=(n_frequencies, 5)) + 1j * rng.normal(size=(n_frequencies, 5))
     sensor = Problem(
         model,
         omega,
         u,
-        np.empty((n_lines, n_outputs), dtype=complex),
+        np.empty((n_frequencies, n_outputs), dtype=complex),
         natural_frequency=rng.uniform(400.0, 900.0, n_outputs),
         damping=np.full(n_outputs, 0.7),
         delay_s=rng.uniform(0.004, 0.02, n_outputs),

@@ -33,8 +33,8 @@ from flexsid.sysid.excitation.phase_search import PATIENT, QUICK, THOROUGH, Effo
 FIRST = 6
 
 
-def all_lines() -> list[HarmonicSpectrum]:
-    """Lines of all inputs of the catalogue."""
+def build_spectra() -> list[HarmonicSpectrum]:
+    """Harmonics of all inputs of the catalogue."""
     return [
         HarmonicSpectrum(own, np.full(own.size, np.sqrt(2.0 / own.size)))
         for aid in CATALOGUE.values()
@@ -42,21 +42,21 @@ def all_lines() -> list[HarmonicSpectrum]:
     ]
 
 
-def nelder_mead(lines: HarmonicSpectrum, points: int = 20) -> np.ndarray:
+def nelder_mead(spectrum: HarmonicSpectrum, points: int = 20) -> np.ndarray:
     """Simplex search, as the field does it."""
-    n_samples = int(fft.next_fast_len(points * int(lines.harmonics.max()), real=True))
-    spectrum = np.zeros(n_samples // 2 + 1, dtype=complex)
-    gain = -0.5j * n_samples * lines.amplitudes
+    n_samples = int(fft.next_fast_len(points * int(spectrum.harmonics.max()), real=True))
+    transform = np.zeros(n_samples // 2 + 1, dtype=complex)
+    gain = -0.5j * n_samples * spectrum.amplitudes
 
     def factor(phases: np.ndarray) -> float:
-        spectrum[lines.harmonics] = gain * np.exp(1j * phases)
-        samples = fft.irfft(spectrum, n_samples)
+        transform[spectrum.harmonics] = gain * np.exp(1j * phases)
+        samples = fft.irfft(transform, n_samples)
         return float(samples.max() - samples.min())
 
-    n = lines.harmonics.size
+    n = spectrum.harmonics.size
     found = optimize.minimize(
         factor,
-        schroeder_phases(lines.amplitudes),
+        schroeder_phases(spectrum.amplitudes),
         method="Nelder-Mead",
         options={"maxiter": 200 * n, "maxfev": 10**9},
     )
@@ -68,7 +68,7 @@ def measure(
 ) -> dict[str, float]:
     """CPU seconds and the mean of the judged peak factors."""
     begin = time.process_time()
-    phases = [design(lines) for lines in inputs]
+    phases = [design(spectrum) for spectrum in inputs]
     seconds = time.process_time() - begin
     factors = [evaluate_peak_factor(*pair) for pair in zip(inputs, phases, strict=True)]
     return {
@@ -80,7 +80,7 @@ def measure(
 
 def search(effort: Effort) -> Callable[[HarmonicSpectrum], np.ndarray]:
     """The workbench's search with one effort and one seed."""
-    return lambda lines: search_phases(lines, effort, seed=0).phases
+    return lambda spectrum: search_phases(spectrum, effort, seed=0).phases
 
 
 def best_of_65(sequences: int = 10) -> dict[str, object]:
@@ -88,9 +88,9 @@ def best_of_65(sequences: int = 10) -> dict[str, object]:
 
     One sequence of seeds may be lucky: each of ten has half of the baseline's time.
     """
-    lines = HarmonicSpectrum(FIRST + 5 * np.arange(65), np.full(65, np.sqrt(2.0 / 65)))
-    simplex = measure(nelder_mead, [lines])
-    found = [_best_within(lines, 0.5 * simplex["cpu_s"], 1000 * k) for k in range(sequences)]
+    spectrum = HarmonicSpectrum(FIRST + 5 * np.arange(65), np.full(65, np.sqrt(2.0 / 65)))
+    simplex = measure(nelder_mead, [spectrum])
+    found = [_best_within(spectrum, 0.5 * simplex["cpu_s"], 1000 * k) for k in range(sequences)]
     factors = np.array([factor for factor, _, _ in found])
     return {
         "name": "n65_best",
@@ -107,12 +107,12 @@ def best_of_65(sequences: int = 10) -> dict[str, object]:
     }
 
 
-def _best_within(lines: HarmonicSpectrum, seconds: float, seed: int) -> tuple[float, int, float]:
+def _best_within(spectrum: HarmonicSpectrum, seconds: float, seed: int) -> tuple[float, int, float]:
     """Best peak factor, searches made and CPU seconds of one sequence of seeds."""
     best, spent, searches = np.inf, 0.0, 0
     while True:
         begin = time.process_time()
-        found = search_phases(lines, PATIENT, seed + searches)
+        found = search_phases(spectrum, PATIENT, seed + searches)
         took = time.process_time() - begin
         if spent + took > seconds:
             return float(best), searches, spent
@@ -121,12 +121,12 @@ def _best_within(lines: HarmonicSpectrum, seconds: float, seed: int) -> tuple[fl
 
 def main() -> None:
     """Measure and print."""
-    inputs = all_lines()
+    inputs = build_spectra()
     quick = measure(search(QUICK), inputs)
     thorough = measure(search(THOROUGH), inputs)
     print(json.dumps({"name": "schroeder", **measure(_schroeder, inputs)}), flush=True)
     simplex = measure(nelder_mead, inputs)
-    coarse = measure(lambda lines: nelder_mead(lines, 8), inputs)
+    coarse = measure(lambda spectrum: nelder_mead(spectrum, 8), inputs)
     for name, mine, bar in (
         ("table1_vs_nelder_mead", thorough, "ratio >= 3, mean_rpf <= 1.085"),
         ("quick_vs_nelder_mead", quick, "ratio >= 30 at a lower mean_rpf"),
@@ -144,8 +144,8 @@ def main() -> None:
     print(json.dumps(best_of_65()), flush=True)
 
 
-def _schroeder(lines: HarmonicSpectrum) -> np.ndarray:
-    return schroeder_phases(lines.amplitudes)
+def _schroeder(spectrum: HarmonicSpectrum) -> np.ndarray:
+    return schroeder_phases(spectrum.amplitudes)
 
 
 if __name__ == "__main__":

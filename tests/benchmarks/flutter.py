@@ -27,9 +27,9 @@ from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
-from flexsid.records.flight import Flight as FlightRecord
+from flexsid.jobs.kinds import RUN
 from flexsid.records.maneuver import Condition
+from flexsid.records.maneuver import Flight as FlightRecord
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
@@ -72,7 +72,7 @@ FUEL = 0.5
 RETAINED, ALL = 4, 8
 PERIOD_S, RECORD_S, RATE_HZ = 24.0, 30.0, 200.0
 OMEGA = 2.0 * np.pi * np.arange(6, 331) / PERIOD_S
-DEFLECTION = np.deg2rad(2.0) / np.sqrt(2.0 * 65.0)  # amplitude of one line
+DEFLECTION = np.deg2rad(2.0) / np.sqrt(2.0 * 65.0)  # amplitude of one harmonic
 PREDICTION_ERROR = 0.15
 CAMPAIGN = (0.56, 0.62, 0.68, 0.74, 0.80)
 
@@ -98,7 +98,7 @@ class Range:
         self.derivatives = truth.derivatives_at(FUEL, ALL)
 
     def fly(self, ratio: float, rng: np.random.Generator) -> Flight:
-        """One maneuver: surfaces on their own lines, a little of each on the others'."""
+        """One maneuver: surfaces on their own harmonics, a little of each on the others'."""
         c = self.truth.condition_at(ratio * self.flutter, FUEL)
         condition = Condition(
             airspeed_m_s=c.airspeed,
@@ -141,8 +141,8 @@ class Range:
         model = build_model(self.aircraft, flight.condition, modes, INPUTS, self.outputs)
         parameters = select_parameters(start, free, model.outputs)
         through = np.ones_like(flight.outputs.values)
-        lines = output_error(model, flight.inputs, flight.outputs, through)
-        found = maximize([lines], parameters, FitSettings(noise=noise))
+        experiment = output_error(model, flight.inputs, flight.outputs, through)
+        found = maximize([experiment], parameters, FitSettings(noise=noise))
         table = parameters.table(found.values)
         uncertain = UncertainDerivatives(
             parameters.rows, parameters.columns, found.corrected_covariance
@@ -238,7 +238,7 @@ def print_flown(flex: Range, seeds: int) -> None:
                     structure=Structure(modes=flex.derivatives.modes[:RETAINED], fixed={}),
                     settings=RunSettings(),
                 )
-                run = execute_run(store, request, load_estimation_pipeline(), lambda progress: None)
+                run = execute_run(store, request, RUN, lambda progress: None)
                 for others in UnmodelledModes:
                     result = ask(
                         store, FlutterQuery(run_ids=(run.id or 0,), unmodelled_modes=others)
@@ -309,7 +309,7 @@ def print_bands(flex: Range) -> None:
     began = time.process_time()
     drawn = sample_root_bands(found.aircraft, locus, found.uncertain)
     draws = time.process_time() - began
-    clear = ~bands.by_draws
+    clear = ~bands.by_monte_carlo
     off = np.abs(bands.real_std[clear] / drawn.real_std[clear] - 1.0)
     report_result(
         "bands_vs_draws",
@@ -317,7 +317,7 @@ def print_bands(flex: Range) -> None:
         baseline="1000 draws at 200 speeds",
         largest_difference=float(off.max()),
         median_difference=float(np.median(off)),
-        speeds_left_to_draws=int(bands.by_draws.sum()),
+        speeds_by_monte_carlo=int(bands.by_monte_carlo.sum()),
     )
 
 

@@ -28,7 +28,7 @@ from flexsid.api.app import create_app
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.importers.modal_data import RawModalData
-from flexsid.records.modal_table import ModalKind
+from flexsid.records.modal_data import ModalKind
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store

@@ -32,13 +32,13 @@ from playwright.sync_api import Page, Request, expect, sync_playwright
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
-from flexsid.records.flight import Flight
+from flexsid.jobs.kinds import RUN
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.storage.tables import channels, maneuvers, runs
+from flexsid.storage.tables import channels, jobs, maneuvers, runs
 
 RUNS_PER_MANEUVER, MANEUVERS_PER_FLIGHT = 10, 26
 RESPONSE_MS, DRAWN_MS, JS_KB = 100.0, 1500.0, 250.0
@@ -69,7 +69,7 @@ def lay_out(url: str, n_maneuvers: int) -> None:
                 settings=RunSettings(),
                 prediction_id=1,
             )
-            execute_run(store, run, load_estimation_pipeline(), lambda progress: None)
+            execute_run(store, run, RUN, lambda progress: None)
     with store.transaction():
         for identity in (1, 2, 3):
             _copy_runs(store, identity, identity, RUNS_PER_MANEUVER - len(Method))
@@ -85,7 +85,7 @@ def lay_out(url: str, n_maneuvers: int) -> None:
 
 
 def _copy_maneuver(store: Store, number: int, flight_id: int) -> None:
-    like = 1 + number % 3
+    template = 1 + number % 3
     new = {
         "flight_id": flight_id,
         "label": f"maneuver {number}",
@@ -94,23 +94,24 @@ def _copy_maneuver(store: Store, number: int, flight_id: int) -> None:
         "fta": 503 if number % 2 else 506,
     }
     with store.database.transaction() as connection:
-        identity = connection.execute(_copies(maneuvers, maneuvers.c.id == like, new)).lastrowid
-        where = channels.c.maneuver_id == like
+        identity = connection.execute(_copies(maneuvers, maneuvers.c.id == template, new)).lastrowid
+        where = channels.c.maneuver_id == template
         connection.execute(_copies(channels, where, {"maneuver_id": identity}))
-    _copy_runs(store, like, identity, RUNS_PER_MANEUVER)
+    _copy_runs(store, template, identity, RUNS_PER_MANEUVER)
 
 
-def _copy_runs(store: Store, like: int, maneuver_id: int, count: int) -> None:
+def _copy_runs(store: Store, template: int, maneuver_id: int, count: int) -> None:
     """Give a maneuver copies of the three runs of another."""
     with store.database.transaction() as connection:
-        for place in range(count):
-            run_id = 1 + 3 * (like - 1) + place % 3
-            where = runs.c.id == run_id
-            connection.execute(_copies(runs, where, {"maneuver_id": maneuver_id}))
+        for index in range(count):
+            run_id = 1 + 3 * (template - 1) + index % 3
+            job = connection.execute(_copies(jobs, jobs.c.id == run_id, {})).lastrowid
+            new: dict[str, object] = {"id": job, "maneuver_id": maneuver_id}
+            connection.execute(_copies(runs, runs.c.id == run_id, new))
 
 
 def _copies(table: sa.Table, where: sa.ColumnElement[bool], new: dict[str, object]) -> sa.Insert:
-    names = [column.name for column in table.c if column.name != "id"]
+    names = [column.name for column in table.c if column.name != "id" or "id" in new]
     values = [sa.literal(new[n], table.c[n].type) if n in new else table.c[n] for n in names]
     return sa.insert(table).from_select(names, sa.select(*values).where(where))
 

@@ -36,7 +36,7 @@ def main() -> None:
 
 def print_single_changes() -> None:
     """Every single change of a 90-parameter output-error model, against fits of it."""
-    problem, table = make_problem(load_truth(), n_modes=4, n_lines=65)
+    problem, table = make_problem(load_truth(), n_modes=4, n_frequencies=65)
     parameters = free_all(problem, problem.start)
     experiment = as_experiment(problem)
     estimate, fit_s = timed(lambda: fit(problem, parameters), repeat=21)
@@ -74,7 +74,7 @@ def print_single_changes() -> None:
 
 def print_search() -> None:
     """A whole search from all 90 terms, 30 of them absent, against one fit of all."""
-    problem, table = make_problem(load_truth(), n_modes=4, n_lines=325)
+    problem, table = make_problem(load_truth(), n_modes=4, n_frequencies=325)
     rng = np.random.default_rng(3)
     values = table.values.ravel().copy()
     absent = rng.choice(values.size, 30, replace=False)

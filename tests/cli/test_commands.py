@@ -155,6 +155,19 @@ def test_flutter_is_predicted_from_runs(flown_url: str, capsys) -> None:
     assert "RUNS is 'x'" in refused(capsys, 2, "flutter", "x", "--database", flown_url)
 
 
+def test_runs_are_validated(flown_url: str, capsys) -> None:
+    to = ["--database", flown_url]
+    assert main(["validate", "1", "--maneuvers", "1", *to]) == 0
+    assert "EE 1, flown" in capsys.readouterr().out
+    assert main(["validate", "1", "--hold-out", "frequencies", "--json", *to]) == 0
+    assert json.loads(capsys.readouterr().out)["r_squared"] > 0.9
+    refusal = refused(capsys, 1, "validate", "1", "--hold-out", "periods", *to)
+    assert "expected at least 3" in refusal
+    assert "expected 2 to 20" in refused(
+        capsys, 2, "validate", "1", "--hold-out", "folds", "--folds", "1", *to
+    )
+
+
 def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     mapping = tmp_path / "m.toml"
     mapping.write_text(
@@ -287,12 +300,14 @@ def test_search_prints_terms_with_statistics_and_candidates(
     flown_url: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FLEXSID_DATABASE", flown_url)
-    assert main(["search", "1", "--modes", "7,9", "--draws", "2"]) == 0
+    assert main(["search", "1", "--modes", "7,9", "--resamplings", "2"]) == 0
     printed = capsys.readouterr().out
     assert "EE over flown supports" in printed
     assert "CQ7_etadot7" in printed
     assert "candidates, by prediction" in printed
-    assert main(["search", "1", "--modes", "7", "--method", "OE", "--draws", "0", "--json"]) == 0
+    assert (
+        main(["search", "1", "--modes", "7", "--method", "OE", "--resamplings", "0", "--json"]) == 0
+    )
     found = json.loads(capsys.readouterr().out)
     assert found["state"] == "succeeded"
     assert found["result"]["groups"][0]["name"] == "OE"

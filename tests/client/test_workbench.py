@@ -46,6 +46,11 @@ role = "output"
 """
 
 
+def test_runs_are_validated(workbench: Workbench) -> None:
+    assert workbench.cross_predict([1]).loc[1, 1] > 0.9
+    assert workbench.cross_validate(1, partition="frequencies")["refits"][0]["n_held_out"] > 50
+
+
 def test_lists_are_tables(workbench: Workbench) -> None:
     maneuvers: Any = workbench.maneuvers()
     assert maneuvers.index.name == "id"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,13 @@ import numpy as np
 import pytest
 
 from flexsid.demo.campaign import PLAN, Card, add_aircraft, add_campaign, add_maneuver
+from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.records.flight import Flight
-from flexsid.records.ground_test import GroundTestVerdict
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.jobs.health import PartState
+from flexsid.records.maneuver import Flight, Maneuver, Role
+from flexsid.records.quality import GroundTestVerdict
 from flexsid.storage import bulk
 from flexsid.storage.store import Store
 from flexsid.workflow.quality.ground_records import compare_all_ground_records
@@ -43,6 +45,43 @@ def whole(campaign: Path, tmp_path: Path) -> Iterator[Store]:
     opened = Store.open(f"sqlite:///{file}")
     yield opened
     opened.close()
+
+
+def test_the_server_simulates_missing_maneuvers_beside_itself(whole: Store):
+    last = whole.maneuvers.find()[-1]
+    with whole.transaction():
+        assert last.id is not None
+        whole.maneuvers.replace(replace(last, label="renamed"))
+    heard: list[tuple[float, str]] = []
+    process = CampaignProcess(whole.database.url.render_as_string(), lambda *one: heard.append(one))
+    shown = process.check_health()
+    assert shown is not None
+    assert shown.state is PartState.STARTING
+    process.start()
+    try:
+        deadline = time.monotonic() + 60.0
+        while process.check_health() is not None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert process.check_health() is None
+    finally:
+        process.stop()
+    assert heard[-1][0] == 1.0
+    assert last.label in {one.label for one in whole.maneuvers.find()}
+
+
+def test_an_interrupted_simulation_is_reported(tmp_path: Path):
+    process = CampaignProcess(f"sqlite:///{tmp_path}/missing.db", lambda *one: None)
+    process.start()
+    try:
+        deadline = time.monotonic() + 60.0
+        while (shown := process.check_health()) is not None and shown.state is PartState.STARTING:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert shown is not None
+        assert shown.state is PartState.DEGRADED
+        assert "Start flexsid demo again" in shown.text
+    finally:
+        process.stop()
 
 
 def test_the_campaign_is_complete_and_one_flight_was_damaged(whole: Store):

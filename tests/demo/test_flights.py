@@ -36,11 +36,11 @@ def test_trim_comes_first_and_rest_comes_last(quiet: FlownManeuver):
         assert np.ptp(trim) < 1e-5 * np.ptp(own.samples), name
         last = own.samples[-round(0.1 * own.rate_hz) :] - trim.mean()
         assert np.abs(last).max() < 2e-3 * np.ptp(own.samples), name
-    assert quiet.duration_s == TRIM_S + 24.0 + SETTLE_S
+    assert quiet.maneuver.duration_s == TRIM_S + 24.0 + SETTLE_S
 
 
 def test_sensors_read_trim_in_native_units(quiet: FlownManeuver):
-    alpha = quiet.condition.alpha_rad
+    alpha = quiet.maneuver.condition.alpha_rad
     trim = {name: float(channel(quiet, name).samples[0]) for name in ("alpha", "az_egi", "ax_egi")}
     assert trim["alpha"] == pytest.approx(alpha, rel=1e-3)
     assert trim["az_egi"] == pytest.approx(-np.cos(alpha), rel=1e-3)
@@ -68,7 +68,7 @@ def test_surfaces_follow_commands_within_the_actuators_limits():
         surface = channel(flown, name)
         assert np.abs(np.diff(surface.samples)).max() * surface.rate_hz <= np.radians(120.0)
         assert np.abs(surface.samples).max() <= np.radians(20.0)
-    assert 0.15 < flown.max_input_correlation < 0.5
+    assert 0.15 < (flown.maneuver.max_input_correlation or 0.0) < 0.5
 
 
 def test_lateral_sensors_in_the_plane_of_symmetry_measure_zero(quiet: FlownManeuver):
@@ -79,10 +79,12 @@ def test_lateral_sensors_in_the_plane_of_symmetry_measure_zero(quiet: FlownManeu
 
 def test_recorded_command_is_the_design(quiet: FlownManeuver):
     command = channel(quiet, "wf3s_command")
-    assert quiet.excitation.harmonics == design_fta(506, 2.0).harmonics()
+    excitation = quiet.maneuver.excitation
+    assert excitation is not None
+    assert excitation.harmonics == design_fta(506, 2.0).harmonics()
     first = round(TRIM_S * command.rate_hz)
     spectrum = np.abs(np.fft.rfft(command.samples[first : first + 4800].astype(float)))
-    own = list(quiet.excitation.harmonics["wf3s"])
+    own = list(excitation.harmonics["wf3s"])
     assert np.delete(spectrum, own).max() < 1e-5 * spectrum[own].min()
 
 

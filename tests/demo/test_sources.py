@@ -8,7 +8,7 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.sources import build_modal_tables, build_model_structures, build_predictions
-from flexsid.records.modal_table import ModalKind
+from flexsid.records.modal_data import ModalKind
 from flexsid.sysid.model.derivatives import list_derivative_names
 
 
@@ -83,7 +83,8 @@ def test_predictions_differ_from_truth_and_are_reproducible(which: int):
 
 def test_modes_are_identified_from_the_vibration_test():
     from flexsid.demo.vibration_test import build_measured_responses
-    from flexsid.sysid.modes.polyreference import compute_stabilisation, find_columns, fit_shapes
+    from flexsid.sysid.modes.measured_modes import identify_modes
+    from flexsid.sysid.modes.polyreference import compute_stabilisation, find_columns
 
     truth, arrays = load_truth(), ArrayStore()
     record = build_measured_responses(truth, 1, arrays.save)
@@ -91,5 +92,5 @@ def test_modes_are_identified_from_the_vibration_test():
     band = hertz < 16.0
     omega = 2.0 * np.pi * hertz[band]
     columns = find_columns(compute_stabilisation(omega, values[band], 30))
-    found = fit_shapes(omega, values[band], columns, record.quantity)
+    found = identify_modes(omega, values[band], columns, record.quantity)
     assert found.omega == pytest.approx(truth.modes.at(0.0).omega[:6], rel=2e-3)

@@ -18,7 +18,7 @@ import pytest
 from flexsid.cli.main import main
 from flexsid.demo.campaign import PLAN, SEED, add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, analyse_flutter
 
@@ -86,10 +86,10 @@ def check_table(store: Store, tutorial: str) -> None:
     wrong = {}
     for name, row in re.findall(r"^\| ([^|]+) \| (.*\d.*) \|$", text, re.MULTILINE):
         cells = row.split(" | ")
-        for place, found in enumerate(columns):
-            cell = cells[place]
+        for index, found in enumerate(columns):
+            cell = cells[index]
             if not cells_agree(cell.replace("−", "-"), *found[name]):
-                cells[place] = wrong[cell] = format_cell(cell, *found[name])
+                cells[index] = wrong[cell] = format_cell(cell, *found[name])
         text = text.replace(row, " | ".join(cells))
     if os.environ.get("RENEW_NUMBERS") == "1":
         file.write_text(text, encoding="utf-8")
@@ -111,13 +111,13 @@ def test_the_demonstration(store: Store, follow: Callable[[str], str]) -> None:
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
     assert flight.id is not None
-    for place, card in enumerate(PLAN[0].cards[:4]):
+    for index, card in enumerate(PLAN[0].cards[:4]):
         flown = fly(
             airspeed_ratio=card.airspeed_ratio,
             fuel=card.fuel,
             fta=card.fta,
             peak_deg=card.peak_deg,
-            seed=(SEED, 1, place),
+            seed=(SEED, 1, index),
         )
         add_maneuver(store, flown, flight.id)
     printed = follow("demonstration")

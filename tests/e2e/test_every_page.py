@@ -31,7 +31,7 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     workbench = Workbench(server)
     modes = {"modes": [7, 9]}
     search = {"maneuver_ids": [2], "method": "EE", "structure": modes}
-    search_id = workbench.post("searches", {**search, "settings": {"draws": 2}})["id"]
+    search_id = workbench.post("searches", {**search, "settings": {"resamplings": 2}})["id"]
     fre = workbench.submit(2, "FRE", modes=[7, 9])
     cancelled = workbench.submit(2, "OE", modes=[7, 9, 10])
     workbench.cancel(cancelled)
@@ -57,11 +57,9 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     )
     workbench.wait(fre, timeout_s=PATIENCE_S)
     jobs = workbench.items("jobs", batch_id=batched["id"])
-    workbench.wait(*(job["id"] for job in jobs), timeout_s=PATIENCE_S)
-    for path in (f"searches/{search_id}", f"tasks/{simulated['id']}"):
-        wait_until(
-            lambda path=path: workbench.get(path)["state"] not in ("queued", "running"), path
-        )
+    workbench.wait(*(job["id"] for job in jobs), simulated["id"], timeout_s=PATIENCE_S)
+    path = f"searches/{search_id}"
+    wait_until(lambda: workbench.get(path)["state"] not in ("queued", "running"), path)
     return {
         "run": str(compared[0]),
         "runs": ",".join(map(str, compared)),
@@ -130,6 +128,8 @@ def _settled(page: Page) -> None:
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0, timeout=PATIENCE_MS)
     expect(page.locator("[data-drawn=false]")).to_have_count(0, timeout=PATIENCE_MS)
+    expect(page.get_by_test_id("job-wait")).to_have_count(0, timeout=PATIENCE_MS)
+    expect(page.get_by_text("internal error")).to_have_count(0)
     page.wait_for_function(_FIGURES_FIT)
 
 

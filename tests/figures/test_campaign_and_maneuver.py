@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexsid.figures.bode import bode
-from flexsid.figures.envelope import envelope
-from flexsid.figures.plot_matrix import plot_matrix
-from flexsid.figures.spectrum import spectrum
-from flexsid.figures.time_history import time_history
+from flexsid.figures.bode import draw_bode
+from flexsid.figures.envelope import draw_envelope
+from flexsid.figures.numbers import extract_curves
+from flexsid.figures.plot_matrix import draw_plot_matrix
+from flexsid.figures.spectrum import draw_spectrum
+from flexsid.figures.time_history import draw_time_history
 from flexsid.records.maneuver import Role
 from flexsid.records.views import (
     Blanked,
@@ -42,7 +43,9 @@ def mark(maneuver_id: int, fta: int | None, ratio: float | None) -> EnvelopeMark
 
 
 def test_envelope_shows_flutter_boundary_and_leads_to_maneuvers(drawable):
-    spec = envelope(Envelope(marks=(mark(3, 506, 0.65), mark(1, 503, 0.8), mark(2, 506, 1.09))))
+    spec = draw_envelope(
+        Envelope(marks=(mark(3, 506, 0.65), mark(1, 503, 0.8), mark(2, 506, 1.09)))
+    )
     drawable(spec)
     assert [trace["name"] for trace in spec["data"]] == ["FTA 503", "FTA 506"]
     assert spec["data"][1]["customdata"] == [2, 3]
@@ -53,15 +56,17 @@ def test_envelope_shows_flutter_boundary_and_leads_to_maneuvers(drawable):
 
 
 def test_envelope_falls_back_to_airspeed_where_flutter_is_unknown(drawable):
-    spec = envelope(Envelope(marks=(mark(1, None, None), mark(2, 506, 0.6))))
+    spec = draw_envelope(Envelope(marks=(mark(1, None, None), mark(2, 506, 0.6))))
     drawable(spec)
     assert spec["layout"]["yaxis"]["title"]["text"] == "True airspeed V [m/s]"
     assert "shapes" not in spec["layout"]
 
 
 def test_style_of_an_fta_is_independent_of_others():
-    alone = envelope(Envelope(marks=(mark(1, 506, 0.6),)))["data"][0]["marker"]
-    beside = envelope(Envelope(marks=(mark(1, 503, 0.6), mark(2, 506, 0.6))))["data"][1]["marker"]
+    alone = draw_envelope(Envelope(marks=(mark(1, 506, 0.6),)))["data"][0]["marker"]
+    beside = draw_envelope(Envelope(marks=(mark(1, 503, 0.6), mark(2, 506, 0.6))))["data"][1][
+        "marker"
+    ]
     assert alone == beside
 
 
@@ -84,7 +89,7 @@ def histories() -> ChannelHistories:
 
 
 def test_time_history_has_own_units_per_row_and_retains_peaks(drawable, numbers, histories):
-    spec = time_history(histories)
+    spec = draw_time_history(histories)
     drawable(spec)
     surface, accelerometer = spec["data"]
     assert len(numbers(surface["y"])) <= 500
@@ -96,18 +101,26 @@ def test_time_history_has_own_units_per_row_and_retains_peaks(drawable, numbers,
     assert "xaxis2" not in spec["layout"], "all rows share one time axis"
 
 
+def test_exported_histories_have_every_sample_in_double_precision(histories):
+    surface, _ = extract_curves(draw_time_history(histories))
+    np.testing.assert_array_equal(surface.columns["x"], histories.traces[0].time_s)
+    np.testing.assert_allclose(
+        surface.columns["y"], np.rad2deg(histories.traces[0].values), rtol=1e-15
+    )
+
+
 def test_time_history_shows_lost_samples_as_gaps(drawable, numbers, histories):
     first = histories.traces[0]
     values = first.values[:100].copy()
     values[10] = np.nan
     lost = replace(first, time_s=first.time_s[:100], values=values)
-    spec = time_history(replace(histories, traces=(lost,)))
+    spec = draw_time_history(replace(histories, traces=(lost,)))
     drawable(spec)
     assert numbers(spec["data"][0]["y"])[10] is None
 
 
 def test_spectrum_colours_harmonics_by_assigned_input(drawable, numbers):
-    spec = spectrum(
+    spec = draw_spectrum(
         Spectra(
             maneuver_id=7,
             inputs=("bfs", "wf4s"),
@@ -133,7 +146,7 @@ def test_spectrum_colours_harmonics_by_assigned_input(drawable, numbers):
 def test_only_the_real_part_of_a_correlation_of_spectra_is_flagged(drawable, phase_deg, flagged):
     """A mode's displacement and its own rate are at a right angle: apart for real derivatives."""
     turned = 0.92 * np.exp(1j * np.radians(phase_deg))
-    spec = plot_matrix(
+    spec = draw_plot_matrix(
         PlotMatrix(
             maneuver_id=3,
             names=("eta7", "etadot7"),
@@ -155,7 +168,7 @@ def test_plot_matrix_names_crosses_and_flags(drawable):
     rng = np.random.default_rng(1)
     samples = rng.standard_normal((1000, 3))
     correlation = np.array([[1.0, 0.95, 0.1], [0.95, 1.0, np.nan], [0.1, np.nan, 1.0]])
-    spec = plot_matrix(
+    spec = draw_plot_matrix(
         PlotMatrix(
             maneuver_id=7,
             names=("bfs", "wf1s", "wf4s"),
@@ -191,7 +204,7 @@ def response(run_id: int | None = None, spread: np.ndarray | None = None) -> Res
 
 
 def test_bode_is_in_display_units_with_modes_named(drawable, numbers):
-    spec = bode(
+    spec = draw_bode(
         Bode(
             maneuver_id=7,
             inputs=("bfs", "wf4s"),
@@ -227,9 +240,9 @@ def test_bode_is_in_display_units_with_modes_named(drawable, numbers):
 @pytest.mark.parametrize(
     "spec",
     [
-        envelope(Envelope(marks=())),
-        bode(Bode(maneuver_id=1, inputs=(), measured=(), models=(), modes=())),
-        time_history(ChannelHistories(maneuver_id=1, traces=(), excitation_s=None, points=10)),
+        draw_envelope(Envelope(marks=())),
+        draw_bode(Bode(maneuver_id=1, inputs=(), measured=(), models=(), modes=())),
+        draw_time_history(ChannelHistories(maneuver_id=1, traces=(), excitation_s=None, points=10)),
     ],
 )
 def test_empty_figure_has_a_message(drawable, spec):

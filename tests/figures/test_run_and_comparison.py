@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.figures.derivatives import derivatives
-from flexsid.figures.fit import fit
-from flexsid.figures.forest import forest
-from flexsid.figures.iterations import iterations
-from flexsid.figures.parameter_correlation import parameter_correlation
-from flexsid.figures.poles import poles
-from flexsid.figures.residual import residual
-from flexsid.figures.trend import trend
+from flexsid.figures.derivatives import draw_derivatives
+from flexsid.figures.fit import draw_fit
+from flexsid.figures.forest import draw_forest
+from flexsid.figures.iterations import draw_iterations
+from flexsid.figures.parameter_correlation import draw_parameter_correlation
+from flexsid.figures.poles import draw_poles
+from flexsid.figures.residual import draw_residual
+from flexsid.figures.trend import draw_trend
 from flexsid.records.comparison import (
     Against,
     ComparedSource,
@@ -59,7 +59,7 @@ def fit_plot(method: Method, input_: str | None) -> FitPlot:
 
 
 def test_fit_puts_the_model_over_the_data(drawable, numbers):
-    spec = fit(fit_plot(Method.OE, None))
+    spec = draw_fit(fit_plot(Method.OE, None))
     drawable(spec)
     measured, phase, fitted, _ = spec["data"]
     assert measured["mode"] == fitted["mode"] == "markers", "neighbouring lines are not joined"
@@ -72,7 +72,7 @@ def test_fit_puts_the_model_over_the_data(drawable, numbers):
 
 
 def test_fit_of_frequency_responses_is_output_over_input(drawable, numbers):
-    spec = fit(fit_plot(Method.FRE, "wf4s"))
+    spec = draw_fit(fit_plot(Method.FRE, "wf4s"))
     drawable(spec)
     assert "[g/deg]" in spec["layout"]["yaxis"]["title"]["text"]
     assert numbers(spec["data"][0]["y"]) == pytest.approx([np.pi / 180] * 3)
@@ -87,7 +87,7 @@ def test_residual_is_relative_to_its_noise(drawable):
         outputs=("q", "az_ofs", "az_egi"),
         relative=np.array([[1.0, 0.5, 2.0], [1.0, 1.5, np.nan]]),
     )
-    spec = residual(value)
+    spec = draw_residual(value)
     drawable(spec)
     (heatmap,) = spec["data"]
     assert heatmap["z"] == [[1.0, 1.0], [0.5, 1.5], [2.0, None]]
@@ -100,7 +100,7 @@ def test_parameter_correlation_marks_pairs_above_the_limit(drawable):
         names=("Cm_alpha", "Cm_q", "CQ7_eta7"),
         correlation=np.array([[1.0, -0.95, 0.2], [-0.95, 1.0, np.nan], [0.2, np.nan, 1.0]]),
     )
-    spec = parameter_correlation(value)
+    spec = draw_parameter_correlation(value)
     drawable(spec)
     heatmap, marked = spec["data"]
     assert heatmap["z"][1][2] is None
@@ -124,7 +124,7 @@ def test_poles_have_frequency_and_damping(drawable):
             PoleGroup(label="in vacuo", estimated=False, poles=(Pole(real=-0.1, imag=5.0),)),
         ),
     )
-    spec = poles(value)
+    spec = draw_poles(value)
     drawable(spec)
     estimated, reference = spec["data"]
     assert estimated["error_x"]["array"] == [0.1, None]
@@ -138,7 +138,7 @@ def test_iterations_draw_the_cost(drawable):
         Iteration(iteration=0, cost=10.0, step=np.inf),
         Iteration(iteration=1, cost=4.0, step=0.1),
     )
-    spec = iterations(Convergence(run_id=5, iterations=steps))
+    spec = draw_iterations(Convergence(run_id=5, iterations=steps))
     drawable(spec)
     assert spec["data"][0]["y"] == [6.0, 0.0]
     assert "above 4" in spec["layout"]["yaxis"]["title"]["text"]
@@ -168,7 +168,7 @@ def test_derivatives_stand_side_by_side_with_two_sigma(drawable):
         row("Cm_wf1s", -0.1, None, -0.1, -0.2, consistent=False),
         row("Cm_wf4s", -0.3, -0.3, -0.3, -0.2),
     )
-    spec = derivatives(Comparison(maneuver_ids=(1,), sources=SOURCES, rows=rows))
+    spec = draw_derivatives(Comparison(maneuver_ids=(1,), sources=SOURCES, rows=rows))
     drawable(spec)
     controls = [trace for trace in spec["data"] if trace["xaxis"] == "x2"]
     assert [len(trace["x"]) for trace in controls] == [2, 1, 2, 2]
@@ -200,11 +200,11 @@ def test_a_forest_stands_over_the_weighted_mean(drawable):
         mean_std_error=0.1,
     )
     value = Comparison(maneuver_ids=(1,), sources=sources, rows=(row,))
-    spec = forest(value, "Cm_alpha")
+    spec = draw_forest(value, "Cm_alpha")
     drawable(spec)
     assert [trace["error_x"]["array"] for trace in spec["data"]] == [[0.2], [None]]
     assert (spec["layout"]["shapes"][0]["x0"], spec["layout"]["shapes"][0]["x1"]) == (-1.2, -0.8)
-    drawable(forest(value, "Cm_q"))
+    drawable(draw_forest(value, "Cm_q"))
 
 
 @pytest.mark.parametrize("against", Against)
@@ -230,7 +230,7 @@ def test_a_trend_has_points_a_band_and_predictions(drawable, against):
             TrendLine(label="panel", kind="prediction", x=(506.0,), values=(-1.1,)),
         ),
     )
-    spec = trend(value)
+    spec = draw_trend(value)
     drawable(spec)
     low, high, line, predicted, points = spec["data"]
     assert (low["y"], high["y"], line["y"], predicted["y"]) == ([-1.2], [-0.8], [-1.0], [-1.1])

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import plotly.graph_objects as go
 
-from flexsid import figures
+from flexsid.figures.search import draw_search_path, draw_search_stability
 from flexsid.records.search import SearchStep, SearchTerm, TermGroup
 
 STEPS = (
@@ -30,7 +30,7 @@ GROUP = TermGroup(
 
 
 def test_path_and_stability_are_figures_that_plotly_takes():
-    path, bars = figures.search_path(GROUP), figures.search_stability(GROUP)
+    path, bars = draw_search_path(GROUP), draw_search_stability(GROUP)
     go.Figure(path)
     go.Figure(bars)
     assert len(path["data"]) == 3
@@ -40,6 +40,6 @@ def test_path_and_stability_are_figures_that_plotly_takes():
 
 
 def test_empty_search_figures_have_a_message():
-    assert not figures.search_path(replace(GROUP, path=()))["data"]
+    assert not draw_search_path(replace(GROUP, path=()))["data"]
     undrawn = tuple(replace(term, stability=None) for term in GROUP.terms)
-    assert not figures.search_stability(replace(GROUP, terms=undrawn))["data"]
+    assert not draw_search_stability(replace(GROUP, terms=undrawn))["data"]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexsid.errors import FlexsidError
-from flexsid.importers.clock import Clock, TimeRule, Timing, find_resolution
+from flexsid.importers.clock import Clock, Timing, find_resolution
+from flexsid.importers.mapping import TimeMapping
 from flexsid.importers.source import SourceFile, Sources
 
 
@@ -14,7 +15,7 @@ def clock(stamps: np.ndarray, unit: str = "s", **more: np.ndarray) -> Clock:
     rng = np.random.default_rng(1)
     arrays = {"t": stamps, "q": rng.standard_normal(stamps.size), **more}
     source = SourceFile(name="f.csv", sha256="", arrays=arrays, first_row=2)
-    timing = Timing(TimeRule(column="t", unit=unit), {}, Sources((source,)))
+    timing = Timing(TimeMapping(column="t", unit=unit), (), Sources((source,)))
     return timing.clock(source, "q", "q", stamps.size, None)
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.io import savemat
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.column_names import recognise_column
 from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile
 
@@ -48,6 +49,61 @@ def test_units_are_read_from_the_second_header_row(tmp_path: Path) -> None:
     assert source.units == {"t": "s", "q": "deg/s", "az": "[g]"}
     assert source.first_row == 3
     np.testing.assert_array_equal(source.arrays["az"], [2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("stamps", "first"),
+    [
+        (("2025-06-03T14:14:00.000Z", "2025-06-03T14:14:00.010Z"), 1748960040.0),
+        (("2025-06-03 16:14:00.000+02:00", "2025-06-03 16:14:00.010+02:00"), 1748960040.0),
+        (("154:14:14:00.000", "154:14:14:00.010"), 153 * 86400.0 + 51240.0),
+        (("14:14:00.000", "14:14:00.010"), 51240.0),
+    ],
+)
+def test_time_stamps_are_read_as_seconds(tmp_path: Path, stamps: tuple[str, str], first: float):
+    source = write(tmp_path / "fti.csv", f"UTC,Q_DPS\n{stamps[0]},1.5\n{stamps[1]},2.5\n")
+    np.testing.assert_allclose(source.arrays["UTC"], [first, first + 0.01], rtol=0, atol=1e-6)
+    assert source.units["UTC"] == "s"
+    np.testing.assert_array_equal(source.arrays["Q_DPS"], [1.5, 2.5])
+
+
+def test_a_bad_time_stamp_is_named(tmp_path: Path) -> None:
+    text = "UTC,q\n14:14:00.0,1\n14:74:00.1,2\n14:14:00.2,3\n"
+    with pytest.raises(UnreadableFile, match=r"row 3, column 'UTC'.*time stamp is expected"):
+        write(tmp_path / "fti.csv", text)
+
+
+def test_text_above_the_header_and_delimiters_at_the_end_of_rows(tmp_path: Path) -> None:
+    text = "Flight 7; recorder A\nNote: two lines\nt;q;az;\ns;deg/s;mbar;\n0;1,5;2;\n1;2,5;3;\n"
+    source = write(tmp_path / "fti.csv", text)
+    assert list(source.arrays) == ["t", "q", "az"]
+    assert source.units == {"t": "s", "q": "deg/s", "az": "mbar"}
+    np.testing.assert_array_equal(source.arrays["q"], [1.5, 2.5])
+
+
+def test_no_row_of_samples_is_taken_for_text_above_the_header(tmp_path: Path) -> None:
+    with pytest.raises(UnreadableFile, match="row 3 has 2 cells"):
+        write(tmp_path / "fti.csv", "t,q,az\n0,1,2\n1,2\n2,3,4\n")
+
+
+@pytest.mark.parametrize(
+    ("field", "name", "unit"),
+    [
+        ("ALPHA_DEG", "alpha", "deg"),
+        ("NZ_G", "az", "g"),
+        ("AZ_W01_G", "az_w01", "g"),
+        ("az_ofs", "az_ofs", ""),
+        ("FUEL_PCT", "fuel_fraction", "%"),
+        ("KTAS_KT", "airspeed", "kt"),
+        ("ALT_FT", "altitude", "ft"),
+        ("OAT_DEGC", "OAT_DEGC", "degC"),
+    ],
+)
+def test_a_suffix_is_a_unit_where_the_quantity_has_it(field: str, name: str, unit: str) -> None:
+    meaning = recognise_column(field, "")
+    assert meaning.name == name
+    assert meaning.sure == bool(unit)
+    assert not unit or meaning.unit == unit
 
 
 def test_names_in_a_comment_are_used(tmp_path: Path) -> None:
@@ -128,7 +184,7 @@ def test_hdf5_never_reads_outside_its_file(tmp_path: Path) -> None:
         (virtual, "is external or virtual"),
         (link, "is a link"),
         (soft, "is a link"),
-        (circle, "is nested more than"),
+        (circle, "has more than one name"),
     ):
         with h5py.File(tmp_path / "flight.h5", "w") as file:
             spoil(file)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files
 from scipy.io import loadmat
 from scipy.optimize import brentq
 
@@ -19,8 +20,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
-from flexsid.workflow.importing.flight_import import Imported, import_files
-from flexsid.workflow.modal_data.aligned_modes import load_modes
+from flexsid.workflow.importing.flight_import import Imported
+from flexsid.workflow.modal_data.modal_tables import load_modes
 
 ROOT = Path(__file__).parents[2]
 FLIGHT = ROOT / "../shared/data/maewing1/flight"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.importers.mapping import parse_mapping
+from flexsid.importers.mapping import MappingFile, parse_mapping
+from flexsid.importers.table import MappingTable
 from flexsid.workflow.aircraft.aircraft_models import list_default_outputs
 
 GOOD = """
@@ -44,9 +45,8 @@ role = "output"
 def test_a_good_mapping_is_read() -> None:
     mapping = parse_mapping(GOOD)
     assert mapping.maneuver is not None
-    assert mapping.recording is not None
-    assert [rule.name for rule in mapping.recording.channels] == ["wf1s", "q"]
-    assert mapping.recording.channels[0].sign == -1.0
+    assert [rule.template for rule in mapping.channels] == ["wf1s", "q"]
+    assert mapping.channels[0].sign == -1.0
     assert mapping.flight is not None
     assert mapping.flight.number == 3
 
@@ -54,7 +54,8 @@ def test_a_good_mapping_is_read() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("number = 3", "numbr = 3", "'flight.number' is missing"),
+        ("number = 3", "numbr = 3", "'flight.numbr' is not a key.*'number'"),
+        ("number = 3", "", "'flight.number' is missing; expected the number of the flight"),
         ("number = 3", 'number = 3\nnumer = "x"', "'flight.numer' is not a key.*'number'"),
         ("number = 3", 'number = "three"', "'flight.number' must be a whole number"),
         ('"2026-05-31"', '"31 May"', "'flight.date' must have the form"),
@@ -63,11 +64,29 @@ def test_a_good_mapping_is_read() -> None:
         ('unit = "kt"', 'unit = "kn"', "'maneuver.condition.airspeed.unit'.*Unknown unit 'kn'"),
         ("value = 45.0", "value = nan", "'maneuver.condition.airspeed.value' must be a finite"),
         ("airspeed =", "speed =", "'maneuver.condition.speed' is not a key"),
-        ('role = "input"', 'role = "surface"', "'channels.1..role' must be one of input, output"),
+        (
+            'role = "input"',
+            'role = "surface"',
+            "'channels.1..role' must be 'input', 'output'.*'sur",
+        ),
         ("sign = -1", "sign = 2", "'channels.1..sign' must be 1 or -1"),
         ('column = "t_s"', "rate = 50", "'time.rate' must be a table"),
         ('name = "X-1"', "", "'aircraft.name' is missing"),
         ("[flight]", "[flight", "not valid TOML"),
+        ("[flight]", "[[flight]]", r"'flight' must be a table, found \[\{"),
+        ("[[channels]]", "[channels]", "not valid TOML|must be an array of tables"),
+        ("number = 3", "number = 3_000_000_000", "'flight.number' must be at most 2147483647"),
+        ("number = 3", "number = true", "'flight.number' must be a whole number.*found True"),
+        ('name = "X-1"', "name = 1", "'aircraft.name' must be a text, found 1"),
+        (', unit = "kt" }', "}", "'maneuver.condition.airspeed.unit' is missing; expected a unit"),
+        ("value = 45.0", 'value = 45.0, field = "v"', "airspeed.field' cannot be given besides"),
+        ("value = 45.0", "value = 1e9", "'maneuver.condition.airspeed.value' holds .* not a speed"),
+        ('unit = "deg"\n', "unit = 1\n", r"'channels\[1\].unit' must be a text or a table"),
+        ('unit = "deg"\n', 'unit = { a = "x" }\n', r"'channels\[1\].unit.a' is not valid"),
+        ("sign = -1", "labels = 3", r"'channels\[1\].labels' must be a text or a list, found 3"),
+        ("sign = -1", 'confirmed = ["no"]', r"'channels\[1\].confirmed\[1\]' must be 'too-large'"),
+        ('label = "sweep"', 'fta = { field = "a", values = { b = 3 } }', "fta.values.b' must be a"),
+        ('label = "sweep"', 'label = "sweep"\nguessed = ["x"]', "'maneuver.guessed' names 'x'"),
     ],
 )
 def test_a_mistake_is_named(old: str, new: str, message: str) -> None:
@@ -76,8 +95,28 @@ def test_a_mistake_is_named(old: str, new: str, message: str) -> None:
         parse_mapping(GOOD.replace(old, new))
 
 
+def list_models(base: type[MappingTable]) -> list[type[MappingTable]]:
+    return [base, *(model for own in base.__subclasses__() for model in list_models(own))]
+
+
+def test_every_key_is_described() -> None:
+    models = list_models(MappingTable)
+    assert len(models) > 20
+    for model in models:
+        assert model.__doc__
+        assert all(field.description for field in model.model_fields.values()), model
+    assert "the reference chord" in str(MappingFile.model_json_schema())
+
+
+def test_unconfirmed_keys_are_listed() -> None:
+    text = GOOD.replace("value = 45.0", 'value = 45.0, guessed = ["unit"]')
+    text = text.replace("number = 3", 'number = 3\nguessed = ["number"]')
+    guessed = [(own.path, own.value) for own in parse_mapping(text).guessed]
+    assert guessed == [("flight.number", 3), ("maneuver.condition.airspeed.unit", "kt")]
+
+
 def test_a_mapping_of_nothing_is_refused() -> None:
-    with pytest.raises(BadInput, match="has nothing to import"):
+    with pytest.raises(BadInput, match="there is nothing to import"):
         parse_mapping('[aircraft]\nname = "X-1"\n')
 
 
@@ -121,5 +160,5 @@ def test_parts_of_left_and_right_follow_their_sign_rule() -> None:
     }
     recorded = ["az_tipl", "az_tipr", "ay_tipl", "ay_tipr"]
     assert list_default_outputs(part.definition, recorded) == ("az_tips", "ay_tips")
-    with pytest.raises(BadInput, match=r"'aircraft\.pairs' may hold"):
+    with pytest.raises(BadInput, match=r"'aircraft\.pairs\[2\]' must be 'symmetric' or"):
         parse_mapping(PAIRS.replace('"antisymmetric"', '"both"') + GOOD[GOOD.index("[flight]") :])

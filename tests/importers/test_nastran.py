@@ -41,7 +41,7 @@ def group(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
 
 
 def read(module, path: Path) -> dict[str, np.ndarray]:
-    return {field.path: field.samples for field in module.read(path).fields}
+    return {field.path: field.samples for field in module.read(path)}
 
 
 def test_decks_are_read_in_all_formats_and_local_systems_resolved(tmp_path):

@@ -35,7 +35,7 @@ def test_reading_that_takes_too_long_is_stopped(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as changed:
-        changed.setattr(sandbox, "SECONDS", 0.01)
+        changed.setattr(sandbox, "SECONDS", 1e-4)
         changed.setattr(sandbox, "_BYTES_PER_SECOND", 1e12)
         with pytest.raises(UnreadableFile, match=r"flight\.csv: reading takes more than") as caught:
             sandbox.read_all([record])

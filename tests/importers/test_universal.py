@@ -69,7 +69,7 @@ def test_functions_are_what_pyuff_reads():
     pyuff = pytest.importorskip("pyuff", reason="pyuff is not installed")
     for name in ("Sample_UFF58b_bin.uff", "binary8byte.uff"):
         expected = pyuff.UFF(str(UFF / name)).read_sets(0)
-        found = {field.path: field.samples for field in universal.read(UFF / name).fields}
+        found = {field.path: field.samples for field in universal.read(UFF / name)}
         values = next(v for key, v in found.items() if not key.endswith(" x"))
         assert np.array_equal(values, expected["data"])
 
@@ -93,7 +93,7 @@ NONE
 def test_complex_shapes_without_blanks_between_numbers(tmp_path):
     file = tmp_path / "test.uff"
     file.write_text(SHAPE.format(char=2, count=3))
-    found = {field.path: field.samples for field in universal.read(file).fields}
+    found = {field.path: field.samples for field in universal.read(file)}
     assert found["shape/values"][0, 0].tolist() == [1.0, -3.0, 5.0, 0.0, 0.0, 0.0]
     assert found["shape/imaginary"][0, 0].tolist() == [-2.0, 4.0, -6.0, 0.0, 0.0, 0.0]
     assert found["shape/damping"] == pytest.approx([0.01], rel=1e-3)
@@ -113,7 +113,7 @@ def test_unusable_content_is_rejected_with_the_reason(tmp_path, text, message):
     file = tmp_path / "test.uff"
     file.write_text(text)
     with pytest.raises(UnreadableFile, match=message):
-        list(universal.read(file).fields)
+        list(universal.read(file))
 
 
 def node(label: int, place, *, exported: int = 0, displacement: int = 0) -> str:
@@ -220,7 +220,7 @@ def test_contradictory_data_sets_are_rejected(tmp_path, text, message):
     file = tmp_path / "test.unv"
     file.write_text(text)
     with pytest.raises(UnreadableFile, match=message):
-        list(universal.read(file).fields)
+        list(universal.read(file))
 
 
 def function(
@@ -304,7 +304,7 @@ def test_responses_at_several_sets_of_frequencies_are_refused(tmp_path):
     file = tmp_path / "test.uff"
     file.write_text(function(1, 8, ONES) + function(2, 8, ONES) + function(3, 8, ONES, start=9.0))
     with pytest.raises(UnreadableFile, match="2 different sets of frequencies"):
-        list(universal.read(file).fields)
+        list(universal.read(file))
 
 
 def units(length: float) -> str:

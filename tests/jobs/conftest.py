@@ -1,4 +1,4 @@
-"""A stub pipeline controlled by its tasks, and both kinds of workers to execute it."""
+"""Stub kinds of jobs controlled by their requests, and both sorts of workers to execute them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import dask_cluster
 import pytest
@@ -14,28 +15,37 @@ from waiting import wait_until
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.pipeline import JobPipeline
+from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.kinds import KINDS
+from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
+from flexsid.storage import queue
+from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent
-Until = Callable[..., EstimationRun]
+AddJob = Callable[..., Job]
+Until = Callable[..., Job]
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark all but one combination of executor and database of each fault as long.
+    """Mark all but one combination of kind, executor and database of each fault as long.
 
     ``make test-long`` runs all combinations.
     """
     cases: dict[str, list[pytest.Function]] = {}
     for item in items:
         if isinstance(item, pytest.Function) and item.path.parent == HERE:
-            own = {k: v for k, v in _parameters(item).items() if k not in ("executor", "backend")}
+            own = {
+                k: v
+                for k, v in _parameters(item).items()
+                if k not in ("executor", "backend", "kind")
+            }
             cases.setdefault(f"{item.path.name}::{item.originalname}{own}", []).append(item)
-    for place, combinations in enumerate(cases.values()):
+    for index, combinations in enumerate(cases.values()):
         for k, item in enumerate(combinations):
-            if k != place % len(combinations):
+            if k != index % len(combinations):
                 item.add_marker(pytest.mark.long)
 
 
@@ -64,31 +74,48 @@ def executor(request: pytest.FixtureRequest) -> str | None:
 
 
 @pytest.fixture
-def pipeline(monkeypatch: pytest.MonkeyPatch) -> JobPipeline:
+def load_stub(monkeypatch: pytest.MonkeyPatch) -> LoadKinds:
     # The workers find the stub by the path that they inherit.
     monkeypatch.syspath_prepend(str(HERE))
-    import stub_pipeline
+    import stub_kinds
 
-    return stub_pipeline.load()
+    return stub_kinds.load
 
 
 @pytest.fixture
-def dispatcher(store: Store, pipeline: JobPipeline, executor: str | None) -> Iterator[Dispatcher]:
-    made = Dispatcher(store, pipeline, make_workers(pipeline.compute, executor, 2))
+def dispatcher(store: Store, load_stub: LoadKinds, executor: str | None) -> Iterator[Dispatcher]:
+    made = Dispatcher(store, load_stub(), make_workers(load_stub, executor, 2))
     yield made
     made.stop()
 
 
+@pytest.fixture(params=sorted(KINDS))
+def kind(request: pytest.FixtureRequest) -> str:
+    """Name of a kind of job."""
+    return request.param
+
+
+@pytest.fixture
+def add_job(store: Store, add_run: Callable[..., EstimationRun], kind: str) -> AddJob:
+    """Queue a job of the kind whose request states what happens; keywords change its fields."""
+
+    def add(text: str, **changes: Any) -> Job:
+        if kind == ESTIMATION:
+            return store.jobs.get(add_run(author=text, **changes).id or 0)
+        return queue.add_job(store, Job(kind=kind, request={"text": text}, **changes))
+
+    return add
+
+
 @pytest.fixture
 def until(store: Store) -> Until:
-    """Wait until a run is in one of some states, by default ended, and return it."""
+    """Wait until a job is in one of some states, by default ended, and return it."""
 
-    def wait(run: EstimationRun, *states: RunState) -> EstimationRun:
-        assert run.id is not None
-        states = states or (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
-        identity = run.id
-        wait_until(lambda: store.runs.get(identity).state in states, f"run {identity} in {states}")
-        return store.runs.get(identity)
+    def wait(job: Job | EstimationRun, *states: RunState) -> Job:
+        assert job.id is not None
+        identity, states = job.id, states or queue.ENDED
+        wait_until(lambda: store.jobs.get(identity).state in states, f"job {identity} in {states}")
+        return store.jobs.get(identity)
 
     return wait
 

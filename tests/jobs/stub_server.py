@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 
-import stub_pipeline
+import stub_kinds
 
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
@@ -15,8 +15,8 @@ if __name__ == "__main__":
     database, dask, lease_timeout = sys.argv[1:]
     dispatcher = Dispatcher(
         Store.open(database),
-        stub_pipeline.load(),
-        make_workers(stub_pipeline.compute, dask or None, 1),
+        stub_kinds.load(),
+        make_workers(stub_kinds.load, dask or None, 1),
         lease_timeout_s=float(lease_timeout),
     )
     dispatcher.start()

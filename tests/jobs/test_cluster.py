@@ -15,33 +15,34 @@ from flexsid.jobs import cluster as cluster_module
 from flexsid.jobs import health
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
-from flexsid.jobs.pipeline import JobPipeline
-from flexsid.records.run import EstimationRun, RunState
-from flexsid.storage import leases, run_log
+from flexsid.jobs.kind import LoadKinds
+from flexsid.records.job import Job
+from flexsid.records.run import RunState
+from flexsid.storage import job_log, leases
 from flexsid.storage.store import Store
 
-AddRun = Callable[..., EstimationRun]
-Until = Callable[..., EstimationRun]
+AddJob = Callable[..., Job]
+Until = Callable[..., Job]
 
 
 @pytest.mark.parametrize("executor", ["cluster"], indirect=True)
 def test_two_dask_workers_share_a_batch_and_one_that_stops_loses_nothing(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     cluster: dask_cluster.Cluster,
 ) -> None:
-    runs = [add_run(author="brief") for _ in range(60)]
+    runs = [add_job("brief") for _ in range(60)]
     dispatcher.start()
     both = (until(run) for run in runs)
     seen: set[str | None] = set()
     while len(seen) < 2:  # one may start much later than the other
         seen.add(next(both).worker)
-        if len(seen) < 2 and store.runs.get(runs[-2].id or 0).state is not RunState.QUEUED:
-            runs.append(add_run(author="brief"))
+        if len(seen) < 2 and store.jobs.get(runs[-2].id or 0).state is not RunState.QUEUED:
+            runs.append(add_job("brief"))
             dispatcher.wake()
-    runs += [add_run(author="brief") for _ in range(20)]
+    runs += [add_job("brief") for _ in range(20)]
     dispatcher.wake()
     victim = next(worker for worker in cluster.workers if worker.poll() is None)
     victim.kill()
@@ -53,19 +54,19 @@ def test_two_dask_workers_share_a_batch_and_one_that_stops_loses_nothing(
     assert all(place.startswith("tcp://") for place in places)
     for run in runs:
         assert run.id is not None
-        kinds = [event.kind for event in run_log.read_log(store, run.id)]
+        kinds = [event.kind for event in job_log.read_log(store, run.id)]
         assert kinds.count("succeeded") == 1
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
 def test_a_database_that_restarts_is_waited_for(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     postgresql: postgresql_server.Cluster,
 ) -> None:
-    runs = [add_run(author="brief") for _ in range(20)]
+    runs = [add_job("brief") for _ in range(20)]
     dispatcher.start()
     until(runs[3])
     postgresql.stop()
@@ -74,21 +75,21 @@ def test_a_database_that_restarts_is_waited_for(
     for run in runs:
         assert until(run).state is RunState.SUCCEEDED
         assert run.id is not None
-        kinds = [event.kind for event in run_log.read_log(store, run.id)]
+        kinds = [event.kind for event in job_log.read_log(store, run.id)]
         assert kinds.count("succeeded") == 1
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_a_scheduler_that_goes_away_is_waited_for(
     store: Store,
-    add_run: AddRun,
-    pipeline: JobPipeline,
+    add_job: AddJob,
+    load_stub: LoadKinds,
     until: Until,
     tmp_path: Path,
 ) -> None:
     own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
-    runs = [add_run(author="brief") for _ in range(10)]
-    dispatcher = Dispatcher(store, pipeline, make_workers(pipeline.compute, own.address))
+    runs = [add_job("brief") for _ in range(10)]
+    dispatcher = Dispatcher(store, load_stub(), make_workers(load_stub, own.address))
     dispatcher.start()
     try:
         until(runs[2])
@@ -103,8 +104,8 @@ def test_a_scheduler_that_goes_away_is_waited_for(
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_a_run_without_a_worker_waits_in_the_queue_and_health_is_degraded(
     store: Store,
-    add_run: AddRun,
-    pipeline: JobPipeline,
+    add_job: AddJob,
+    load_stub: LoadKinds,
     until: Until,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -113,14 +114,14 @@ def test_a_run_without_a_worker_waits_in_the_queue_and_health_is_degraded(
     monkeypatch.setattr(health, "_GRACE_S", 0.5)
     own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
     watch = health.QueueHealth(store)
-    runs = [add_run(author=f"hold-once {tmp_path}/begun"), add_run(author="brief")]
-    workers = make_workers(pipeline.compute, own.address)
-    dispatcher = Dispatcher(store, pipeline, workers, lease_timeout_s=1.0)
+    runs = [add_job(f"hold-once {tmp_path}/begun"), add_job("brief")]
+    workers = make_workers(load_stub, own.address)
+    dispatcher = Dispatcher(store, load_stub(), workers, lease_timeout_s=1.0)
     dispatcher.start()
     try:
         wait_until(lambda: (tmp_path / "begun").exists())
         own.workers[0].kill()
-        wait_until(lambda: {run.state for run in store.runs.find()} == {RunState.QUEUED})
+        wait_until(lambda: {run.state for run in store.jobs.find()} == {RunState.QUEUED})
         wait_until(lambda: watch.check()[1].state is health.PartState.DEGRADED)
         dispatch, computing = watch.check()
         assert dispatch.state is health.PartState.OK
@@ -143,7 +144,7 @@ def test_a_dispatcher_that_is_gone_or_stands_still_is_found(
     assert [part.state for part in watch.check()] == [health.PartState.DEGRADED] * 2
     lease = leases.take(store, leases.read(store), "elsewhere")
     assert lease is not None
-    status = {"server": "s", "place": "p", "workers": 1, "running": []}
+    status = {"server": "s", "location": "p", "workers": 1, "running": []}
     assert leases.renew(store, lease, status) is not None
     assert [part.state for part in watch.check()] == [health.PartState.OK] * 2
     monkeypatch.setattr(health, "_STALLED_S", 0.0)

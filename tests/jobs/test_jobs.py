@@ -1,10 +1,11 @@
-"""Every run ends exactly once, in the right state, despite faults of workers and servers."""
+"""Every job ends exactly once, in the right state, despite faults of workers and servers."""
 
 from __future__ import annotations
 
 import os
 import signal
 import sqlite3
+import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,23 +19,31 @@ from sqlalchemy import event
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import JobPipeline
+from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.kinds import KINDS
+from flexsid.records.job import Job
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
-from flexsid.storage import queue, run_log
+from flexsid.storage import job_log, queue
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 
 AddRun = Callable[..., EstimationRun]
-Until = Callable[..., EstimationRun]
+AddJob = Callable[..., Job]
+Until = Callable[..., Job]
 ProcessOf = Callable[[Path], int]
 IsOver = Callable[[int], None]
+StartServer = Callable[..., subprocess.Popen[bytes]]
 
 
-def _kinds(store: Store, run: EstimationRun) -> list[str]:
-    assert run.id is not None
-    return [line.kind for line in run_log.read_log(store, run.id) if line.kind != "logged"]
+def _kinds(store: Store, job: Job | EstimationRun) -> list[str]:
+    assert job.id is not None
+    return [line.kind for line in job_log.read_log(store, job.id) if line.kind != "logged"]
+
+
+def test_every_kind_of_job_is_tested(load_stub: LoadKinds) -> None:
+    assert set(load_stub()) == set(KINDS)
 
 
 def test_queued_runs_are_executed(
@@ -47,7 +56,8 @@ def test_queued_runs_are_executed(
     assert until(before).state is RunState.SUCCEEDED
     values = []
     for run in later:
-        ended = until(run)
+        until(run)
+        ended = store.runs.get(run.id or 0)
         assert ended.result is not None
         values.append(ended.result.parameters[0].value)
         assert ended.progress is not None
@@ -73,7 +83,7 @@ def test_queued_runs_are_executed(
 )
 def test_a_failed_run_has_a_code_and_a_message(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     task: str,
@@ -81,8 +91,8 @@ def test_a_failed_run_has_a_code_and_a_message(
     words: str,
 ) -> None:
     time_s = 0.5 if task == "sleep" else None
-    run = add_run(author=task, limits=Limits(time_s=time_s, memory_mb=500))
-    bystander = add_run(author="compute")
+    run = add_job(task, limits=Limits(time_s=time_s, memory_mb=500))
+    bystander = add_job("compute")
     dispatcher.start()
     failed = until(run)
     assert failed.state is RunState.FAILED
@@ -95,14 +105,14 @@ def test_a_failed_run_has_a_code_and_a_message(
 
 def test_an_endless_loop_is_stopped_and_leaves_no_process(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     process_of: ProcessOf,
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    run = add_run(author=f"loop {tmp_path}/pid", limits=Limits(time_s=2.0))
+    run = add_job(f"loop {tmp_path}/pid", limits=Limits(time_s=2.0))
     dispatcher.start()
     worker = process_of(tmp_path / "pid")
     assert until(run).state is RunState.FAILED
@@ -110,10 +120,10 @@ def test_an_endless_loop_is_stopped_and_leaves_no_process(
     assert _kinds(store, run) == ["queued", "started", "failed"]
 
 
-def test_a_killed_worker_costs_an_attempt_not_the_run(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until
+def test_a_killed_worker_costs_an_attempt_not_the_job(
+    add_job: AddJob, dispatcher: Dispatcher, until: Until, tmp_path: Path
 ) -> None:
-    run = add_run(author="crash-once")
+    run = add_job(f"crash-once {tmp_path}/pid")
     dispatcher.start()
     ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
@@ -122,14 +132,14 @@ def test_a_killed_worker_costs_an_attempt_not_the_run(
 @pytest.mark.parametrize("error", [BrokenPipeError("broken pipe"), ValueError("no such task")])
 def test_a_task_that_cannot_be_submitted_is_retried_or_fails(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     monkeypatch: pytest.MonkeyPatch,
     error: Exception,
 ) -> None:
     """This happens if a worker is killed between its start and its first task."""
-    run = add_run(author="compute")
+    run = add_job("compute")
     submit = dispatcher._workers.submit
     left = [error]
 
@@ -146,36 +156,36 @@ def test_a_task_that_cannot_be_submitted_is_retried_or_fails(
 
 def test_cancelling_stops_the_work_at_once(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     process_of: ProcessOf,
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    run = add_run(author=f"hold {tmp_path}/pid")
+    run = add_job(f"hold {tmp_path}/pid")
     dispatcher.start()
     worker = process_of(tmp_path / "pid")
     assert run.id is not None
     queue.request_cancel(store, run.id)
     dispatcher.wake()
     is_over(worker)
-    following = add_run(author="compute")
+    following = add_job("compute")
     dispatcher.wake()
     assert until(following).state is RunState.SUCCEEDED
-    assert store.runs.get(run.id).state is RunState.CANCELLED
+    assert store.jobs.get(run.id).state is RunState.CANCELLED
 
 
 def test_stopping_is_quick_and_leaves_the_run_for_the_next_server(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     process_of: ProcessOf,
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    run = add_run(author=f"hold {tmp_path}/pid")
+    run = add_job(f"hold {tmp_path}/pid")
     dispatcher.start()
     worker = process_of(tmp_path / "pid")
     dispatcher.stop()  # the task would hold for a minute
@@ -185,9 +195,9 @@ def test_stopping_is_quick_and_leaves_the_run_for_the_next_server(
 
 
 def test_the_most_urgent_starts_first(
-    store: Store, pipeline: JobPipeline, add_run: AddRun, until: Until
+    store: Store, load_stub: LoadKinds, add_run: AddRun, until: Until
 ) -> None:
-    single = Dispatcher(store, pipeline, make_workers(pipeline.compute, None, 1))
+    single = Dispatcher(store, load_stub(), make_workers(load_stub, None, 1))
     runs = [add_run(author="compute", priority=k) for k in (0, 5, -1, 5)]
     single.start()
     ended = [until(run) for run in runs]
@@ -229,7 +239,7 @@ def test_runs_that_depend_on_a_failed_run_fail_and_can_be_retried(
 
 
 def test_a_run_can_be_executed_without_a_server(
-    store: Store, maneuver: Maneuver, pipeline: JobPipeline
+    store: Store, maneuver: Maneuver, load_stub: LoadKinds
 ) -> None:
     messages: list[str] = []
     assert maneuver.id is not None
@@ -243,7 +253,10 @@ def test_a_run_can_be_executed_without_a_server(
     def state(task: str) -> RunState:
         run = replace(requested, author=task)
         return execute_run(
-            store, run, pipeline, lambda progress: messages.append(progress.message)
+            store,
+            run,
+            load_stub()["estimation"],
+            lambda progress: messages.append(progress.message),
         ).state
 
     assert state("compute") is RunState.SUCCEEDED
@@ -253,15 +266,15 @@ def test_a_run_can_be_executed_without_a_server(
 
 
 def test_a_full_disk_loses_no_result(
-    store: Store, add_run: AddRun, dispatcher: Dispatcher, until: Until, backend: str
+    store: Store, add_job: AddJob, dispatcher: Dispatcher, until: Until, backend: str
 ) -> None:
-    run = add_run(author="brief")
+    run = add_job("brief")
     lift = _fill_disk(store, backend)
     dispatcher.start()
     until(run, RunState.RUNNING)
     time.sleep(2.0)  # the result is computed meanwhile and cannot be stored
     assert run.id is not None
-    assert store.runs.get(run.id).state is RunState.RUNNING
+    assert store.jobs.get(run.id).state is RunState.RUNNING
     lift()
     ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 1)
@@ -270,14 +283,14 @@ def test_a_full_disk_loses_no_result(
 @pytest.mark.parametrize("executor", [None], ids=["local"])
 def test_a_claim_that_was_stored_but_not_confirmed_is_repeated(
     store: Store,
-    add_run: AddRun,
+    add_job: AddJob,
     dispatcher: Dispatcher,
     until: Until,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     claim, lost = queue.claim, []
 
-    def lose(*known: Any, **options: Any) -> EstimationRun | None:
+    def lose(*known: Any, **options: Any) -> Job | None:
         run = claim(*known, **options)
         if run is not None and not lost:
             lost.append(run)
@@ -285,7 +298,7 @@ def test_a_claim_that_was_stored_but_not_confirmed_is_repeated(
         return run
 
     monkeypatch.setattr(queue, "claim", lose)
-    run = add_run(author="compute")
+    run = add_job("compute")
     dispatcher.start()
     ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
@@ -325,19 +338,19 @@ def _fill_disk(store: Store, backend: str) -> Callable[[], None]:
 
 def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
     store: Store,
-    add_run: AddRun,
-    start_server: Callable[..., object],
+    add_job: AddJob,
+    start_server: StartServer,
     dispatcher: Dispatcher,
     until: Until,
     process_of: ProcessOf,
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    run = add_run(author=f"hold {tmp_path}/pid")
+    run = add_job(f"hold {tmp_path}/pid")
     server = start_server()
     worker = process_of(tmp_path / "pid")
-    os.kill(server.pid, signal.SIGKILL)  # type: ignore[attr-defined]
-    server.wait()  # type: ignore[attr-defined]
+    os.kill(server.pid, signal.SIGKILL)
+    server.wait()
     is_over(worker)
     assert until(run, RunState.RUNNING).attempt == 1
     (tmp_path / "pid").unlink()
@@ -348,26 +361,26 @@ def test_a_killed_server_leaves_no_orphans_and_its_runs_resume(
 
 def test_a_stopped_server_loses_the_lease_and_detects_it_when_continued(
     store: Store,
-    add_run: AddRun,
-    start_server: Callable[..., object],
+    add_job: AddJob,
+    start_server: StartServer,
     until: Until,
     process_of: ProcessOf,
     is_over: IsOver,
     tmp_path: Path,
 ) -> None:
-    held = add_run(author=f"hold-once {tmp_path}/pid")
+    held = add_job(f"hold-once {tmp_path}/pid")
     first = start_server(lease_timeout_s=4.0)
     frozen_worker = process_of(tmp_path / "pid")
     start_server(lease_timeout_s=4.0)
-    os.kill(first.pid, signal.SIGSTOP)  # type: ignore[attr-defined]
-    others = [add_run(author="compute") for _ in range(5)]
+    os.kill(first.pid, signal.SIGSTOP)
+    others = [add_job("compute") for _ in range(5)]
     for run in (held, *others):
         assert until(run, RunState.SUCCEEDED)
-    os.kill(first.pid, signal.SIGCONT)  # type: ignore[attr-defined]
+    os.kill(first.pid, signal.SIGCONT)
     is_over(frozen_worker)
-    late = [add_run(author="compute") for _ in range(5)]
+    late = [add_job("compute") for _ in range(5)]
     for run in late:
         assert until(run).attempt == 1
-    assert store.runs.get(held.id or 0).attempt == 2
+    assert store.jobs.get(held.id or 0).attempt == 2
     for run in (held, *others, *late):
         assert _kinds(store, run).count("succeeded") == 1

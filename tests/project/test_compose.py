@@ -102,7 +102,7 @@ def test_every_service_is_healthy_and_listens_on_loopback_only(
             found = json.load(response)["worker_pool"]
         return found if found is not None and found["workers"] == 1 else None
 
-    assert wait_until(worker_pool, "a worker")["place"].startswith("Dask cluster")
+    assert wait_until(worker_pool, "a worker")["location"].startswith("Dask cluster")
     with urllib.request.urlopen(
         f"http://127.0.0.1:{port}/api/v1/health", timeout=PATIENCE_S
     ) as response:

@@ -20,7 +20,8 @@ from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.sensors import accelerometer_row, gyro_row, stack_rows, vane_row
+from flexsid.sysid.model.longitudinal import accelerometer_row, gyro_row, vane_row
+from flexsid.sysid.model.sensors import stack_rows
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid import figures
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
+from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
-from flexsid.records.controller import ControlLaw, Controller
-from flexsid.records.flight import Flight
+from flexsid.jobs.kinds import RUN
+from flexsid.records.flutter import ControlLaw, Controller
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import analyse_closed_loop
 from flexsid.workflow.flutter.controllers import add_controller
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery
+from flexsid.workflow.flutter.flutter_models import FlutterQuery, fuse_runs
 
 
 def flown(store: Store, ratio: float) -> int:
@@ -32,14 +32,16 @@ def flown(store: Store, ratio: float) -> int:
         structure=Structure(modes=(7, 9, 11, 12), fixed={}),
         settings=RunSettings(),
     )
-    return execute_run(store, run, load_estimation_pipeline(), lambda progress: None).id or 0
+    return execute_run(store, run, RUN, lambda progress: None).id or 0
 
 
 def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     """The true closed loop is stable up to 1.262 of the open-loop flutter speed at half fuel."""
     query = FlutterQuery(run_ids=(flown(store, 0.95),))
     (controller,) = store.controllers.find()
-    result = analyse_closed_loop(store, query, controller.id or 0)
+    models = fuse_runs(store, query)
+    result = analyse_closed_loop(store, models, controller.id or 0)
+    assert [one.failure for one in result.derived_runs] == [None], "modes of the prediction"
     true = load_truth().flutter_speed_at(0.5)
     assert result.lost_m_s == pytest.approx(1.262 * true, rel=0.02)
     assert result.low_m_s is not None
@@ -55,7 +57,7 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     assert outer.disk[0] > outer.disk[held][-1] > 0.0
     unstable = [np.real(root).max() > 0.01 for root in result.open_roots]
     assert any(unstable[k] for k in np.flatnonzero(held))
-    for draw in (figures.closed_loop_margins, figures.closed_loop_roots):
+    for draw in (draw_closed_loop_margins, draw_closed_loop_roots):
         assert draw(result)["data"]
 
     weak = add_controller(
@@ -68,7 +70,7 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
             laws=(ControlLaw(airspeed_m_s=0.0, A=(), B=(), C=((),), D=((1e-9,),)),),
         ),
     )
-    alone = analyse_closed_loop(store, query, weak.id or 0)
+    alone = analyse_closed_loop(store, models, weak.id or 0)
     assert alone.lost_m_s == pytest.approx(true, rel=0.03)
     stranger = add_controller(
         store,
@@ -81,4 +83,4 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
         ),
     )
     with pytest.raises(BadInput, match="nowhere"):
-        analyse_closed_loop(store, query, stranger.id or 0)
+        analyse_closed_loop(store, models, stranger.id or 0)

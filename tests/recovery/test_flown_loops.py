@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from true_responses import compute_true_responses
 
-from flexsid import figures
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import fly
-from flexsid.demo.true_responses import compute_true_responses
 from flexsid.errors import BadInput
-from flexsid.records.flight import Flight
+from flexsid.figures.loops import draw_loops
+from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow import views
+from flexsid.workflow.views.loops import estimate_loops
 
 RATIO, FUEL = 0.80, 0.5
 
@@ -42,7 +42,7 @@ def test_loops_and_their_errors_are_true(store: Store, noise: bool):
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=3))
     flown = fly(airspeed_ratio=RATIO, fuel=FUEL, fta=506, seed=2, noise=noise)
     maneuver = add_maneuver(store, flown, flight.id or 0)
-    found = views.loops(store, maneuver.id or 0)
+    found = estimate_loops(store, maneuver.id or 0)
     assert tuple(curve.surface for curve in found.curves) == INPUTS
     held = []
     for curve in found.curves:
@@ -55,7 +55,7 @@ def test_loops_and_their_errors_are_true(store: Store, noise: bool):
     widest = max(found.curves, key=lambda curve: np.abs(curve.gain).max())
     assert 0.3 < widest.disk < 1.5
     assert np.isfinite(widest.phase_rad)
-    spec = figures.loops(found)
+    spec = draw_loops(found)
     assert "phase" in spec["data"][INPUTS.index(widest.surface)]["name"]
 
 
@@ -66,7 +66,7 @@ def test_missing_elements_of_a_loop_are_reported(store: Store):
     surfaces = tuple(replace(surface, servo=None) for surface in aircraft.surfaces)
     store.aircraft.replace(replace(aircraft, surfaces=surfaces))
     with pytest.raises(BadInput, match="no servo for 'bfs'"):
-        views.loops(store, maneuver.id or 0)
+        estimate_loops(store, maneuver.id or 0)
     store.maneuvers.replace(replace(maneuver, excitation=None))
     with pytest.raises(BadInput, match="excitation"):
-        views.loops(store, maneuver.id or 0)
+        estimate_loops(store, maneuver.id or 0)

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_maneuver
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import import_maneuver
 from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 

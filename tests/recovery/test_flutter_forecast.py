@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from flexsid import figures
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.records.flight import Flight
+from flexsid.figures.equivalent_modes import draw_equivalent_modes
+from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
+from flexsid.figures.roots import draw_root_locus, draw_v_omega_zeta
 from flexsid.records.flutter import Along
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
@@ -25,6 +30,7 @@ from flexsid.workflow.flutter.flutter_analysis import (
     UnmodelledModes,
     analyse_flutter,
     map_flutter_speed,
+    summarise_flutter,
     trace_flutter_roots,
 )
 from flexsid.workflow.flutter.flutter_models import Group, fuse_runs
@@ -36,9 +42,37 @@ PREDICTED = (15, 17, 18, 22)
 FUEL = 0.5
 
 
+@pytest.fixture(scope="module")
+def estimated_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Database with the runs of `runs`, estimated once for the module."""
+    file = tmp_path_factory.mktemp("flutter") / "estimated.db"
+    shutil.copy(migrated_file, file)
+    store = Store.open(f"sqlite:///{file}")
+    _estimate_at_two_airspeeds(store)
+    store.close()
+    return file
+
+
 @pytest.fixture
-def runs(store: Store) -> dict[str, tuple[int, ...]]:
+def estimated(estimated_file: Path, tmp_path: Path) -> Iterator[Store]:
+    """Store with a copy of the estimated runs."""
+    file = shutil.copy(estimated_file, tmp_path / "estimated.db")
+    store = Store.open(f"sqlite:///{file}")
+    yield store
+    store.close()
+
+
+@pytest.fixture
+def runs(estimated: Store) -> dict[str, tuple[int, ...]]:
     """Runs with predicted higher modes, and without them, at two airspeeds."""
+    found: dict[str, tuple[int, ...]] = {"with": (), "without": ()}
+    for run in estimated.runs.find():
+        kind = "with" if len(run.structure.modes) > len(ESTIMATED) else "without"
+        found[kind] += (run.id or 0,)
+    return found
+
+
+def _estimate_at_two_airspeeds(store: Store) -> None:
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
     maneuvers = [
@@ -47,11 +81,10 @@ def runs(store: Store) -> dict[str, tuple[int, ...]]:
     ]
     surfaces = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
     free = list_derivative_names(ESTIMATED, surfaces)
-    found: dict[str, tuple[int, ...]] = {"with": (), "without": ()}
     for maneuver in maneuvers:
-        for kind, structure in (
-            ("with", Structure(modes=(*ESTIMATED, *PREDICTED), free=free, fixed={})),
-            ("without", Structure(modes=ESTIMATED, fixed={})),
+        for structure in (
+            Structure(modes=(*ESTIMATED, *PREDICTED), free=free, fixed={}),
+            Structure(modes=ESTIMATED, fixed={}),
         ):
             request = EstimationRun(
                 maneuver_id=maneuver.id or 0,
@@ -64,13 +97,11 @@ def runs(store: Store) -> dict[str, tuple[int, ...]]:
             assert claimed is not None
             computed = compute_run(prepare(store, run), lambda progress: None)
             store_result(store, run.id or 0, claimed.attempt, computed)
-            found[kind] += (run.id or 0,)
-    return found
 
 
-def test_the_next_test_point_has_its_margin(store: Store, runs):
+def test_the_next_test_point_has_its_margin(estimated: Store, runs):
     every = (*runs["with"], *runs["without"])
-    result = analyse_flutter(store, FlutterQuery(run_ids=every))
+    result = analyse_flutter(estimated, FlutterQuery(run_ids=every))
     truth = load_truth().flutter_speed_at(FUEL)
     assert result.fuel_fraction == pytest.approx(FUEL, abs=1e-4)
     assert result.airspeed_m_s == pytest.approx(truth, rel=0.01)
@@ -87,7 +118,7 @@ def test_the_next_test_point_has_its_margin(store: Store, runs):
     assert [one.preferred for one in result.structures] == [True, False]
     assert len(result.runs) == 2
     assert result.test_point_margin.startswith("Next point at 48.9 m/s: margin +2")
-    beyond = analyse_flutter(store, FlutterQuery(run_ids=every, next_m_s=62.0))
+    beyond = analyse_flutter(estimated, FlutterQuery(run_ids=every, next_m_s=62.0))
     assert "lies beyond flutter" in beyond.test_point_margin
     assert [tracker.airspeed_m_s for tracker in result.trackers] == [None] * 3
     assert "three" in result.trackers[0].sentence
@@ -105,9 +136,9 @@ def test_the_next_test_point_has_its_margin(store: Store, runs):
     assert (early.low_m_s or 0.0) < truth < (early.high_m_s or 0.0)
 
 
-def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store, runs):
-    first = store.runs.get(runs["without"][0])
-    again = store.runs.add(
+def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(estimated: Store, runs):
+    first = estimated.runs.get(runs["without"][0])
+    again = estimated.runs.add(
         EstimationRun(
             maneuver_id=first.maneuver_id,
             method=Method.OE,
@@ -115,13 +146,14 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store,
             settings=RunSettings(max_iterations=40),
         )
     )
-    claimed = queue.claim(store, again.id)
+    claimed = queue.claim(estimated, again.id)
     assert claimed is not None
-    computed = compute_run(prepare(store, again), lambda progress: None)
-    store_result(store, again.id or 0, claimed.attempt, computed)
+    computed = compute_run(prepare(estimated, again), lambda progress: None)
+    store_result(estimated, again.id or 0, claimed.attempt, computed)
     alone, twice = (
         analyse_flutter(
-            store, FlutterQuery(run_ids=ids, unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+            estimated,
+            FlutterQuery(run_ids=ids, unmodelled_modes=UnmodelledModes.RESIDUALIZED),
         )
         for ids in ((first.id or 0,), (first.id or 0, again.id or 0))
     )
@@ -129,9 +161,9 @@ def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(store: Store,
     assert twice.airspeed_std_m_s == pytest.approx(alone.airspeed_std_m_s, rel=0.02)
 
 
-def test_out_of_band_modes_are_included_from_a_prediction(store: Store, runs):
+def test_out_of_band_modes_are_included_from_a_prediction(estimated: Store, runs):
     truth = load_truth().flutter_speed_at(FUEL)
-    included = analyse_flutter(store, FlutterQuery(run_ids=runs["without"]))
+    included = analyse_flutter(estimated, FlutterQuery(run_ids=runs["without"]))
     assert included.airspeed_m_s == pytest.approx(truth, rel=0.005)
     assert "15, 17, 18, 22 with derivatives of Panel code, in a second fit" in included.sentence
     best, bare = included.structures
@@ -142,7 +174,8 @@ def test_out_of_band_modes_are_included_from_a_prediction(store: Store, runs):
     assert bare.airspeed_m_s is not None
     assert included.spread_m_s == pytest.approx(abs(bare.airspeed_m_s - best.airspeed_m_s))
     alone = analyse_flutter(
-        store, FlutterQuery(run_ids=runs["without"], unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+        estimated,
+        FlutterQuery(run_ids=runs["without"], unmodelled_modes=UnmodelledModes.RESIDUALIZED),
     )
     assert alone.airspeed_m_s == bare.airspeed_m_s
     assert "15, 17, 18, 22 omitted" in alone.sentence
@@ -220,8 +253,9 @@ def test_a_model_whose_unstable_root_no_data_excited_predicts_nothing(store: Sto
     assert result.runs[0].airspeed_m_s is None
     assert result.refusal in result.runs[0].sentence
     assert all(step.airspeed_m_s is None for step in result.progress)
-    assert np.isnan(map_flutter_speed(store, query).airspeed_m_s).all()
-    assert trace_flutter_roots(store, query).flutter is None
+    models = fuse_runs(store, query)
+    assert np.isnan(map_flutter_speed(store, models).airspeed_m_s).all()
+    assert trace_flutter_roots(store, models).flutter is None
     one = _estimated(store, maneuver.id or 0, Method.OE, (7,))
     both = analyse_flutter(
         store, FlutterQuery(run_ids=(run, one), unmodelled_modes=UnmodelledModes.RESIDUALIZED)
@@ -259,26 +293,27 @@ def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(s
     result = analyse_flutter(store, FlutterQuery(run_ids=(run,)))
     truth = load_truth().flutter_speed_at(maneuver.condition.fuel_fraction)
     assert result.airspeed_m_s is not None
-    without = 1.96 * np.hypot(result.airspeed_std_m_s or np.nan, result.spread_m_s)
+    without = 1.96 * np.hypot(result.airspeed_std_m_s or np.nan, result.spread_m_s or np.nan)
     assert abs(result.airspeed_m_s - truth) > without, "else the case shows nothing"
     assert (result.low_m_s or np.nan) < truth < (result.high_m_s or np.nan)
 
 
-def test_everything_is_drawn(store: Store, runs):
-    query = FlutterQuery(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0)
-    roots = trace_flutter_roots(store, query)
+def test_everything_is_drawn(estimated: Store, runs):
+    models = fuse_runs(estimated, FlutterQuery(run_ids=runs["with"], fuel=0.3, altitude_m=1000.0))
+    roots = trace_flutter_roots(estimated, models)
     assert {branch.name for branch in roots.branches} >= {"SP", "SW1B", "SW1T"}
-    assert figures.v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
-    assert len(figures.root_locus(roots)["data"]) == len(roots.branches)
-    results = analyse_flutter(store, query)
-    assert figures.flutter_forecast(results)["data"]
-    assert len(figures.equivalent_modes(results)["data"]) == 2 * len(ESTIMATED)
+    assert draw_v_omega_zeta(roots)["layout"]["yaxis2"]["title"]["text"] == "Damping ratio [%]"
+    assert len(draw_root_locus(roots)["data"]) == len(roots.branches)
+    results = summarise_flutter(estimated, models)
+    assert draw_flutter_forecast(results)["data"]
+    assert len(draw_equivalent_modes(results)["data"]) == 2 * len(ESTIMATED)
     assert {branch.name for branch in roots.branches if branch.held} == {"S15", "S17", "S18", "S22"}
-    pressure = trace_flutter_roots(store, query, Along.DYNAMIC_PRESSURE)
+    pressure = trace_flutter_roots(estimated, models, Along.DYNAMIC_PRESSURE)
     assert pressure.flutter == pytest.approx(
         0.5 * results.density_kg_m3 * (roots.flutter or 0.0) ** 2
     )
-    over = trace_flutter_roots(store, replace(query, next_m_s=57.0), Along.FUEL)
+    at_57 = replace(models, query=replace(models.query, next_m_s=57.0))
+    over = trace_flutter_roots(estimated, at_57, Along.FUEL)
     at_asked = int(np.argmin(np.abs(over.at - 0.3)))
     speed = int(np.argmin(np.abs(roots.airspeed_m_s - 57.0)))
     for branch in over.branches:
@@ -286,11 +321,11 @@ def test_everything_is_drawn(store: Store, runs):
         assert branch.imag[at_asked] == pytest.approx(same.imag[speed], rel=0.05)
     assert "57.0 m/s" in over.note
     for drawn in (pressure, over):
-        assert figures.v_omega_zeta(drawn)["layout"]["meta"]["note"] == drawn.note
-        assert figures.root_locus(drawn)["data"]
-    table = map_flutter_speed(store, query)
+        assert draw_v_omega_zeta(drawn)["layout"]["meta"]["note"] == drawn.note
+        assert draw_root_locus(drawn)["data"]
+    table = map_flutter_speed(estimated, models)
     assert (np.diff(table.airspeed_m_s, axis=0) > 0.0).all(), "thinner air delays flutter"
-    assert figures.flutter_map(table)["data"][0]["type"] == "heatmap"
+    assert draw_flutter_map(table)["data"][0]["type"] == "heatmap"
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
@@ -325,8 +360,8 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
     assert "a trend needs more points" in two.sentence
 
 
-def test_reasons_against_the_next_test_point_are_reported(store: Store, runs):
-    fused = fuse_runs(store, FlutterQuery(run_ids=runs["without"]))
+def test_reasons_against_the_next_test_point_are_reported(estimated: Store, runs):
+    fused = fuse_runs(estimated, FlutterQuery(run_ids=runs["without"]))
     assert is_safe(fused, 48.0)
     best = fused.best
     locus = best.prediction.locus
@@ -358,6 +393,6 @@ def test_reasons_against_the_next_test_point_are_reported(store: Store, runs):
     )
 
 
-def test_no_run_and_a_run_without_result_are_refused(store: Store, runs):
+def test_no_run_is_refused(store: Store):
     with pytest.raises(BadInput, match="at least one run"):
         analyse_flutter(store, FlutterQuery(run_ids=()))

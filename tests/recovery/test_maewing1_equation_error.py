@@ -7,21 +7,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files
 
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.workflow.importing.flight_import import import_files
-from flexsid.workflow.runs.computation import (
-    ComputedRun,
-    EstimationTask,
-    get_first_start,
+from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.runs.equation_error_fit import (
     reconstruct_with_out_of_band_modes,
-    select_free_parameters,
     warn_of_sensor_noise,
 )
 from flexsid.workflow.runs.estimation import compute_run, prepare
+from flexsid.workflow.runs.estimation_task import (
+    EstimationTask,
+    get_first_start,
+    select_free_parameters,
+)
 
 PROJECT = Path(__file__).parents[2]
 FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"
@@ -73,8 +75,8 @@ def test_equation_error_agrees_with_output_error(flown: Fits) -> None:
     oe, ee = flown.oe.estimate, flown.ee.estimate
     apart = (ee.values - oe.values) / np.hypot(ee.std_errors, oe.std_errors)
     assert np.abs(apart).max() < 2.0
-    place = ee.names.index("CQ7_eta7")
-    assert ee.values[place] == pytest.approx(0.08, abs=0.05)
+    index = ee.names.index("CQ7_eta7")
+    assert ee.values[index] == pytest.approx(0.08, abs=0.05)
     assert flown.ee.start == "none needed"  # no mode was reconstructed besides
     assert any("too few to estimate the noise of" in warning for warning in flown.ee.warnings)
     assert any("the sensors disagree" in warning for warning in flown.ee.warnings)
@@ -85,22 +87,22 @@ def test_synthetic_records_have_no_bias(flown: Fits, records: int) -> None:
     """Lines made from the estimate of output error, as noisy as the sensors disagree."""
     task = flown.task
     data = task.maneuvers[0]
-    lines = data.measured
+    measured = data.measured
     parameters = select_free_parameters(task, get_first_start(task), ())
     truth = flown.oe.estimate.values
-    response = data.model.response(parameters.table(truth), lines.omega)
-    y = lines.instruments * (response @ lines.inputs.values[:, :, None])[:, :, 0]
+    response = data.model.response(parameters.table(truth), measured.omega)
+    y = measured.instruments * (response @ measured.inputs.values[:, :, None])[:, :, 0]
     level = reconstruct_with_out_of_band_modes(data)[0].noise
     error = []
     for seed in range(records):
         rng = np.random.default_rng(seed)
         noise = (rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)) / np.sqrt(2.0)
-        outputs = replace(lines.outputs, values=y + level * noise)
-        one = replace(data, measured=replace(lines, outputs=outputs))
+        outputs = replace(measured.outputs, values=y + level * noise)
+        one = replace(data, measured=replace(measured, outputs=outputs))
         motion, out_of_band = reconstruct_with_out_of_band_modes(one)
         assert out_of_band == ()
         assert warn_of_sensor_noise(one, motion)
-        found = equation_error(data.model, motion, lines.inputs, parameters)
+        found = equation_error(data.model, motion, measured.inputs, parameters)
         error.append((found.values - truth) / found.std_errors)
     assert np.abs(np.mean(error, axis=0)).max() < 1.0
     assert np.mean(np.abs(error) < 2.0) > 0.9

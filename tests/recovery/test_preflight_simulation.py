@@ -9,52 +9,82 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
-from flexsid.records.flight import Flight
+from flexsid.jobs.kinds import RUN
+from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
+from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.excitation_designs import create_design, specify_design
-from flexsid.workflow.excitation.preflight_simulation import list_simulations, simulate_design
+from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.workflow.excitation.excitation_designs import (
+    DesignOrder,
+    compute_design,
+    specify_design,
+)
+from flexsid.workflow.excitation.preflight_simulation import (
+    SimulationRequest,
+    list_simulations,
+    simulate_design,
+    store_simulation,
+)
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 
 def flown(store: Store, ratio: float) -> EstimationRun:
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
-    maneuver = add_maneuver(store, fly(airspeed_ratio=ratio, seed=4), flight.id or 0)
+    maneuver = add_maneuver(
+        store, fly(airspeed_ratio=ratio, seed=4, modes_in_truth=2), flight.id or 0
+    )
     run = EstimationRun(
         maneuver_id=maneuver.id or 0,
         method=Method.OE,
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    return execute_run(store, run, load_estimation_pipeline(), lambda progress: None)
+    return execute_run(store, run, RUN, lambda progress: None)
+
+
+def _simulate(
+    store: Store,
+    design: ExcitationDesign,
+    run_id: int,
+    controller_id: int | None,
+    turbulence: Turbulence = Turbulence.NONE,
+) -> PreflightSimulation:
+    request = SimulationRequest(
+        design_id=design.id or 0,
+        run_id=run_id,
+        level=1,
+        controller_id=controller_id,
+        turbulence=turbulence,
+    )
+    simulated = simulate_design(store, design, request, lambda progress: None)
+    return store_simulation(store, request, simulated, "")
 
 
 def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers_what_flew(
     store: Store,
 ):
-    run = flown(store, 1.05)
+    run = flown(store, 1.2)
     (controller,) = store.controllers.find()
     peak = float(np.deg2rad(1.0))
-    design = create_design(
-        store,
-        "FTA 506",
-        specify_design(506, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick"),
-        506,
-    )
+    specification = specify_design(506, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
+    order = DesignOrder(name="FTA 506", specification=specification, fta=506)
+    design = store.designs.add(compute_design(order, lambda progress: None))
     with pytest.raises(BadInput, match="needs a controller"):
-        simulate_design(store, design, run.id or 0)
-    simulated = simulate_design(store, design, run.id or 0, 1, controller.id)
+        _simulate(store, design, run.id or 0, None)
+    simulated = _simulate(store, design, run.id or 0, controller.id)
     (waiting,) = list_simulations(store, design)
     assert waiting.state is RunState.QUEUED
     assert waiting.derivatives == ()
 
     claimed = queue.claim(store, simulated.run_id)
     assert claimed is not None
-    computed = compute_run(prepare(store, claimed), lambda progress: None)
+    claimed_run = store.runs.get(simulated.run_id)
+    computed = compute_run(prepare(store, claimed_run), lambda progress: None)
     store_result(store, simulated.run_id, claimed.attempt, computed)
     (done,) = list_simulations(store, design)
     assert done.correlation is not None
@@ -67,3 +97,15 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
     maneuver = store.maneuvers.get(simulated.maneuver_id)
     assert "Simulated" in maneuver.note
     assert store.flights.get(maneuver.flight_id).number == 0
+
+    rough = _simulate(store, design, run.id or 0, controller.id, Turbulence.LIGHT)
+    turbulent = store.maneuvers.get(rough.maneuver_id)
+    assert "light turbulence" in turbulent.note
+    assert turbulent.duration_s == maneuver.duration_s
+    # Before the excitation the aircraft is at rest in still air only.
+    for name, least in (("alpha", 1.5), ("az_cf", 1.5)):
+        still, moving = (
+            np.std(read_channels(store.database, one.id or 0, (name,))[name][1][:800])
+            for one in (maneuver, turbulent)
+        )
+        assert moving > least * still, name

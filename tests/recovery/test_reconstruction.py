@@ -10,7 +10,7 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import SETTLE_S, TRIM_S, design_fta, fly
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
@@ -34,10 +34,10 @@ def true_motion(ratio: float, peak_deg: float, fta: int) -> dict[str, np.ndarray
     sensors = describe_aircraft(truth).sensors[:1]
     x = fly_truth(truth, sensors, speed, 0.5, 8, excitation).motion.states
     found = {"alpha": x[:, 0], "q": x[:, 1]}
-    for place, number in enumerate(truth.symmetric[:8]):
-        found[f"eta{number}"] = x[:, 3 + place]
-        found[f"etadot{number}"] = x[:, 11 + place]
-        found[f"etaddot{number}"] = np.gradient(x[:, 11 + place], 1.0 / RATE_HZ)
+    for index, number in enumerate(truth.symmetric[:8]):
+        found[f"eta{number}"] = x[:, 3 + index]
+        found[f"etadot{number}"] = x[:, 11 + index]
+        found[f"etaddot{number}"] = np.gradient(x[:, 11 + index], 1.0 / RATE_HZ)
     return found
 
 
@@ -54,7 +54,7 @@ def flight_id(store: Store) -> int:
 def test_modal_motion_is_reconstructed_with_valid_standard_errors(
     store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int, fta: int
 ):
-    """The lines of FTA 503 end at half the frequency of the second mode."""
+    """The harmonics of FTA 503 end at half the frequency of the second mode."""
     flown = fly(airspeed_ratio=ratio, fuel=0.5, fta=fta, peak_deg=peak_deg, seed=seed)
     maneuver = add_maneuver(store, flown, flight_id)
     assert maneuver.id is not None

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files, import_maneuver
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
-from flexsid.workflow.importing.flight_import import import_files, import_maneuver
 from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.structure_determination.searches import compute_search, prepare_search
@@ -154,7 +154,7 @@ def test_structure_of_the_flown_maneuver_beside_the_masks_of_its_authors(store):
         maneuver_ids=(imported.maneuver.id,),
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=SearchSettings(band_hz=(0.5, 18.5), draws=0),
+        settings=SearchSettings(band_hz=(0.5, 18.5), resamplings=0),
     )
     result = compute_search(prepare_search(store, requested), lambda progress: None)
     selected = set(result.proposed.structure.free or ())

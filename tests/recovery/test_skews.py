@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_maneuver
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.importing.flight_import import import_maneuver
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.quality.sensor_skews import check_redundancy
 
@@ -35,23 +35,23 @@ def test_skews_on_every_channel_come_back(store: Store, name: str):
     mapping = PROJECT / "examples" / "flex28" / "record.toml"
     sensing = gather_sensors(store, import_maneuver(store, [RECORDS / f"{name}.npz"], mapping))
     rng = np.random.default_rng(len(name))
-    lines, names = sensing.measured, sensing.measured.outputs.names
+    measured, names = sensing.measured, sensing.measured.outputs.names
     delay, late = rng.uniform(0.0, 0.02, len(names)), rng.uniform(0.0, 0.02, 5)
     scale = np.ones(len(names))
     wrong = [names.index("alpha"), names.index("q")]
     scale[wrong] = 1.07, 0.95
-    w = lines.omega
-    outputs = lines.outputs.values * np.exp(-1j * w[:, None] * delay) * scale
-    inputs = lines.inputs.values * np.exp(-1j * w[:, None] * late)
+    w = measured.omega
+    outputs = measured.outputs.values * np.exp(-1j * w[:, None] * delay) * scale
+    inputs = measured.inputs.values * np.exp(-1j * w[:, None] * late)
     spoiled = replace(
-        lines,
+        measured,
         outputs=FrequencyData(w, outputs, names),
-        inputs=FrequencyData(w, inputs, lines.inputs.names),
+        inputs=FrequencyData(w, inputs, measured.inputs.names),
     )
     found = check_redundancy(replace(sensing, measured=spoiled))
     faults = found.faults
     origin = delay[names.index(faults.reference)]
-    resolved = np.array([found.is_delay_known(name) for name in names])
+    resolved = np.array([name not in found.not_checked for name in names])
     assert {name for name, seen in zip(names, resolved, strict=True) if not seen} == UNSEEN
     error = np.abs(faults.delay_s - (delay - origin))
     assert np.all(error[resolved] < np.maximum(1e-3, 3.0 * faults.delay_std[resolved]))
@@ -71,13 +71,15 @@ def test_standard_errors_of_sound_channels_are_valid(store: Store):
     cards = ((0.56, 0.9, 503, 2.0), (0.65, 0.1, 506, 2.0), (0.72, 0.57, 503, 2.0))
     for seed, (ratio, fuel, fta, peak) in enumerate((*cards, (1.05, 0.5, 506, 1.2))):
         flown = fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, peak_deg=peak, seed=(61, seed))
-        maneuver = add_maneuver(store, replace(flown, label=f"{seed}"), flight.id)
+        maneuver = add_maneuver(
+            store, replace(flown, maneuver=replace(flown.maneuver, label=f"{seed}")), flight.id
+        )
         found = check_redundancy(gather_sensors(store, maneuver))
         faults = found.faults
         resolved = [
             k
             for k, name in enumerate(faults.names)
-            if found.is_delay_known(name) and name != faults.reference
+            if name not in found.not_checked and name != faults.reference
         ]
         sensors.append(faults.delay_s[resolved] / faults.delay_std[resolved])
         assert found.inputs is not None

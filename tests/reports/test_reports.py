@@ -13,8 +13,8 @@ import pytest
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
+from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.kinds import FLUTTER, RUN
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.reports import (
@@ -27,8 +27,9 @@ from flexsid.reports import (
     to_html,
     to_pdf,
 )
-from flexsid.reports.content import Drawing, ReportTable, Section, Words, drawn, estimate, number
+from flexsid.reports.content import Drawing, ReportTable, Section, Words, draw, estimate, number
 from flexsid.storage.store import Store
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 
 NOW = datetime(2026, 3, 1, 12, 30, tzinfo=UTC)
 SMALL = Report(
@@ -81,7 +82,8 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
     report = run_report(flown, 1)
     parts = {section.title: section.parts for section in report.sections}
     assert list(parts) == [
-        *("Summary", "Flight condition", "Derivatives", "Fit", "Uncertainty", "Poles"),
+        *("Summary", "Flight condition", "Derivatives", "Fit", "Model adequacy"),
+        *("Uncertainty", "Poles"),
     ]
     assert not [part for part in parts["Fit"] if isinstance(part, Words)]
     table = next(part for part in parts["Derivatives"] if isinstance(part, ReportTable))
@@ -93,7 +95,7 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
     assert provenance["Covariance"] == parameters.covariance
     html = to_html(report, NOW)
     assert len(figures(html)) >= 8
-    assert html.count("<h2>") == 7
+    assert html.count("<h2>") == 8
 
 
 def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> None:
@@ -132,7 +134,11 @@ def test_a_campaign_report_has_trends_and_flutter(flown: Store) -> None:
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
-    execute_run(flown, request, load_estimation_pipeline(), lambda progress: None)
+    run = execute_run(flown, request, RUN, lambda progress: None)
+    missing = {section.title: section.parts for section in campaign_report(flown).sections}
+    assert "not-computed" in str(missing["Flutter"])
+    query = FlutterQuery(run_ids=(run.id or 0, 1))
+    execute_request(flown, FLUTTER, query, lambda progress: None)
     parts = {section.title: section.parts for section in campaign_report(flown).sections}
     assert all(isinstance(part, Drawing) for part in parts["Estimates"])
     assert len(parts["Estimates"]) == 5
@@ -148,11 +154,8 @@ def test_a_run_without_result_is_not_reported(add_run, store: Store) -> None:
         run_report(store, add_run().id)
 
 
-def test_a_figure_that_fails_leaves_the_report_alone() -> None:
-    def fails() -> dict:
-        raise BadInput("there are no lines")
-
-    assert drawn("Fit", fails) == Words("Fit: not available (there are no lines).")
+def test_a_figure_that_fails_leaves_the_report_alone(store: Store) -> None:
+    assert draw("Fit", store, "fit", run_id=99) == Words("Fit: not available (there is no run 99).")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 PATIENCE_S = 240.0
 PATIENCE_MS = 1000.0 * PATIENCE_S
 
-_UNDER_WAY = ("waiting", "queued", "running", "importing")
+_UNDER_WAY = ("queued", "running", "importing")
 
 T = TypeVar("T")
 
@@ -28,10 +28,17 @@ def wait_until(check: Callable[[], T | None], what: str = "the condition") -> T:
 
 
 def ended(client: Any, address: str) -> dict[str, Any]:
-    """Wait until a job, task, search or upload has ended; return its last state."""
+    """Wait until a job, search or upload has ended; return its last state."""
 
     def check() -> dict[str, Any] | None:
         now = client.get(address).json()
         return None if now["state"] in _UNDER_WAY else now
 
     return wait_until(check, f"the end of {address}")
+
+
+def assess(client: Any, maneuver_id: int) -> dict[str, Any]:
+    """Assess the data quality of a maneuver and return it."""
+    client.post("/api/v1/quality/assess", json={"maneuver_ids": [maneuver_id]})
+    address = f"/api/v1/maneuvers/{maneuver_id}/quality"
+    return wait_until(lambda: client.get(address).json()["quality"], "the assessment")

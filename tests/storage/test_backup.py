@@ -12,7 +12,7 @@ import pytest
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage import leases, queue

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import sqlite3
 import threading
 from contextlib import closing
+from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
+from sqlalchemy.exc import DBAPIError
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.job import Job
+from flexsid.records.search import InitialTerms
 from flexsid.storage import migrate
 from flexsid.storage.database import make_engine, parse_url
+from flexsid.storage.event_chain import hash_value
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
@@ -64,7 +72,7 @@ def test_every_foreign_key_and_filter_has_an_index(database_url: str) -> None:
                 for index in connection.execute(f"PRAGMA index_list({table})")
             }
             keys = {row[3] for row in connection.execute(f"PRAGMA foreign_key_list({table})")}
-            assert keys <= leading, table
+            assert keys <= leading | {"id"}, table  # rows are stored by their id
 
 
 def test_up_and_down_with_data_in_it(
@@ -132,8 +140,27 @@ def test_a_migration_that_fails_changes_nothing(
     with pytest.raises(NotImplementedError):
         migrate.upgrade(database_url)
     assert store.aircraft.find() == [aircraft]
+    assert list(tmp_path.glob("*.backup*")) == []
     monkeypatch.undo()
     assert migrate.upgrade(database_url) == NEWEST
+
+
+def test_ids_of_deleted_runs_are_not_given_again(flown_url: str) -> None:
+    migrate.migrate_to(flown_url, "0016")
+    engine = make_engine(parse_url(flown_url))
+    with engine.begin() as connection:
+        connection.execute(sa.text("INSERT INTO batches VALUES (1, '', '', '2026-01-01')"))
+        connection.execute(sa.text("DELETE FROM run_events"))
+        deleted = connection.scalar(sa.text("SELECT max(id) FROM runs"))
+        connection.execute(sa.text("DELETE FROM runs"))
+    engine.dispose()
+    migrate.upgrade(flown_url)
+    store = Store.open(flown_url)
+    job = store.jobs.add(Job(kind="quality-assessment"))
+    assert (job.id or 0) > deleted
+    store.jobs.delete(job.id or 0)
+    assert (store.jobs.add(Job(kind="quality-assessment")).id or 0) > (job.id or 0)
+    store.close()
 
 
 def test_database_of_a_newer_release_is_rejected(database_url: str) -> None:
@@ -165,3 +192,167 @@ def test_file_other_than_a_database_is_reported(tmp_path: Path) -> None:
         migrate.upgrade(f"sqlite:///{file}")
     with pytest.raises(BadInput):
         migrate.upgrade("flexsid.db")
+
+
+# Rows as release 26e0b75 wrote them, before migration 0016 renamed their keys.
+_OLD_STRUCTURE: dict[str, Any] = {
+    **{"modes": [7], "inputs": ["bfs"], "outputs": ["q"], "free": None, "fixed": {}},
+    **{"free_delays": False, "also_free": ["delay_q"], "axis": "longitudinal", "absent": []},
+    **{"fixed_to": {}, "delays": {}, "instruments": {}},
+}
+_OLD_SETTINGS: dict[str, Any] = {
+    **{"start": "best", "band_hz": [0.5, 12.0], "max_iterations": 100, "noise": "diagonal"},
+    **{"priors": {}, "prior_spread": None, "start_run_id": None, "together_with": [2, 3]},
+}
+_OLD_TERM: dict[str, Any] = {
+    **{"name": "Cm_alpha", "chosen": True, "value": -0.5, "std_error": 0.01, "f": 90.0},
+    **{"support": 1.0, "stability": 0.9, "inflation": 1.2},
+}
+_OLD_CANDIDATE: dict[str, Any] = {
+    **{"name": "EE", "why": "stepwise", "structure": _OLD_STRUCTURE, "n_terms": 1},
+    **{"proposed": True, "converged": True, "cost": 1.0, "bic": 2.0, "likelihood_ratio": 3.0},
+    **{"foretold": 3.5, "predicted": [], "predictive_cost": 1.0, "flutter_m_s": None},
+    **{"flutter_std_m_s": None, "flutter": "", "run_id": None},
+}
+_OLD_SEARCH: dict[str, Any] = {
+    "sentence": "EE supports one term",
+    "groups": [
+        {
+            **{"name": "Cm", "path": [], "terms": [_OLD_TERM], "dependencies": []},
+            **{"r_squared": 0.9, "pse": 1.0, "bic": 2.0},
+        }
+    ],
+    **{"candidates": [_OLD_CANDIDATE], "warnings": [], "seconds": 1.0},
+}
+_OLD_REPORT: dict[str, Any] = {
+    "channels": [],
+    "findings": [{"severity": "doubtful", "about": "skew", "channel": "q", "text": "doubtful"}],
+}
+_OLD_DESIGN: dict[str, Any] = {
+    **{"duration_s": 24.0, "rate_hz": 100.0, "peaks": [0.01, 0.02, 0.04], "seed": 0},
+    "inputs": [{"name": "bfs", "harmonics": [6, 11], "relative_peak": 1.0, "power": None}],
+}
+_AT = datetime(2026, 11, 20, 9, 30)  # as the columns hold it
+
+
+def _insert_old_records(connection: sa.Connection, tables: dict[str, sa.Table]) -> None:
+    runs = tables["runs"]
+    content = {"structure": _OLD_STRUCTURE, "settings": _OLD_SETTINGS, "state": "succeeded"}
+    connection.execute(sa.update(runs).values(content))
+    row = connection.execute(sa.select(runs)).mappings().one()
+    names = ("maneuver_id", "method", "structure", "settings", "result", "versions")
+    digest = _sha256_of([row[name] for name in names])
+    connection.execute(sa.update(runs).values(result_hash=digest))
+    altered = {**row, "id": 2, "settings": {**_OLD_SETTINGS, "start": "run"}}
+    connection.execute(sa.insert(runs).values({**altered, "result_hash": digest}))
+    event = {"run_id": 1, "at": _AT, "kind": "said", "attempt": 1, "message": "a warning"}
+    connection.execute(sa.insert(tables["run_events"]).values(event))
+    structure = {"structure_id": 1, "version": 9, "name": "", "structure": _OLD_STRUCTURE}
+    version = {**structure, "note": "", "author": "", "created_at": _AT}
+    connection.execute(sa.insert(tables["structure_versions"]).values(version))
+    search = {"aircraft_id": 1, "maneuver_ids": [1], "method": "EE", "structure": _OLD_STRUCTURE}
+    state = {"state": "succeeded", "author": "", "created_at": _AT, "result": _OLD_SEARCH}
+    settings = {"algorithm": "stepwise", "begin": "equation error", "draws": 4}
+    connection.execute(
+        sa.insert(tables["searches"]).values({**search, **state, "settings": settings})
+    )
+    quality = {"maneuver_id": 1, "content_hash": "0", "verdict": "doubtful", "summary": "doubtful"}
+    found = {"figures": {"n_stretches": 0}, "report": _OLD_REPORT, "created_at": _AT}
+    connection.execute(sa.insert(tables["maneuver_quality"]).values({**quality, **found}))
+    design = {"name": "own", "wish": _OLD_DESIGN, "phases": {}, "peak_factors": {}, "note": ""}
+    connection.execute(sa.insert(tables["designs"]).values({**design, "created_at": _AT}))
+    links = {"design_id": 1, "level": 0, "model_run_id": 1, "maneuver_id": 1, "run_id": 1}
+    connection.execute(sa.insert(tables["rehearsals"]).values({**links, "created_at": _AT}))
+
+
+def _sha256_of(content: Any) -> str:
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _read_tables(connection: sa.Connection) -> dict[str, sa.Table]:
+    found = sa.MetaData()
+    found.reflect(connection)
+    return dict(found.tables)
+
+
+def _select_in_order(table: sa.Table) -> sa.Select[Any]:
+    return sa.select(table).order_by(*table.primary_key.columns)
+
+
+def _read_rows(connection: sa.Connection) -> dict[str, list[dict[str, Any]]]:
+    return {
+        name: [dict(row) for row in connection.execute(_select_in_order(table)).mappings()]
+        for name, table in _read_tables(connection).items()
+        if name != "alembic_version"
+    }
+
+
+def test_records_of_an_earlier_release_take_the_names_of_the_field(flown_url: str) -> None:
+    migrate.migrate_to(flown_url, "0015")
+    engine = make_engine(parse_url(flown_url))
+    with engine.begin() as connection:
+        _insert_old_records(connection, _read_tables(connection))
+        before = _read_rows(connection)
+
+    migrate.migrate_to(flown_url, "0016")
+    structure = {k: v for k, v in _OLD_STRUCTURE.items() if k != "also_free"}
+    structure["extra_parameters"] = ["delay_q"]
+    with engine.connect() as connection:
+        rows = _read_rows(connection)
+    run, altered = rows["runs"]
+    assert run["structure"] == structure
+    assert run["settings"]["additional_maneuver_ids"] == [2, 3]
+    assert "together_with" not in run["settings"]
+    assert run["process_id"] == before["runs"][0]["owner"]
+    assert rows["run_events"][-1]["kind"] == "logged"
+    assert rows["structure_versions"][-1]["structure"] == structure
+    (search,) = rows["searches"]
+    assert search["structure"] == search["result"]["candidates"][0]["structure"] == structure
+    assert search["result"]["candidates"][0]["predicted_ratio"] == 3.5
+    (term,) = search["result"]["groups"][0]["terms"]
+    assert term["selected"] is True
+    assert "chosen" not in term
+    (quality,) = rows["maneuver_quality"]
+    assert (quality["verdict"], quality["summary"]) == ("questionable", "doubtful")
+    assert quality["report"]["warnings"] == [
+        {"severity": "questionable", "about": "skew", "channel": "q", "text": "doubtful"}
+    ]
+    assert rows["designs"][0]["specification"] == _OLD_DESIGN
+    assert rows["preflight_simulations"][0]["design_id"] == 1
+
+    # The hash of an intact run is renewed, that of an altered run stays wrong.
+    names = ("maneuver_id", "method", "structure", "settings", "result", "versions")
+    assert run["result_hash"] == _sha256_of([run[name] for name in names])
+    assert altered["result_hash"] != _sha256_of([altered[name] for name in names])
+    with pytest.raises(DBAPIError, match="append-only"), engine.begin() as connection:
+        connection.execute(sa.text("UPDATE structure_versions SET name = 'changed'"))
+
+    migrate.migrate_to(flown_url, "0015")
+    with engine.connect() as connection:
+        assert _read_rows(connection) == before
+    engine.dispose()
+
+
+def test_migrated_records_are_read_and_their_hashes_hold(flown_url: str) -> None:
+    migrate.migrate_to(flown_url, "0015")
+    engine = make_engine(parse_url(flown_url))
+    with engine.begin() as connection:
+        _insert_old_records(connection, _read_tables(connection))
+    engine.dispose()
+    migrate.upgrade(flown_url)
+    store = Store.open(flown_url)
+    run = store.runs.get(1)
+    assert run.structure.extra_parameters == ("delay_q",)
+    assert run.settings.additional_maneuver_ids == (2, 3)
+    assert not run.altered
+    assert store.runs.get(2).altered
+    assert store.designs.get(1).specification.inputs[0].harmonics == (6, 11)
+    (search,) = store.searches.find()
+    assert search.settings.initial_terms is InitialTerms.EQUATION_ERROR
+    assert search.settings.resamplings == 4
+    # What a decision sealed before is the hash over the earlier names.
+    filled = {key: value for key, value in _OLD_STRUCTURE.items() if value not in (None, {}, [])}
+    del filled["free_delays"]
+    assert hash_value(run.structure) == _sha256_of(filled)
+    store.close()

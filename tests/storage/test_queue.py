@@ -44,7 +44,7 @@ def _claimed(store: Store, run: EstimationRun) -> EstimationRun:
     claimed = queue.claim(store)
     assert claimed is not None
     assert claimed.id == run.id
-    return claimed
+    return store.runs.get(claimed.id or 0)
 
 
 def test_runs_are_claimed_oldest_first_each_once(store: Store, add_run: AddRun) -> None:

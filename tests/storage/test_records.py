@@ -14,11 +14,9 @@ from hypothesis import strategies as st
 from waiting import PATIENCE_S
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Maneuver
-from flexsid.records.modal_table import ModalKind, ModalTable
-from flexsid.records.prediction import DerivativePrediction
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
+from flexsid.records.maneuver import Flight, Maneuver
+from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.run import EstimationRun, Progress, RunState
 from flexsid.storage.channels import read_channels
 from flexsid.storage.database import Database

@@ -1,9 +1,9 @@
-"""FLEX-28 in a few lines of algebra: models, lines and noise without a flight."""
+"""FLEX-28 in a few lines of algebra: models, spectra and noise without a flight."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ class Case:
         return u, (self.model.response(self.truth, omega) @ u[:, :, None])[:, :, 0]
 
     def experiment(self, u: np.ndarray, z: np.ndarray, omega: np.ndarray = OMEGA) -> Experiment:
-        """Output error at these lines, through perfect instruments."""
+        """Output error at these frequencies, through perfect instruments."""
         return output_error(
             self.model,
             FrequencyData(omega, u, self.model.inputs),
@@ -52,7 +52,7 @@ class Case:
     def free(self, extras: tuple[str, ...] = (), off: float = 0.0, seed: int = 0) -> Parameters:
         """All derivatives free, started off by up to a share."""
         wrong = 1.0 + off * np.random.default_rng(seed).uniform(-1, 1, self.truth.values.shape)
-        start = DerivativeTable(self.truth.modes, self.truth.inputs, self.truth.values * wrong)
+        start = replace(self.truth, values=self.truth.values * wrong)
         return select_parameters(start, None, self.model.outputs, extras)
 
 

@@ -17,8 +17,8 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 
 FITS = 200
-LINES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty lines each
-ASSIGNED_INPUT = np.arange(LINES.size) % 5
+FREQUENCIES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty harmonics each
+ASSIGNED_INPUT = np.arange(FREQUENCIES.size) % 5
 LEVEL = 0.03
 
 
@@ -28,11 +28,11 @@ class Maneuver:
     def __init__(self, case: Case) -> None:
         rng = np.random.default_rng(1)
         self.case = case
-        self.command = np.zeros((LINES.size, 5), dtype=complex)
-        turns = np.exp(2j * np.pi * rng.uniform(size=LINES.size))
-        self.command[np.arange(LINES.size), ASSIGNED_INPUT] = turns
+        self.command = np.zeros((FREQUENCIES.size, 5), dtype=complex)
+        turns = np.exp(2j * np.pi * rng.uniform(size=FREQUENCIES.size))
+        self.command[np.arange(FREQUENCIES.size), ASSIGNED_INPUT] = turns
         self.u = self.command @ (np.eye(5) + 0.1 * rng.normal(size=(5, 5)))
-        self.y = (case.model.response(case.truth, LINES) @ self.u[:, :, None])[:, :, 0]
+        self.y = (case.model.response(case.truth, FREQUENCIES) @ self.u[:, :, None])[:, :, 0]
         self.level = LEVEL * np.sqrt(np.mean(np.abs(self.y) ** 2, axis=0))
 
     def noisy(self, kind: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +45,7 @@ class Maneuver:
         z = self.y + self.level * white(self.y.shape)
         u = self.u
         if kind == "coloured":
-            rise = (0.3 + 3.0 * np.linspace(0.0, 1.0, LINES.size) ** 2)[:, None]
+            rise = (0.3 + 3.0 * np.linspace(0.0, 1.0, FREQUENCIES.size) ** 2)[:, None]
             z = self.y + rise * self.level * white(self.y.shape)
         elif kind == "on the surfaces":
             u = self.u + 0.01 * white(self.u.shape)
@@ -54,14 +54,14 @@ class Maneuver:
     def estimate(self, method: str, kind: str, seed: int) -> Estimate:
         u_noisy, z_noisy = self.noisy(kind, seed)
         model = self.case.model
-        u = FrequencyData(LINES, u_noisy, model.inputs)
-        z = FrequencyData(LINES, z_noisy, model.outputs)
+        u = FrequencyData(FREQUENCIES, u_noisy, model.inputs)
+        z = FrequencyData(FREQUENCIES, z_noisy, model.outputs)
         through = np.ones(z_noisy.shape, dtype=complex)
-        oe = self.case.experiment(u_noisy, z_noisy, LINES)
+        oe = self.case.experiment(u_noisy, z_noisy, FREQUENCIES)
         if method == "OE":
             return maximize([oe], self.case.free())
         if method == "FRE":
-            command = FrequencyData(LINES, self.command, model.inputs)
+            command = FrequencyData(FREQUENCIES, self.command, model.inputs)
             responses = estimate_bare_airframe_responses(u, z, command, ASSIGNED_INPUT)
             return maximize(
                 [frequency_response_error(model, responses, source=oe)], self.case.free()
@@ -107,7 +107,7 @@ def test_equation_error_bears_coloured_noise_beyond_flutter(make_case):
 
 
 def test_noise_on_the_surfaces_is_included_where_flutter_amplifies_it(make_case):
-    """Few lines at the peak decide; what they do to a fit is not what it leaves of them."""
+    """Few frequencies at the peak decide; what they do to a fit is not what it leaves of them."""
     maneuver = Maneuver(make_case(2, airspeed_ratio=1.04))
     truth = maneuver.case.truth.values.ravel()
     inside = []

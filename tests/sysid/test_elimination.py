@@ -1,4 +1,4 @@
-"""Inverses at all lines at once are those of LAPACK, also where pivots vanish."""
+"""Inverses at all frequencies at once are those of LAPACK, also where pivots vanish."""
 
 from __future__ import annotations
 

@@ -81,10 +81,10 @@ def test_sensors_that_nothing_checks_are_named(make_case):
     assert reconstruct_motion(few, z, np.ones_like(seen)).assumed == ("az_ofs",)
 
 
-@pytest.mark.parametrize("n_lines", [5, 6, 7])
-def test_a_handful_of_lines_is_enough_where_it_holds_the_parameters(make_case, n_lines):
+@pytest.mark.parametrize("n_frequencies", [5, 6, 7])
+def test_a_handful_of_frequencies_is_enough_where_it_holds_the_parameters(make_case, n_frequencies):
     case = make_case(1)
-    omega = OMEGA[10 : 10 + n_lines]
+    omega = OMEGA[10 : 10 + n_frequencies]
     u, y = case.spectra(4, omega)
     z = FrequencyData(omega, add_noise(y, 0.01, np.random.default_rng(4)), case.model.outputs)
     motion = reconstruct_motion(case.model, z, np.ones_like(y))
@@ -127,7 +127,7 @@ def test_collinear_and_still_regressors_are_named():
         regress(X, z, ("CZ_a", "CZ_b", "CZ_c"))
 
 
-def test_a_few_lines_of_little_known_motion_do_not_spoil_the_others():
+def test_a_few_frequencies_of_little_known_motion_do_not_spoil_the_others():
     rng = np.random.default_rng(9)
     n = 100
     known = np.where(np.arange(n) < 4, 1e4, 1.0)  # variance of the dependent variable
@@ -138,7 +138,7 @@ def test_a_few_lines_of_little_known_motion_do_not_spoil_the_others():
         scatter = rng.normal(size=n) + 1j * rng.normal(size=n)
         z = X @ [1.0, 2.0] + np.sqrt(0.5 * known) * scatter
         found.append(regress(X, z, ("CZ_a", "CZ_b"), errors).values)
-    # 96 good lines of unit variance in X and z: 1 / sqrt(2 * 2 * 96)
+    # 96 good frequencies of unit variance in X and z: 1 / sqrt(2 * 2 * 96)
     assert np.std(found, axis=0) == pytest.approx([0.051, 0.051], rel=0.2)
 
 

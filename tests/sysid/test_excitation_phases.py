@@ -41,9 +41,9 @@ def test_no_design_of_table_1_shares_a_harmonic_and_all_are_orthogonal(number: i
     generator = np.random.default_rng(number)
     columns = []
     for own in dealt.values():
-        lines = HarmonicSpectrum(own, np.full(own.size, np.sqrt(2.0 / own.size)))
+        spectrum = HarmonicSpectrum(own, np.full(own.size, np.sqrt(2.0 / own.size)))
         phases = generator.uniform(-np.pi, np.pi, own.size)
-        columns.append(np.sin(2.0 * np.pi * time * own + phases) @ lines.amplitudes)
+        columns.append(np.sin(2.0 * np.pi * time * own + phases) @ spectrum.amplitudes)
     samples = np.stack(columns, axis=1)
     gram = samples.T @ samples / len(samples)
     assert np.abs(gram - np.eye(len(dealt))).max() < 1e-12
@@ -64,29 +64,33 @@ def test_same_seed_finds_the_same():
 
 
 def test_peak_factor_agrees_with_a_very_fine_grid_and_coarse_grids_are_optimistic():
-    lines = flat(25)
+    spectrum = flat(25)
     phases = np.random.default_rng(2).uniform(-np.pi, np.pi, (40, 25))
-    fine = [relative_peak_factor(wave) for wave in lines.on_grid(phases, lines.grid_size(512))]
-    np.testing.assert_allclose(evaluate_peak_factors(lines, phases), fine, rtol=2e-4)
-    coarse = [relative_peak_factor(wave) for wave in lines.on_grid(phases, lines.grid_size(4))]
+    fine = [
+        relative_peak_factor(wave) for wave in spectrum.on_grid(phases, spectrum.grid_size(512))
+    ]
+    np.testing.assert_allclose(evaluate_peak_factors(spectrum, phases), fine, rtol=2e-4)
+    coarse = [
+        relative_peak_factor(wave) for wave in spectrum.on_grid(phases, spectrum.grid_size(4))
+    ]
     assert np.mean(coarse) < np.mean(fine) - 0.01
 
 
 def test_norms_and_refinement_each_lower_the_peak():
-    lines = flat(33)
-    start = schroeder_phases(lines.amplitudes)
-    normed = lower_norms(lines, start[None])[0]
-    refined = refine_peaks(lines, normed)
-    factors = [evaluate_peak_factor(lines, phases) for phases in (start, normed, refined)]
+    spectrum = flat(33)
+    start = schroeder_phases(spectrum.amplitudes)
+    normed = lower_norms(spectrum, start[None])[0]
+    refined = refine_peaks(spectrum, normed)
+    factors = [evaluate_peak_factor(spectrum, phases) for phases in (start, normed, refined)]
     assert factors[0] > factors[1] + 0.1 > factors[2] + 0.1
 
 
 def test_shift_in_time_starts_at_zero_and_preserves_the_peak_factor():
-    lines = flat(25)
-    found = search_phases(lines, QUICK)
-    shifted = start_at_zero(lines.harmonics, lines.amplitudes, found.phases)
-    assert abs(np.sum(lines.amplitudes * np.sin(shifted))) < 1e-12
-    assert evaluate_peak_factor(lines, shifted) == pytest.approx(found.peak_factor, abs=2e-4)
+    spectrum = flat(25)
+    found = search_phases(spectrum, QUICK)
+    shifted = start_at_zero(spectrum.harmonics, spectrum.amplitudes, found.phases)
+    assert abs(np.sum(spectrum.amplitudes * np.sin(shifted))) < 1e-12
+    assert evaluate_peak_factor(spectrum, shifted) == pytest.approx(found.peak_factor, abs=2e-4)
 
 
 def test_one_tone_is_a_sine():
@@ -95,8 +99,8 @@ def test_one_tone_is_a_sine():
 
 @pytest.mark.parametrize("harmonics", [(1, 2), (1, 3), (6, 7), (2, 4)])
 def test_two_low_harmonics_of_a_throttle(harmonics: tuple[int, int]):
-    lines = HarmonicSpectrum(np.array(harmonics), np.ones(2))
-    assert search_phases(lines, THOROUGH).peak_factor <= np.sqrt(2.0) + 1e-9
+    spectrum = HarmonicSpectrum(np.array(harmonics), np.ones(2))
+    assert search_phases(spectrum, THOROUGH).peak_factor <= np.sqrt(2.0) + 1e-9
 
 
 def test_search_reports_its_best_and_can_be_stopped():

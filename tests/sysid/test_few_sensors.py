@@ -17,14 +17,13 @@ from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconst
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.sensors import (
-    SensorRows,
+from flexsid.sysid.model.longitudinal import (
     accelerometer_row,
     attitude_row,
     gyro_row,
-    stack_rows,
     vane_row,
 )
+from flexsid.sysid.model.sensors import SensorRows, stack_rows
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
@@ -70,7 +69,7 @@ def rigid(aircraft: tuple, names: tuple[str, ...]) -> tuple[AeroelasticModel, De
 def fly(
     aircraft: tuple, names: tuple[str, ...], steps: tuple, scale: dict[str, float], seed: int
 ) -> tuple[AeroelasticModel, DerivativeTable, FrequencyData, FrequencyData, np.ndarray]:
-    """Two maneuvers of opposite sign in one record, its lines and the sensors' spectral noise."""
+    """Two maneuvers of opposite sign in one record, its spectra and the sensors' spectral noise."""
     model, table = rigid(aircraft, names)
     n = int(LENGTH * RATE)
     t = np.arange(8 * n) / RATE
@@ -88,15 +87,15 @@ def fly(
     level = np.array([NOISE[name] for name in names])
     y = y * [scale.get(name, 1.0) for name in names]
     y = y + level * np.random.default_rng(seed).normal(size=y.shape)
-    lines = 2.0 * np.pi * np.arange(3, int(BAND * LENGTH) + 1) / LENGTH
-    inputs = finite_fourier_transform(np.fft.irfft(U, t.size)[:n, None], RATE, lines)
-    outputs = finite_fourier_transform(y, RATE, lines)
+    frequencies = 2.0 * np.pi * np.arange(3, int(BAND * LENGTH) + 1) / LENGTH
+    inputs = finite_fourier_transform(np.fft.irfft(U, t.size)[:n, None], RATE, frequencies)
+    outputs = finite_fourier_transform(y, RATE, frequencies)
     spectral = level * np.sqrt(LENGTH / RATE)
     return (
         model,
         table,
-        FrequencyData(lines, inputs, ("de",)),
-        FrequencyData(lines, outputs, names),
+        FrequencyData(frequencies, inputs, ("de",)),
+        FrequencyData(frequencies, outputs, names),
         spectral,
     )
 
@@ -132,7 +131,7 @@ def test_equation_error_agrees_with_output_error_on_rigid_aircraft(
     assert low <= np.mean(scales) <= high
 
 
-LINES = 2.0 * np.pi * np.arange(6, 206) / 24.0
+FREQUENCIES = 2.0 * np.pi * np.arange(6, 206) / 24.0
 FEW = {6: 1, 8: 1, 9: 2, 11: 3}  # sensors: modes of a complete model
 
 
@@ -150,25 +149,27 @@ class FewSensors:
             case.truth,
         )
         rng = np.random.default_rng(1)
-        command = np.zeros((LINES.size, 5), dtype=complex)
-        turns = np.exp(2j * np.pi * rng.uniform(size=LINES.size))
-        command[np.arange(LINES.size), np.arange(LINES.size) % 5] = turns
+        command = np.zeros((FREQUENCIES.size, 5), dtype=complex)
+        turns = np.exp(2j * np.pi * rng.uniform(size=FREQUENCIES.size))
+        command[np.arange(FREQUENCIES.size), np.arange(FREQUENCIES.size) % 5] = turns
         self.u = command @ (np.eye(5) + 0.1 * rng.normal(size=(5, 5)))
-        self.y = (self.case.model.response(case.truth, LINES) @ self.u[:, :, None])[:, :, 0]
+        self.y = (self.case.model.response(case.truth, FREQUENCIES) @ self.u[:, :, None])[:, :, 0]
         self.level = 0.05 * np.sqrt(np.mean(np.abs(self.y) ** 2, axis=0))
 
     def estimate(
         self, seed: int, uneven: float = 0.0
     ) -> tuple[Estimate, ReconstructedMotion, np.ndarray]:
-        """Estimate from noisy lines; sensors' noise differs by a factor exp(``uneven``)."""
+        """Estimate from noisy spectra; sensors' noise differs by a factor exp(``uneven``)."""
         rng = np.random.default_rng(1000 + seed)
         level = self.level * np.exp(uneven * rng.normal(size=self.level.size))
         z = self.y + level * (
             rng.normal(size=self.y.shape) + 1j * rng.normal(size=self.y.shape)
         ) / np.sqrt(2.0)
         model = self.case.model
-        motion = reconstruct_motion(model, FrequencyData(LINES, z, model.outputs), np.ones_like(z))
-        u = FrequencyData(LINES, self.u, model.inputs)
+        motion = reconstruct_motion(
+            model, FrequencyData(FREQUENCIES, z, model.outputs), np.ones_like(z)
+        )
+        u = FrequencyData(FREQUENCIES, self.u, model.inputs)
         return equation_error(model, motion, u, self.case.free()), motion, level
 
 
@@ -211,14 +212,14 @@ def test_no_sensor_is_taken_as_exact(make_case, n_outputs):
 
 def test_what_is_known_of_one_sensor_s_noise_scales_the_others(make_case):
     few = FewSensors(make_case, 8)
-    z = FrequencyData(LINES, few.y, few.case.model.outputs)
+    z = FrequencyData(FREQUENCIES, few.y, few.case.model.outputs)
     noise = np.full(8, np.nan)
     noise[1] = 2.0 * few.level[1]
     exact = few.case.model.with_modes(1)
     rows = SensorRows(exact.outputs[:3], exact.sensors.polynomial[:, :3])
     three = AeroelasticModel(exact.condition, exact.modes, exact.inputs, rows)
     motion = reconstruct_motion(
-        three, z, np.ones((LINES.size, 3), dtype=complex), guess=noise[:3]
+        three, z, np.ones((FREQUENCIES.size, 3), dtype=complex), guess=noise[:3]
     )  # as many sensors as motions: noise is not identifiable
     assert motion.noise == pytest.approx(2.0 * few.level[:3])
     assert motion.assumed == three.outputs

@@ -30,6 +30,7 @@ from flexsid.sysid.stability.flutter_extrapolation import (
     extrapolate_flutter_margin,
 )
 from flexsid.sysid.stability.prediction import (
+    DerivativePrior,
     IdentifiedModes,
     StiffnessError,
     compute_structure_spread,
@@ -131,7 +132,7 @@ def test_slopes_of_roots_equal_differences():
     aircraft = flex28(2)
     V = np.array([30.0, 50.0])
     family = build_state_family(aircraft, V)
-    modal = decompose_states(family)
+    modal = decompose_states(family.A)
     rows, columns = np.array([0, 1, 2, 3, 2]), np.array([0, 1, 2, 5, 7])
     found = compute_eigenvalue_slopes(family, modal, rows, columns)
     for index, (row, column) in enumerate(zip(rows, columns, strict=True)):
@@ -142,7 +143,9 @@ def test_slopes_of_roots_equal_differences():
             values[row, column] += sign * step
             table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
             shifted.append(
-                decompose_states(build_state_family(replace(aircraft, derivatives=table), V)).values
+                decompose_states(
+                    build_state_family(replace(aircraft, derivatives=table), V).A
+                ).values
             )
         for k in range(V.size):
             for root, value in enumerate(modal.values[k]):
@@ -156,8 +159,8 @@ def test_bands_agree_with_draws():
     locus = track_roots(aircraft, np.linspace(30.0, 75.0, 12))
     uncertain = everything(aircraft, 0.02)
     bands = estimate_root_bands(aircraft, locus, uncertain)
-    drawn = sample_root_bands(aircraft, locus, uncertain, count=1000, seed=3)
-    clear = ~bands.by_draws
+    drawn = sample_root_bands(aircraft, locus, uncertain)
+    clear = ~bands.by_monte_carlo
     assert clear.any()
     for ours, theirs in (
         (bands.real_std, drawn.real_std),
@@ -172,9 +175,11 @@ def test_where_roots_meet_draws_replace_first_order():
     locus = track_roots(aircraft, np.linspace(40.0, 56.0, 9))
     uncertain = everything(aircraft, 0.25)
     bands = estimate_root_bands(aircraft, locus, uncertain)
-    assert bands.by_draws.any()
-    again = sample_root_bands(aircraft, locus, uncertain, only=bands.by_draws)
-    assert np.array_equal(bands.real_std[bands.by_draws], again.real_std)
+    assert bands.by_monte_carlo.any()
+    at = bands.by_monte_carlo
+    there = replace(locus, airspeed=locus.airspeed[at], roots=locus.roots[at])
+    again = sample_root_bands(aircraft, there, uncertain)
+    assert np.array_equal(bands.real_std[at], again.real_std)
 
 
 def test_where_the_first_derivative_vanishes_draws_replace_it():
@@ -183,7 +188,7 @@ def test_where_the_first_derivative_vanishes_draws_replace_it():
     locus = track_roots(aircraft, np.linspace(50.0, 54.0, 5))
     known = everything(aircraft, 0.02)
     family = build_state_family(aircraft, locus.airspeed)
-    modal = decompose_states(family)
+    modal = decompose_states(family.A)
     root = int(np.argmin(np.abs(modal.values[2] - locus.roots[2, 1])))
     slope = compute_eigenvalue_slopes(family, modal, known.rows, known.columns)[2, root]
     scale = np.sqrt(np.diag(known.covariance))
@@ -192,7 +197,7 @@ def test_where_the_first_derivative_vanishes_draws_replace_it():
     uncertain = replace(known, covariance=left)
     bands = estimate_root_bands(aircraft, locus, uncertain)
     drawn = sample_root_bands(aircraft, locus, uncertain)
-    assert bands.by_draws[2]
+    assert bands.by_monte_carlo[2]
     for ours, theirs in ((bands.real_std, drawn.real_std), (bands.imag_std, drawn.imag_std)):
         assert np.abs(ours / theirs - 1.0).max() < 0.1
 
@@ -209,10 +214,8 @@ def test_error_of_the_flutter_speed_is_that_of_draws():
         table = DerivativeTable(aircraft.derivatives.modes, aircraft.derivatives.inputs, values)
         found = track_roots(replace(aircraft, derivatives=table), near).flutter
         assert found is not None
-        drawn.append((found.airspeed, found.frequency))
-    std = np.std(drawn, axis=0)
-    assert error.airspeed_std == pytest.approx(std[0], rel=0.2)
-    assert error.frequency_std == pytest.approx(std[1], rel=0.2)
+        drawn.append(found.airspeed)
+    assert error == pytest.approx(np.std(drawn), rel=0.2)
 
 
 def test_no_flutter_is_a_sentence_and_not_a_number():
@@ -472,6 +475,33 @@ def test_fusion_weighs_by_information_and_widens_where_runs_disagree():
     assert (np.diag(wide) > 10.0).all()
     assert compute_structure_spread([59.0, 61.0], 60.0) == pytest.approx(1.0)
     assert compute_structure_spread([], 60.0) == 0.0
+
+
+def test_a_prior_that_runs_share_counts_once():
+    """Fused posteriors are the posterior of all data; the last derivative is in no data."""
+    aircraft, rng = flex28(2), np.random.default_rng(3)
+    rows, columns = np.array([0, 1, 2]), np.array([0, 0, 2])
+    prior = DerivativePrior(
+        np.array([0.0, 0.5, 1.0]), np.array([0.0, 4.0, 25.0]), np.zeros(3, dtype=bool)
+    )
+    truth = np.array([2.0, 0.4, 1.1])
+    information, moment, parts = np.diag(prior.precision), prior.precision * prior.mean, []
+    for _ in range(5):
+        A = rng.normal(size=(30, 3)) * [1.0, 0.3, 0.0]
+        own, data = A.T @ A, A.T @ (A @ truth + rng.normal(size=30))
+        information, moment = information + own, moment + data
+        covariance = np.linalg.inv(own + np.diag(prior.precision))
+        values = aircraft.derivatives.values.copy()
+        values[rows, columns] = covariance @ (data + prior.precision * prior.mean)
+        table = replace(aircraft.derivatives, values=values)
+        uncertain = UncertainDerivatives(rows, columns, covariance)
+        parts.append(IdentifiedModes(replace(aircraft, derivatives=table), uncertain, None, prior))
+    fused = fuse_identified(parts, aircraft)
+    found = fused.aircraft.derivatives.values[rows, columns]
+    np.testing.assert_allclose(found, np.linalg.solve(information, moment), rtol=1e-9)
+    ratio = np.diag(fused.uncertain.covariance) / np.diag(np.linalg.inv(information))
+    assert 1.0 - 1e-9 < ratio[2] < 1.8, "the prior counts once, widened by Birge's ratio"
+    np.testing.assert_allclose(ratio, ratio[2], rtol=1e-9)
 
 
 def test_runs_of_different_structures_are_not_fused():

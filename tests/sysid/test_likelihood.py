@@ -52,7 +52,7 @@ def test_two_modes_are_found_near_flutter_in_few_iterations(make_case, ratio, of
 
 
 @pytest.mark.parametrize(("ratio", "seed"), [(1.0, 20), (1.02, 21), (1.02, 56)])
-def test_a_resonance_between_two_lines_does_not_stop_a_fit(make_case, ratio, seed):
+def test_a_resonance_between_two_frequencies_does_not_stop_a_fit(make_case, ratio, seed):
     case = make_case(2, airspeed_ratio=ratio)
     u, y = case.spectra(seed)
     z = add_noise(y, 0.02, np.random.default_rng(seed))
@@ -67,13 +67,13 @@ def test_a_model_gone_astray_has_no_states_at_the_edges_of_a_record(make_case):
     case = make_case(1)
     u, y = case.spectra(1)
     delays = np.linspace(0.0, 0.02, y.shape[1])
-    lines = replace(
+    data = replace(
         case.experiment(u, y), instruments=np.exp(-1j * np.outer(OMEGA, delays)), edges_s=(20.0,)
     )
     parameters = case.free()
     astray = parameters.start.copy()
     astray[parameters.names.index("Cm_q")] = 1e7
-    assert remove_leakage(lines, parameters, astray) is lines
+    assert remove_leakage(data, parameters, astray) is data
 
 
 def cut_short(case, seed: int, off: float = 0.3):
@@ -84,16 +84,16 @@ def cut_short(case, seed: int, off: float = 0.3):
     size = np.sqrt(np.mean(np.abs(y) ** 2)) / np.sqrt(np.mean(np.abs(E) ** 2))
     state = size * np.random.default_rng(seed).normal(size=E.shape[2])
     noisy = add_noise(y + E @ state, 0.02, np.random.default_rng(seed))
-    lines = replace(case.experiment(u, noisy), edges_s=(20.0,))
+    data = replace(case.experiment(u, noisy), edges_s=(20.0,))
     parameters = case.free(off=off)
-    return lines, parameters, maximize([lines], parameters)
+    return data, parameters, maximize([data], parameters)
 
 
 def test_the_history_is_that_of_all_fits_to_a_record_that_ends_in_motion(make_case):
-    lines, parameters, first = cut_short(make_case(1), 4)
+    data, parameters, first = cut_short(make_case(1), 4)
     reported: list[int] = []
     _, ended = correct_leakage(
-        [lines],
+        [data],
         parameters,
         first,
         FitSettings(),
@@ -113,12 +113,12 @@ def test_the_history_is_that_of_all_fits_to_a_record_that_ends_in_motion(make_ca
 
 
 def test_a_fit_can_be_cancelled_while_the_ends_of_the_record_are_corrected(make_case):
-    lines, parameters, first = cut_short(make_case(1), 4)
+    data, parameters, first = cut_short(make_case(1), 4)
 
     def cancel(iteration: int, cost: float) -> None:
         raise Cancelled("enough")
 
-    _, ended = correct_leakage([lines], parameters, first, FitSettings(), cancel)
+    _, ended = correct_leakage([data], parameters, first, FitSettings(), cancel)
     assert ended.outcome is Outcome.CANCELLED
     assert ended.steps[-1].iteration == first.steps[-1].iteration + 1
 
@@ -160,7 +160,7 @@ def test_values_that_no_instrument_or_structure_can_have_are_at_their_limit(make
     ]
 
 
-def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
+def test_cost_never_rises_and_noise_free_data_give_the_truth(make_case):
     case = make_case(2)
     u, y = case.spectra(5)
     estimate = maximize([case.experiment(u, y)], case.free(off=0.25))
@@ -169,7 +169,7 @@ def test_cost_never_rises_and_noise_free_lines_give_the_truth(make_case):
     assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-6)
 
 
-def test_full_density_with_few_lines_is_shrunk_and_agrees(make_case):
+def test_full_density_with_few_frequencies_is_shrunk_and_agrees(make_case):
     case = make_case(1)
     u, y = case.spectra(6)
     experiment = case.experiment(u, add_noise(y, 0.02, np.random.default_rng(6)))
@@ -180,10 +180,10 @@ def test_full_density_with_few_lines_is_shrunk_and_agrees(make_case):
     assert np.sqrt(np.mean(apart**2)) < 1.0
 
 
-@pytest.mark.parametrize("n_lines", [30, 45, 65, 150])
-def test_a_full_density_comes_to_rest_however_few_the_lines(make_case, n_lines):
+@pytest.mark.parametrize("n_frequencies", [30, 45, 65, 150])
+def test_a_full_density_comes_to_rest_however_few_the_frequencies(make_case, n_frequencies):
     case = make_case(1, n_outputs=8)
-    omega = np.linspace(OMEGA[0], OMEGA[-1], n_lines)
+    omega = np.linspace(OMEGA[0], OMEGA[-1], n_frequencies)
     for seed in range(5):
         u, y = case.spectra(seed, omega)
         z = add_noise(y, 0.03, np.random.default_rng(seed))
@@ -194,7 +194,7 @@ def test_a_full_density_comes_to_rest_however_few_the_lines(make_case, n_lines):
         assert len(found.steps) - 1 <= 15
 
 
-def test_a_full_density_bears_with_lines_without_noise(make_case):
+def test_a_full_density_bears_with_frequencies_without_noise(make_case):
     case = make_case(4)
     omega = np.linspace(OMEGA[0], OMEGA[-1], 250)
     u, y = case.spectra(5, omega)
@@ -317,11 +317,11 @@ def test_an_undamped_pole_at_a_frequency_is_reported(make_case):
     none = DerivativeTable.from_names(modes.numbers, model.inputs, {})
     with pytest.raises(BadInput, match="undamped pole"):
         model.response(none, omega)
-    lines = replace(case, model=model)
+    other = replace(case, model=model)
     u, z = np.ones((3, 5), dtype=complex), np.ones((3, 20), dtype=complex)
     parameters = select_parameters(none, ("Cm_q",), model.outputs)
     with pytest.raises(NotIdentifiable, match="no finite response"):
-        maximize([lines.experiment(u, z, omega)], parameters)
+        maximize([other.experiment(u, z, omega)], parameters)
 
 
 def test_requests_without_a_result_are_refused(make_case):
@@ -349,6 +349,6 @@ def test_requests_without_a_result_are_refused(make_case):
     with pytest.raises(BadInput, match="not finite"):
         case.experiment(u, broken)
     few = OMEGA[:1]
-    lines = make_case(1, n_outputs=4).experiment(u[:1], y[:1, :4], few)
+    data = make_case(1, n_outputs=4).experiment(u[:1], y[:1, :4], few)
     with pytest.raises(NotIdentifiable, match="27 parameters"):
-        maximize([lines], make_case(1, n_outputs=4).free())
+        maximize([data], make_case(1, n_outputs=4).free())

@@ -22,7 +22,7 @@ def point(airspeed: float) -> LoopPoint:
         roots=np.array([growth(airspeed) + 3.0j]),
         growth=growth(airspeed),
         growth_std=0.0,
-        margins=(Margins("bfs", 2.0, 1.0, 0.0, 1.0, 2.0, 0.5, 1.0),),
+        margins=(Margins(gain_up=2.0, phase=1.0, disk=0.5),),
         gain_std=nothing,
         phase_std=nothing,
         disk_std=nothing,

@@ -16,17 +16,13 @@ from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.closed_loop import (
     close_loop,
     compute_broken_loops,
-    compute_loop_margins,
-    estimate_margin_std,
+    compute_margins,
+    frequency_response,
 )
-from flexsid.sysid.stability.equivalent import (
-    compute_equivalent_modes,
-    compute_separation,
-    fit_in_vacuo_mode,
-)
+from flexsid.sysid.stability.equivalent import compute_equivalent_modes, fit_in_vacuo_mode
 from flexsid.sysid.stability.speeds import Aeroelastic
 
-BAND = (0.5, 150.0)
+OMEGA = np.geomspace(0.5, 150.0, 4000)
 
 
 def controller(gain: float, *surfaces: str) -> StateSpace:
@@ -49,6 +45,12 @@ def plant(make_case) -> StateSpace:
     return case.model.state_space(case.truth)
 
 
+def loop_gain(plant: StateSpace, law: StateSpace, omega: np.ndarray) -> np.ndarray:
+    driven = [plant.inputs.index(name) for name in law.outputs]
+    G = frequency_response(plant, omega)[:, [plant.outputs.index("q")]]
+    return frequency_response(law, omega) @ G[:, :, driven]
+
+
 def siso(plant: StateSpace) -> control.StateSpace:
     system = plant.to_control()
     return system[plant.outputs.index("q"), plant.inputs.index("wf3s")]
@@ -65,42 +67,23 @@ def test_closed_loop_poles_are_those_of_python_control(plant):
 @pytest.mark.parametrize("feedback", [0.4, -0.15])
 def test_margins_are_those_of_python_control(plant, feedback):
     law = controller(feedback, "wf3s")
-    (found,) = compute_loop_margins(plant, law, BAND)
+    found = compute_margins(compute_broken_loops(loop_gain(plant, law, OMEGA))[:, 0])
     with np.errstate(invalid="ignore"):  # python-control compares where it found nothing
-        gain, phase, _, gain_at, phase_at, _ = control.stability_margins(
-            -law.to_control() * siso(plant)
-        )
-    if np.isfinite(gain):  # python-control returns the one nearest to 1, in either direction
-        nearest = min(found.gain_up, 1.0 / max(found.gain_down, 1e-9))
-        assert nearest == pytest.approx(max(gain, 1.0 / gain), rel=1e-3)
-        if gain > 1.0:
-            assert found.gain_up_at == pytest.approx(gain_at, rel=1e-3)
+        gain, phase, *_ = control.stability_margins(-law.to_control() * siso(plant))
+    if np.isfinite(gain) and gain > 1.0:  # python-control returns the nearest in either direction
+        assert found.gain_up == pytest.approx(gain, rel=1e-3)
     if np.isfinite(phase):
         assert found.phase == pytest.approx(np.deg2rad(abs(phase)), rel=1e-3)
-        assert found.phase_at == pytest.approx(phase_at, rel=1e-3)
     assert 0.0 < found.disk < 2.0
 
 
 def test_a_loop_broken_at_one_surface_leaves_the_others_closed(plant):
     law = controller(0.2, "wf3s", "wf4s")
     omega = np.array([2.0, 15.0, 60.0])
-    both = compute_broken_loops(plant, law, omega)
-    one = controller(0.2, "wf4s")
-    inner = close_loop(plant, one)
-    lone = compute_broken_loops(inner, controller(0.2, "wf3s"), omega)
+    both = compute_broken_loops(loop_gain(plant, law, omega))
+    inner = close_loop(plant, controller(0.2, "wf4s"))
+    lone = compute_broken_loops(loop_gain(inner, controller(0.2, "wf3s"), omega))
     assert np.allclose(both[:, 0], lone[:, 0], rtol=1e-8)
-
-
-def test_uncertain_plants_spread_the_margins(make_case):
-    case = make_case(2)
-    rng = np.random.default_rng(0)
-    plants = []
-    for _ in range(12):
-        values = case.truth.values * (1.0 + 0.02 * rng.normal(size=case.truth.values.shape))
-        plants.append(case.model.state_space(replace(case.truth, values=values)))
-    disk, phase = estimate_margin_std(plants, controller(0.4, "wf3s"), BAND)["wf3s"]
-    assert 0.0 < disk < 0.2
-    assert phase >= 0.0
 
 
 def test_a_controller_of_another_aircraft_is_refused(plant):
@@ -148,9 +131,3 @@ def test_lines_over_dynamic_pressure_return_the_structure_and_its_derivatives():
         fit_in_vacuo_mode(points[0][:2], truth.area, truth.chord, 1.0)
     with pytest.raises(NotIdentifiable, match="one condition"):
         fit_in_vacuo_mode([points[0][0]] * 3, truth.area, truth.chord, 1.0)
-
-
-def test_separation_is_the_lowest_elastic_over_the_rigid_frequency():
-    assert compute_separation([24.0, 65.0], 10.0) == pytest.approx(2.4)
-    with pytest.raises(BadInput, match="oscillates"):
-        compute_separation([24.0], 0.0)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.catalogue import CATALOGUE, design_flight_test_aid
+from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.multisine import Multisine, assign_harmonics, design_multisine
 from flexsid.sysid.excitation.peak_factor import lower_peak, relative_peak_factor, schroeder_phases
 
@@ -17,14 +17,9 @@ PEAKS = {"bfs": 1.0, "wf1s": 0.95, "wf2s": 0.90, "wf3s": 0.85, "wf4s": 0.80}
 
 
 def design(number: int) -> Multisine:
-    return design_flight_test_aid(
-        number,
-        order=ORDER,
-        relative_peaks=PEAKS,
-        peak=np.radians(2.0),
-        period_s=24.0,
-        first_harmonic=6,
-    )
+    assigned = assign_harmonics(ORDER, CATALOGUE[number].harmonics_per_input, 6)
+    peaks = {name: float(np.radians(2.0)) * relative for name, relative in PEAKS.items()}
+    return design_multisine({name: assigned[name] for name in peaks}, 24.0, peaks)
 
 
 def test_harmonics_are_dealt_in_turn():
@@ -77,7 +72,7 @@ def test_design_is_orthogonal_gentle_and_of_the_size_asked(number: int):
 def test_any_layout_is_orthogonal_over_its_period(
     per_input: int, first: int, n_inputs: int, rate: int
 ):
-    names = tuple(f"u{place}" for place in range(n_inputs))
+    names = tuple(f"u{index}" for index in range(n_inputs))
     harmonics = assign_harmonics(names, per_input, first)
     multisine = design_multisine(harmonics, 10.0, dict.fromkeys(names, 1.0))
     samples = multisine.sample(np.arange(10 * rate) / rate)
@@ -94,7 +89,7 @@ def test_running_integral_starts_at_its_mean(number: int):
     assert np.abs(integral.mean(axis=0)).max() < 0.02 * np.ptp(integral, axis=0).max()
 
 
-def test_every_input_excites_its_own_lines_only():
+def test_every_input_excites_its_own_harmonics_only():
     multisine = design(503)
     spectrum = np.abs(np.fft.rfft(multisine.sample(np.arange(4800) / 200.0), axis=0)) / 2400.0
     for column, (name, own) in enumerate(multisine.harmonics().items()):

@@ -21,7 +21,7 @@ def test_inputs_with_one_band_interleave():
         assert np.diff(own).max() <= 7
 
 
-def test_half_of_the_lines_gather_about_targets():
+def test_half_of_the_harmonics_gather_about_targets():
     band = Band(low_hz=0.5, high_hz=15.0, count=60, targets_hz=(3.0, 9.0))
     hz = assign_harmonics_to_bands({"a": band}, 60.0)["a"] / 60.0
     near = (np.abs(hz - 3.0) < 0.3) | (np.abs(hz - 9.0) < 0.9)

@@ -28,10 +28,10 @@ def motion(n: int = 4000, noise: float = 0.02, seed: int = 0) -> np.ndarray:
     """A trim, then many sines up to 12 Hz, then decay."""
     rng = np.random.default_rng(seed)
     time = np.arange(n) / RATE
-    lines = np.arange(10, 240, 5) / 20.0
-    x = np.sin(2.0 * np.pi * np.outer(time, lines) + rng.uniform(0, 6, lines.size)).sum(axis=1)
+    hertz = np.arange(10, 240, 5) / 20.0
+    x = np.sin(2.0 * np.pi * np.outer(time, hertz) + rng.uniform(0, 6, hertz.size)).sum(axis=1)
     on = (time > 2.0) & (time < 18.0)
-    return np.where(on, x, 0.0) / np.sqrt(lines.size) + noise * rng.standard_normal(n)
+    return np.where(on, x, 0.0) / np.sqrt(hertz.size) + noise * rng.standard_normal(n)
 
 
 def kinds(samples: np.ndarray) -> dict[SampleDefect, list[tuple[int, int]]]:
@@ -86,13 +86,13 @@ def test_repair_refuses_to_invent_motion():
 def test_resampling_undoes_filter_and_delay_without_shifting_samples():
     fast = 1000.0
     time = np.arange(round(20 * fast)) / fast
-    lines = np.arange(5, 120, 3) / 10.0
+    hertz = np.arange(5, 120, 3) / 10.0
     rng = np.random.default_rng(4)
-    phase = rng.uniform(0, 6, lines.size)
+    phase = rng.uniform(0, 6, hertz.size)
 
     def true(at: np.ndarray) -> np.ndarray:
         window = np.exp(-(((at - 10.0) / 4.0) ** 4))
-        return window * np.sin(2 * np.pi * np.outer(at, lines) + phase).sum(axis=1) + 0.3 * at
+        return window * np.sin(2 * np.pi * np.outer(at, hertz) + phase).sum(axis=1) + 0.3 * at
 
     instrument = Instrument(
         elements=(Butterworth(order=6, corner=2 * np.pi * 40.0),), delay_s=0.0073

@@ -48,15 +48,19 @@ def test_normal_matrix_equals_the_explicit_one(line_model, kind):
     response = model.respond(theta)
     sensitivity = model.sensitivity(theta, response)
     nu = model.experiment.measured - response.outputs
-    n_lines, n_y = nu.shape
+    n_frequencies, n_y = nu.shape
     rng = np.random.default_rng(3)
     if kind == "diagonal":
-        weights = rng.uniform(0.5, 2.0, size=(n_lines, n_y))
+        weights = rng.uniform(0.5, 2.0, size=(n_frequencies, n_y))
         matrices = weights[:, :, None] * np.eye(n_y)
     else:
-        half = rng.normal(size=(n_lines, n_y, n_y)) + 1j * rng.normal(size=(n_lines, n_y, n_y))
+        half = rng.normal(size=(n_frequencies, n_y, n_y)) + 1j * rng.normal(
+            size=(n_frequencies, n_y, n_y)
+        )
         weights = matrices = half @ half.conj().transpose(0, 2, 1) + np.eye(n_y)
-    N, g = NormalForm(model).equations(sensitivity, nu, SpectralMatrix(weights, np.arange(n_lines)))
+    N, g = NormalForm(model).equations(
+        sensitivity, nu, SpectralMatrix(weights, np.arange(n_frequencies))
+    )
     J = model.jacobian(sensitivity)
     N_explicit = np.real(np.einsum("kyi,kyx,kxj->ij", J.conj(), matrices, J))
     g_explicit = np.real(np.einsum("kyi,kyx,kx->i", J.conj(), matrices, nu))
@@ -81,8 +85,8 @@ def test_gradients_of_single_outputs_add_up(line_model):
 def test_how_a_full_density_follows_equals_differences(line_model):
     model, theta = line_model
     response = model.respond(theta)
-    n_lines = model.experiment.omega.size
-    measured, group = model.experiment.measured, (np.arange(n_lines) >= 20).astype(int)
+    n_frequencies = model.experiment.omega.size
+    measured, group = model.experiment.measured, (np.arange(n_frequencies) >= 20).astype(int)
 
     def density(at: np.ndarray) -> list[np.ndarray]:
         nu = measured - model.respond(at).outputs

@@ -16,9 +16,8 @@ from flexsid.demo.truth_flight import RATE_HZ, fly_truth
 from flexsid.records.aircraft import SensorKind
 from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.simulation import sensors as feel
-from flexsid.sysid.simulation.actuators import Actuator
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
-from flexsid.sysid.simulation.closed_loop import simulate_closed_loop
+from flexsid.sysid.simulation.closed_loop import Actuator, simulate_closed_loop
 from flexsid.sysid.simulation.recording import apply_instruments
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "data" / "flex28" / "records"

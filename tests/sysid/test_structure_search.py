@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import OMEGA, Case, add_noise
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, Cancelled
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
@@ -25,10 +25,15 @@ from flexsid.sysid.structure_determination.likelihood import (
     compute_likelihood_evidence,
     select_candidates,
 )
-from flexsid.sysid.structure_determination.search import search_equations
-from flexsid.sysid.structure_determination.selection import Thresholds
-from flexsid.sysid.structure_determination.stability import compute_selection_frequency
-from flexsid.sysid.structure_determination.stepwise import select_stepwise
+from flexsid.sysid.structure_determination.search import (
+    StructureSelection,
+    search_equations,
+    select_stepwise,
+)
+from flexsid.sysid.structure_determination.selection import (
+    Thresholds,
+    compute_selection_frequency,
+)
 from flexsid.sysid.structure_determination.validation import cross_validate
 
 ABSENT = (
@@ -60,20 +65,26 @@ def exact(n_omega: int, p: int) -> ErrorsInVariables:
     )
 
 
+def find_absent(found: StructureSelection) -> list[str]:
+    """Candidates that were not selected."""
+    terms = (term for one in found.coefficients.values() for term in one.terms)
+    return sorted(term.name for term in terms if not term.selected)
+
+
 @pytest.mark.parametrize("method", ["stepwise", "orthogonal functions"])
 def test_the_true_structure_is_found_seed_by_seed(make_case, method):
     case = without(make_case(2), ABSENT)
     for seed in range(8):
         found = search_equations([evidence(case, seed)], method)
-        assert sorted(found.absent) == sorted(ABSENT), seed
+        assert find_absent(found) == sorted(ABSENT), seed
 
 
 def test_many_maneuvers_support_together_what_none_supports_alone(make_case):
     case = without(make_case(2), ABSENT)
     weak = [evidence(case, seed, share=0.4) for seed in range(16)]
-    alone = [len(set(search_equations([one]).absent) - set(ABSENT)) for one in weak]
+    alone = [len(set(find_absent(search_equations([one]))) - set(ABSENT)) for one in weak]
     together = search_equations(weak)
-    lost = set(together.absent) - set(ABSENT)
+    lost = set(find_absent(together)) - set(ABSENT)
     assert len(lost) < 0.8 * np.mean(alone)
     assert not set(together.selected) & set(ABSENT)
 
@@ -84,7 +95,7 @@ def test_drift_of_one_term_over_the_envelope_is_not_taken_for_another(make_case)
         evidence(without(base, ABSENT, scale), seed)
         for seed, scale in enumerate(np.linspace(0.7, 1.3, 12))
     ]
-    assert sorted(search_equations(maneuvers).absent) == sorted(ABSENT)
+    assert find_absent(search_equations(maneuvers)) == sorted(ABSENT)
 
 
 def test_the_path_reports_each_step_and_its_criteria(make_case):
@@ -130,7 +141,7 @@ def test_one_of_two_identical_terms_is_selected():
     assert not {"CZ_c", "CZ_still"} & set(found.selected)
 
 
-def test_more_candidates_than_lines_still_end_in_a_choice():
+def test_more_candidates_than_frequencies_still_end_in_a_choice():
     rng = np.random.default_rng(6)
     X = rng.normal(size=(10, 30)) + 1j * rng.normal(size=(10, 30))
     z = 5.0 * X[:, 3] + 0.01 * (rng.normal(size=10) + 1j * rng.normal(size=10))
@@ -140,12 +151,14 @@ def test_more_candidates_than_lines_still_end_in_a_choice():
     assert len(found.selected) < 20
 
 
-def test_resampled_lines_choose_strong_terms_always_and_absent_ones_hardly(make_case):
+def test_resampled_frequencies_choose_strong_terms_always_and_absent_ones_hardly(make_case):
     case = without(make_case(1), ("CZ_etadot7", "CZ_wf2s"))
     row = [evidence(case, 7)["CZ"]]
     often = dict(
         zip(
-            row[0].names, compute_selection_frequency(row, select_stepwise, n_draws=20), strict=True
+            row[0].names,
+            compute_selection_frequency(row, select_stepwise, n_resamplings=20),
+            strict=True,
         )
     )
     assert often["CZ_alpha"] == often["CZ_wf1s"] == 1.0
@@ -190,6 +203,19 @@ def test_terms_missing_at_the_start_come_in_by_their_score(make_case):
     assert set(candidates.names) - set(found.best.selected) == {"CZ_etadot7", "Cm_bfs"}
     assert found.candidates[0].selected == tuple(begin)
     assert "entered by the score" in found.candidates[1].why
+
+
+def test_a_search_is_cancelled_within_a_fit(make_case):
+    case, seen = make_case(1), []
+
+    def cancel_fit(fitted: int, message: str) -> None:
+        seen.append(message)
+        if message.endswith("iteration 2"):
+            raise Cancelled("cancelled")
+
+    with pytest.raises(Cancelled):
+        search_candidates([output_error_of(case, 0)], case.free(off=0.2), report=cancel_fit)
+    assert len(seen) == 3  # before the fit, and two of its iterations
 
 
 def test_the_predicted_change_agrees_with_the_refit(make_case):

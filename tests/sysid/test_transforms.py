@@ -32,7 +32,7 @@ def test_end_correction_integrates_records_that_do_not_repeat():
 
 
 @pytest.mark.parametrize("hz", [0.0, 1e-6, 0.3, 11.0, 49.0])
-def test_end_correction_is_exact_for_polynomials_at_every_line(hz: float):
+def test_end_correction_is_exact_for_polynomials_at_every_frequency(hz: float):
     t = np.arange(41) / 100.0
     omega = 2 * np.pi * hz
     samples = (1.0 - 4.0 * t + 2.0 * t**2 + 60.0 * t**5)[:, None]
@@ -49,11 +49,11 @@ def test_a_straight_line_is_integrated_exactly_at_rest():
     assert area == pytest.approx(30.0 + 0.25 * 100.0)
 
 
-@pytest.mark.parametrize("n_lines", [100, 400, 2000])
-def test_dense_even_lines_agree_with_the_sum_itself(n_lines: int):
+@pytest.mark.parametrize("n_frequencies", [100, 400, 2000])
+def test_dense_even_frequencies_agree_with_the_sum_itself(n_frequencies: int):
     rng = np.random.default_rng(2)
     samples = rng.standard_normal((700, 3))
-    omega = 2 * np.pi * np.linspace(0.37, 41.3, n_lines)
+    omega = 2 * np.pi * np.linspace(0.37, 41.3, n_frequencies)
     kernel = np.exp(-1j * np.outer(omega, 2.0 + np.arange(700) / 100.0)) / 100.0
     found = finite_fourier_transform(samples, 100.0, omega, start_s=2.0)
     np.testing.assert_allclose(found, kernel @ samples, atol=1e-11)

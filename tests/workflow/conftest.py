@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.modal_table import ModalKind, ModalTable
-from flexsid.records.prediction import DerivativePrediction
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
+from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -40,12 +39,15 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
         block: str = "OE",
         residualized: dict[str, float] | None = None,
         quality: tuple[OutputQuality, ...] = (),
+        modal_std: dict[str, float] | None = None,
         **changes: Any,
     ) -> EstimationRun:
         variances = [0.0 if sigma is None else sigma**2 for _, sigma in estimates.values()]
         result = RunResult(
             parameters=tuple(
-                ParameterEstimate(name=name, value=value, std_error=sigma)
+                ParameterEstimate(
+                    name=name, value=value, std_error=sigma, modal_std=(modal_std or {}).get(name)
+                )
                 for name, (value, sigma) in estimates.items()
             ),
             covariance=store.arrays.put(np.diag(variances)),

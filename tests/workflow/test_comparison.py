@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.comparison import AgreementCount
-from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import Method
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 
@@ -38,6 +38,21 @@ def test_runs_are_judged_in_combined_standard_errors(store, add_result, predicti
     assert agreed.consistent is True
     assert apart.max_difference_sigma == pytest.approx(1.0 / (0.1 * 2**0.5))
     assert apart.consistent is False
+
+
+def test_errors_of_the_modal_table_are_shared_by_runs(store, add_result, wind_tunnel):
+    own, shared = 0.03, 0.4
+    std_error = float(np.hypot(own, shared))
+    runs = [
+        add_result({"Cm_alpha": (value, std_error)}, method=method, modal_std={"Cm_alpha": shared})
+        for value, method in ((-1.0, Method.OE), (-1.1, Method.EE))
+    ]
+    found = row(compare(store, [run.id for run in runs], [wind_tunnel.id]), "Cm_alpha")
+    assert found.max_difference_sigma == pytest.approx(0.1 / (own * 2**0.5))
+    assert found.consistent is False
+    predicted = found.values[2]
+    assert predicted is not None, "a prediction does not share them"
+    assert predicted.difference_sigma == pytest.approx(2.0 / np.hypot(std_error, 0.1))
 
 
 @pytest.fixture

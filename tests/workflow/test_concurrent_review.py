@@ -9,6 +9,7 @@ from typing import Any
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.decision import StructureProposal, StructureReference
 from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.storage.event_chain import is_chain_intact
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import (
     StaleEdit,
@@ -16,7 +17,6 @@ from flexsid.workflow.model_structures.model_structures import (
     edit_structure,
 )
 from flexsid.workflow.review import decision_review
-from flexsid.workflow.review.evidence import is_chain_intact
 
 MANY = 6
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexsid.records.decision import LimitedQuantity, Limits
-from flexsid.workflow.model_structures.condition_ranges import (
+from flexsid.workflow.model_structures.baselines import (
     is_covered,
     is_in_range,
     is_overlapping,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files, import_maneuver
 
 from flexsid import units
 from flexsid.demo.aircraft import describe_aircraft
@@ -15,9 +16,8 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import import_files, import_maneuver, read_upload
-from flexsid.workflow.importing.persistence import compute_largest_correlation
-from flexsid.workflow.importing.unconfirmed_values import find_guesses
+from flexsid.workflow.importing.flight_import import compute_largest_correlation, read_upload
+from flexsid.workflow.importing.parsed_files import find_guesses
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "../shared/data/flex28/records"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import sqlalchemy as sa
 
-from flexsid.records.conditioning import ConditioningStep, Correction, StepKind
+from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun
 from flexsid.storage import queue
 from flexsid.storage.arrays import DamagedData
@@ -97,8 +97,9 @@ def test_run_uses_data_corrected_before_computation(flown: Store) -> None:
         data_hash="of what was asked for",
         input_hash="of it with other data",
     )
-    run = queue.claim(flown, queue.add(flown, asked).id)
-    assert run is not None
+    claimed = queue.claim(flown, queue.add(flown, asked).id)
+    assert claimed is not None
+    run = flown.runs.get(claimed.id or 0)
     assert run.id is not None
     computed = estimation.compute_run(estimation.prepare(flown, run), lambda progress: None)
     done = estimation.store_result(flown, run.id, run.attempt, computed)

@@ -13,20 +13,24 @@ from flexsid.errors import BadInput
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.clock import Clock
 from flexsid.importers.source import SourceFile
-from flexsid.records.aircraft import Aircraft, Combination, Sensor, SensorKind, Surface
-from flexsid.records.axes import find_axis_in_name, get_symmetry
-from flexsid.records.comparison import Against
-from flexsid.records.flight import FlightChannel
-from flexsid.records.maneuver import Role
+from flexsid.records.aircraft import (
+    Aircraft,
+    Combination,
+    Sensor,
+    SensorKind,
+    Surface,
+    find_axis_in_name,
+    get_symmetry,
+)
+from flexsid.records.maneuver import FlightChannel, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.aircraft.longitudinal import AxisNotSupported
-from flexsid.workflow.comparison.trends import fit_derivative_trend
-from flexsid.workflow.importing.persistence import check_axes
+from flexsid.workflow.aircraft.axes import AxisNotSupported
+from flexsid.workflow.importing.flight_import import check_axes
+from flexsid.workflow.measurements.measured_axis import determine_axis
 from flexsid.workflow.measurements.reconstruction import reconstruct
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
-from flexsid.workflow.measurements.symmetric_motion import determine_axis
 from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.estimation import prepare
 
@@ -51,16 +55,14 @@ def _with(flown: Store, change: Callable[[Aircraft], Aircraft]) -> None:
 
 
 @pytest.mark.parametrize("method", list(Method))
-def test_lateral_maneuver_is_refused_by_every_method(flown: Store, method: Method) -> None:
+def test_longitudinal_model_of_a_lateral_maneuver_is_refused(flown: Store, method: Method) -> None:
     flown.maneuvers.replace(replace(flown.maneuvers.get(1), axis="lateral"))
     with pytest.raises(AxisNotSupported, match="maneuver 1 'flown' is lateral") as refused:
         prepare(flown, _run(method=method))
     assert refused.value.code == "axis-not-supported"
     assert refused.value.context == {"maneuver_id": 1, "axis": "lateral"}
-    with pytest.raises(AxisNotSupported):
+    with pytest.raises(BadInput, match="no recorded input"):  # its surfaces are symmetric
         reconstruct(flown, 1)
-    with pytest.raises(AxisNotSupported):
-        fit_derivative_trend(flown, [1], "Cm_alpha", Against.FUEL)
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import import_files
 
 MAPPING = """
 [aircraft]

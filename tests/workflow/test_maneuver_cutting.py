@@ -11,18 +11,16 @@ from flexsid.demo.campaign import add_aircraft
 from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, fly
 from flexsid.demo.whole_flight import PAUSE_S, add_recording, record_flight
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.cutting import Cut
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Role
+from flexsid.records.maneuver import Cut, Flight, Role
 from flexsid.storage.store import Store
-from flexsid.workflow import views
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
 from flexsid.workflow.importing.maneuver_cutting import (
     cut_maneuver,
     find_maneuvers,
     read_flight_history,
 )
-from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
+from flexsid.workflow.measurements.maneuver_spectra import read_measurement
+from flexsid.workflow.views.channels import read_traces
 
 START_S = 1000.0
 
@@ -50,10 +48,11 @@ def test_maneuvers_are_found_with_trim_and_harmonics_and_cut(
 ):
     found = find_maneuvers(store, flight_id)
     assert [one.basis for one in found] == ["recorded excitation"] * 2
-    length = flown[0].duration_s
-    for place, (one, was) in enumerate(zip(found, flown, strict=True)):
-        begins = START_S + PAUSE_S + place * (length + PAUSE_S)
+    length = flown[0].maneuver.duration_s
+    for index, (one, was) in enumerate(zip(found, [one.maneuver for one in flown], strict=True)):
+        begins = START_S + PAUSE_S + index * (length + PAUSE_S)
         assert one.excitation is not None
+        assert was.excitation is not None
         assert one.excitation.harmonics == was.excitation.harmonics
         assert one.excitation.period_s == pytest.approx(was.excitation.period_s)
         assert one.excitation.start_s == pytest.approx(begins + TRIM_S, abs=0.01)
@@ -66,17 +65,18 @@ def test_maneuvers_are_found_with_trim_and_harmonics_and_cut(
     stored = cut_maneuver(store, flight_id, cut)
     assert stored.id is not None
     assert stored.excitation == first.excitation
-    assert stored.condition.airspeed_m_s == pytest.approx(flown[0].condition.airspeed_m_s, rel=1e-3)
-    assert stored.condition.mass_kg == pytest.approx(flown[0].condition.mass_kg, rel=1e-3)
+    known = flown[0].maneuver.condition
+    assert stored.condition.airspeed_m_s == pytest.approx(known.airspeed_m_s, rel=1e-3)
+    assert stored.condition.mass_kg == pytest.approx(known.mass_kg, rel=1e-3)
     assert stored.airspeed_ratio == pytest.approx(0.65, abs=0.002)
     aircraft = store.aircraft.get(stored.aircraft_id)
-    lines = read_measured_spectra(
+    spectra = read_measurement(
         store, stored, aircraft, tuple(flown[0].truth.inputs), define_outputs(aircraft, ["q"])
-    )
-    assert lines.commands is not None
-    responses = lines.responses()
+    ).transform()
+    assert spectra.commands is not None
+    responses = spectra.responses()
     assert np.all(np.isfinite(responses["bfs"].values))
-    (trace,) = views.read_channels(store, stored, ["az_egi"])
+    (trace,) = read_traces(store, stored, ["az_egi"])
     original = next(c for c in flown[0].channels if c.name == "az_egi")
     assert np.array_equal((trace.values / 9.80665).astype(np.float32), original.samples)
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.figures.plot_matrix import plot_matrix as draw_plot_matrix
-from flexsid.figures.spectrum import spectrum as draw_spectrum
-from flexsid.figures.time_history import time_history as draw_time_history
+from flexsid.figures.plot_matrix import draw_plot_matrix
+from flexsid.figures.spectrum import draw_spectrum
+from flexsid.figures.time_history import draw_time_history
 from flexsid.records.aircraft import Combination
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
-from flexsid.workflow import views
+from flexsid.workflow.views.maneuver import compute_spectrum, read_time_history
+from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
 RATE_HZ = 100.0
 TRIM_S = 2.0
@@ -62,7 +63,7 @@ def flown(store, aircraft, add_maneuver) -> Maneuver:
 
 
 def test_channels_are_in_si_on_the_clock_of_the_recorder(store, flown):
-    value = views.time_history(store, flown.id, ("wf1s", "az_ofl"), 101.0, 103.0)
+    value = read_time_history(store, flown.id, ("wf1s", "az_ofl"), 101.0, 103.0)
     surface, accelerometer = value.traces
     assert surface.unit == "rad"
     assert surface.time_s[0] == pytest.approx(101.0)
@@ -73,25 +74,25 @@ def test_channels_are_in_si_on_the_clock_of_the_recorder(store, flown):
 
 
 def test_symmetric_combinations_are_channels_too(store, flown):
-    (trace,) = views.time_history(store, flown.id, ("az_ofs",)).traces
+    (trace,) = read_time_history(store, flown.id, ("az_ofs",)).traces
     assert trace.unit == "m/s2"
     assert np.ptp(trace.values) == pytest.approx(2 * 2.0 * 9.80665, rel=1e-2)
 
 
 def test_inputs_are_the_default_channels(store, flown):
-    names = [trace.name for trace in views.time_history(store, flown.id).traces]
+    names = [trace.name for trace in read_time_history(store, flown.id).traces]
     assert names == ["bfs", "wf1s", "wf4s"], "in the order of the recorder"
 
 
 def test_only_the_excitation_decides_correlation(store, flown):
-    value = views.plot_matrix(store, flown.id, ("wf1s", "wf4s", "az_ofs"))
+    value = compute_plot_matrix(store, flown.id, ("wf1s", "wf4s", "az_ofs"))
     assert value.samples.shape == (500, 3), "on the slowest clock, without trim"
     assert value.correlation[0, 1] == pytest.approx(0.5**0.5, rel=1e-6)
     assert value.correlation[0, 2] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_spectrum_is_at_the_assigned_harmonics(store, flown):
-    value = views.spectrum(store, flown.id, ("wf1s", "wf4s"))
+    value = compute_spectrum(store, flown.id, ("wf1s", "wf4s"))
     assert value.frequency_hz == pytest.approx([0.3, 0.5])
     assert value.assigned_inputs == ("wf1s", "wf4s")
     amplitude = np.deg2rad(1.0) * PERIOD_S / 2  # |transform| of a unit sine over its record
@@ -100,22 +101,22 @@ def test_spectrum_is_at_the_assigned_harmonics(store, flown):
 
 def test_frequencies_above_nyquist_are_nan(store, add_maneuver):
     fast = add_maneuver(excitation=Excitation(period_s=1.0, harmonics={"bfs": (2, 150)}))
-    value = views.spectrum(store, fast.id, ("q",))
+    value = compute_spectrum(store, fast.id, ("q",))
     assert np.isfinite(value.magnitude[0, 0])
     assert np.isnan(value.magnitude[1, 0])
 
 
 def test_error_of_a_wrong_request_lists_the_options(store, flown):
     with pytest.raises(BadInput, match="it has bfs, q, wf1s, wf4s, az_ofl, az_ofr, az_ofs"):
-        views.time_history(store, flown.id, ("beta",))
+        read_time_history(store, flown.id, ("beta",))
     with pytest.raises(BadInput, match="start must come first"):
-        views.time_history(store, flown.id, (), 5.0, 5.0)
+        read_time_history(store, flown.id, (), 5.0, 5.0)
     with pytest.raises(BadInput, match="select 10 to"):
-        views.time_history(store, flown.id, points=1)
+        read_time_history(store, flown.id, points=1)
 
 
 def test_unknown_excitation_has_no_assigned_inputs(store, add_maneuver):
-    value = views.spectrum(store, add_maneuver(excitation=None).id)
+    value = compute_spectrum(store, add_maneuver(excitation=None).id)
     assert set(value.assigned_inputs) == {""}
     assert value.frequency_hz[0] == pytest.approx(2.0)
     assert value.frequency_hz[-1] <= 80.0
@@ -123,6 +124,6 @@ def test_unknown_excitation_has_no_assigned_inputs(store, add_maneuver):
 
 def test_views_can_be_drawn(store, flown):
     names = ("wf1s", "wf4s", "az_ofs")
-    draw_time_history(views.time_history(store, flown.id, names))
-    draw_plot_matrix(views.plot_matrix(store, flown.id, names))
-    draw_spectrum(views.spectrum(store, flown.id, names))
+    draw_time_history(read_time_history(store, flown.id, names))
+    draw_plot_matrix(compute_plot_matrix(store, flown.id, names))
+    draw_spectrum(compute_spectrum(store, flown.id, names))

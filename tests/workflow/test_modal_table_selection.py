@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.records.modal_table import ModalKind
+from flexsid.records.modal_data import ModalKind
 from flexsid.storage.store import Store
-from flexsid.workflow.modal_data.aligned_modes import ASSUMED_DAMPING, find_modal_tables, load_modes
-from flexsid.workflow.modal_data.tracked_modes import interpolate_damping, open_modes
+from flexsid.workflow.modal_data.modal_tables import (
+    ASSUMED_DAMPING,
+    find_modal_tables,
+    interpolate_damping,
+    load_modes,
+    open_modes,
+)
 from flexsid.workflow.views.model_order import OrderQuery, study_model_order
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])

@@ -7,22 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from quality_assessment import assess_quality
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.records.conditioning import Correction, StepKind
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.maneuver import Correction, Flight, Maneuver, Role, StepKind
 from flexsid.records.quality import QualityVerdict
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow import views
 from flexsid.workflow.measurements.conditioning import add_conditioning_steps, undo_step
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.quality.maneuver_quality import get_maneuver_quality
+from flexsid.workflow.quality.maneuver_quality import find_maneuver_quality
+from flexsid.workflow.views.channels import read_traces
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 
@@ -65,11 +64,11 @@ def front_spectrum(store: Store, maneuver: Maneuver) -> FrequencyData:
 
 def test_sound_maneuver_is_good_and_assessed_once(store: Store, save_maneuver):
     maneuver = save_maneuver(lambda name, x, rate_hz: x)
-    first = get_maneuver_quality(store, maneuver.id)
+    first = assess_quality(store, maneuver.id)
     assert first.verdict is QualityVerdict.GOOD
     assert "dB above noise" in first.summary
     assert first.figures.n_stretches == 0
-    assert get_maneuver_quality(store, maneuver.id) == first
+    assert find_maneuver_quality(store, maneuver.id) == first
     condition = first.report.condition
     assert condition.time_invariant
     assert condition.separation_factor == pytest.approx(2.1, abs=0.3)
@@ -85,7 +84,7 @@ def test_fault_of_one_sensor_causes_no_skews_of_others(store: Store, save_maneuv
             x[round(15.0 * rate_hz)] += 2.5
         return late(x, rate_hz, 0.009) if name == "az_mar" else x
 
-    found = get_maneuver_quality(store, save_maneuver(spoil).id)
+    found = assess_quality(store, save_maneuver(spoil).id)
     skewed = {f.channel for f in found.report.warnings if f.about == "skew"}
     assert skewed == {"az_mar"}
     channels = {c.name: c for c in found.report.channels}
@@ -106,7 +105,7 @@ def test_skews_scale_factors_and_biases_are_recovered(store: Store, save_maneuve
         return scale * late(x, rate_hz, delays[name]) + bias
 
     maneuver = save_maneuver(spoil)
-    found = get_maneuver_quality(store, maneuver.id)
+    found = assess_quality(store, maneuver.id)
     assert found.verdict is QualityVerdict.QUESTIONABLE
     channels = {c.name: c for c in found.report.channels}
     reference = found.report.skew_reference
@@ -151,12 +150,12 @@ def test_skews_scale_factors_and_biases_are_recovered(store: Store, save_maneuve
         ],
         author="Eva",
     )
-    corrected = get_maneuver_quality(store, maneuver.id)
+    corrected = assess_quality(store, maneuver.id)
     assert corrected.verdict is QualityVerdict.GOOD, corrected.summary
     after = front_spectrum(store, maneuver)
     turned = np.exp(1j * after.omega * (channels["az_ofr"].delay_s or 0.0))[:, None]
     assert np.allclose(after.values, before.values * turned)
-    (trace,) = views.read_channels(store, maneuver, ["alpha"])
+    (trace,) = read_traces(store, maneuver, ["alpha"])
     assert np.abs(trace.values[:200].mean() - maneuver.condition.alpha_rad) < 0.01
 
     for step in steps:
@@ -171,14 +170,14 @@ def test_skews_scale_factors_and_biases_are_recovered(store: Store, save_maneuve
 @pytest.mark.parametrize("sensor", ["q", "az_ofl", "theta"])
 def test_wrong_sign_is_detected_and_corrected(store: Store, save_maneuver, sensor: str):
     maneuver = save_maneuver(lambda name, x, rate_hz: -x if name == sensor else x)
-    found = get_maneuver_quality(store, maneuver.id)
+    found = assess_quality(store, maneuver.id)
     assert found.verdict is QualityVerdict.BAD
     (warning,) = [f for f in found.report.warnings if f.about == "sign"]
     assert warning.channel == sensor
     add_conditioning_steps(
         store, maneuver.id, [Correction(channel=sensor, kind=StepKind.CALIBRATION, scale=-1.0)]
     )
-    assert get_maneuver_quality(store, maneuver.id).verdict is QualityVerdict.GOOD
+    assert assess_quality(store, maneuver.id).verdict is QualityVerdict.GOOD
 
 
 def test_spikes_dropouts_and_saturation_are_detected_and_repaired(store: Store, save_maneuver):
@@ -192,7 +191,7 @@ def test_spikes_dropouts_and_saturation_are_detected_and_repaired(store: Store, 
         return x
 
     maneuver = save_maneuver(spoil)
-    found = get_maneuver_quality(store, maneuver.id)
+    found = assess_quality(store, maneuver.id)
     assert found.verdict is QualityVerdict.BAD
     about = {(f.about, f.channel): f for f in found.report.warnings}
     assert about["spikes", "az_cf"].severity is QualityVerdict.QUESTIONABLE
@@ -205,12 +204,12 @@ def test_spikes_dropouts_and_saturation_are_detected_and_repaired(store: Store, 
         kind=StepKind.REPAIR,
         stretches=tuple((s.first, s.stop) for s in spikes),
     )
-    (raw,) = views.read_channels(store, maneuver, ["az_cf"])
+    (raw,) = read_traces(store, maneuver, ["az_cf"])
     add_conditioning_steps(store, maneuver.id, [repair])
-    (mended,) = views.read_channels(store, maneuver, ["az_cf"])
+    (mended,) = read_traces(store, maneuver, ["az_cf"])
     changed = np.flatnonzero(raw.values != mended.values)
     assert changed.tolist() == [2000, 4000]
-    left = {(f.about, f.channel) for f in get_maneuver_quality(store, maneuver.id).report.warnings}
+    left = {(f.about, f.channel) for f in assess_quality(store, maneuver.id).report.warnings}
     assert ("spikes", "az_cf") not in left
     assert ("dropouts", "s_bend1r") in left
     with pytest.raises(BadInput, match="exclude the channel"):
@@ -241,7 +240,7 @@ def test_impossible_corrections_store_nothing(store: Store, maneuver: Maneuver):
 
 
 def test_maneuver_without_modal_table_is_partly_assessed(store: Store, maneuver: Maneuver):
-    found = get_maneuver_quality(store, maneuver.id or 0)
+    found = assess_quality(store, maneuver.id or 0)
     assert found.report.not_checked
     assert any("modal table" in reason for reason in found.report.not_checked)
     assert {c.name for c in found.report.channels} == {"bfs", "q"}
@@ -252,9 +251,10 @@ def test_unknown_excitation_limits_the_assessment(store: Store):
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=71))
     assert flight.id is not None
-    repeated = replace(fly(n_periods=2, seed=5), excitation=None)
+    flown = fly(n_periods=2, seed=5)
+    repeated = replace(flown, maneuver=replace(flown.maneuver, excitation=None))
     maneuver = add_maneuver(store, repeated, flight.id)
-    found = get_maneuver_quality(store, maneuver.id or 0)
+    found = assess_quality(store, maneuver.id or 0)
     assert found.verdict is not QualityVerdict.BAD, found.summary
     assert found.report.skew_band_hz is not None
     assert found.report.skew_band_hz[1] == pytest.approx(13.75, abs=0.5)

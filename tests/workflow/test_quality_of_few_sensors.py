@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from quality_assessment import assess_quality
 from synthetic_aircraft import (
     FLEXIBLE,
     GLIDER_20_FT,
@@ -19,7 +20,6 @@ from synthetic_aircraft import (
 
 from flexsid.records.quality import ManeuverQuality, QualityVerdict
 from flexsid.storage.store import Store
-from flexsid.workflow.quality.maneuver_quality import get_maneuver_quality
 
 EXCUSED = (QualityVerdict.GOOD, QualityVerdict.UNCHECKED)
 
@@ -28,7 +28,7 @@ def flown(store: Store, design: Design, has_table: bool = True, **how) -> Maneuv
     """Assess one record of a new aircraft."""
     aircraft = build(design)
     flight = add(store, aircraft, has_table)
-    return get_maneuver_quality(store, save_maneuver(store, flight, fly(aircraft, **how)).id or 0)
+    return assess_quality(store, save_maneuver(store, flight, fly(aircraft, **how)).id or 0)
 
 
 def list_severe_warnings(found: ManeuverQuality) -> set[tuple[str, str | None]]:
@@ -75,7 +75,7 @@ def test_a_scale_factor_and_a_sign_are_found_among_few(store: Store):
     turned = save_maneuver(
         store, flight, fly(aircraft, seed=3, faults={"az_tal": Fault(scale=-1.0)})
     )
-    assert list_severe_warnings(get_maneuver_quality(store, turned.id or 0)) == {("sign", "az_tal")}
+    assert list_severe_warnings(assess_quality(store, turned.id or 0)) == {("sign", "az_tal")}
 
 
 def test_record_without_modal_table_is_not_good(store: Store):
@@ -128,7 +128,7 @@ def test_alarms_and_detections_over_many_records(store: Store):
         sensors = [s.name for s in aircraft.record.sensors]
         for number in range(14):
             how = {"seed": (17, number), "airspeed": 0.8 + 0.02 * number}
-            sound = get_maneuver_quality(
+            sound = assess_quality(
                 store, save_maneuver(store, flight, fly(aircraft, **how)).id or 0
             )
             alarms += (
@@ -141,7 +141,7 @@ def test_alarms_and_detections_over_many_records(store: Store):
             sensor = checked[number % len(checked)]
             for delay_s in (0.012, 0.03):
                 late = fly(aircraft, faults={sensor: Fault(delay_s=delay_s)}, **how)
-                found = get_maneuver_quality(store, save_maneuver(store, flight, late).id or 0)
+                found = assess_quality(store, save_maneuver(store, flight, late).id or 0)
                 planted.append((design.name, number, sensor, delay_s))
                 if list_severe_warnings(found) != {("skew", sensor)}:
                     missed.append((*planted[-1], list_severe_warnings(found)))

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_imports import import_files
 from scipy.io import savemat
 
 from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnreadableFile
@@ -21,7 +22,6 @@ from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import (
     Imported,
     import_each,
-    import_files,
     read_upload,
     store_upload,
 )
@@ -203,7 +203,7 @@ def test_implausible_unit_raises_a_warning(
 def test_progress_is_reported_and_cancelling_stores_nothing(
     store: Store, aircraft: Aircraft, files: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexsid.workflow.importing.persistence.BYTES_AT_ONCE", 1)
+    monkeypatch.setattr("flexsid.workflow.importing.flight_import.BYTES_AT_ONCE", 1)
     fractions: list[float] = []
 
     def report(fraction: float) -> None:
@@ -246,7 +246,7 @@ def test_campaign_is_imported_file_by_file(
     ]
     refused = results[paths[2]]
     assert isinstance(refused, FlexsidError)
-    assert "m2.npz: the archive is damaged" in refused.message
+    assert "m2.npz: the NumPy archive file is damaged" in refused.message
     assert [m.label for m in store.maneuvers.find()] == ["m0", "m1", "m3"]
 
 

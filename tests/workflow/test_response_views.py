@@ -7,13 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexsid import figures
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.figures.bode import View
-from flexsid.records.flight import Flight
-from flexsid.workflow import views
+from flexsid.figures.bode import View, draw_bode
+from flexsid.figures.plot_matrix import draw_plot_matrix
+from flexsid.figures.spectrum import draw_spectrum
+from flexsid.records.maneuver import Flight
+from flexsid.workflow.views.maneuver import compute_spectrum
+from flexsid.workflow.views.plot_matrix import compute_plot_matrix
+from flexsid.workflow.views.response import compute_bode
 
 
 @pytest.fixture
@@ -29,9 +32,9 @@ def pair(store) -> tuple[int, int]:
 
 
 def test_average_of_two_flights_has_a_smaller_error(store, pair):
-    both = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],))
+    both = compute_bode(store, pair[0], ("q",), ("bfs",), overlay=(pair[1],))
     assert [r.maneuver_id for r in both.measured] == list(pair)
-    mean = views.bode(store, pair[0], ("q",), ("bfs",), beside=(pair[1],), average=True)
+    mean = compute_bode(store, pair[0], ("q",), ("bfs",), overlay=(pair[1],), average=True)
     (average,) = mean.measured
     assert average.maneuver_id is None
     assert mean.agreement["bfs"] > 1e-3
@@ -44,36 +47,36 @@ def test_average_of_two_flights_has_a_smaller_error(store, pair):
 def test_periods_that_repeat_are_coherent(store, pair):
     flight = store.maneuvers.get(pair[0]).flight_id
     repeated = add_maneuver(store, fly(fta=503, seed=3, n_periods=3), flight).id or 0
-    (response,) = views.bode(store, repeated, ("q",), ("bfs",)).measured
+    (response,) = compute_bode(store, repeated, ("q",), ("bfs",)).measured
     assert response.coherence is not None
     assert response.coherence.shape == response.frequency_hz.shape
     assert np.median(response.coherence) > 0.98
-    assert views.bode(store, pair[0], ("q",), ("bfs",)).measured[0].coherence is None
-    spec = figures.bode(views.bode(store, repeated, ("q",), ("bfs",)))
+    assert compute_bode(store, pair[0], ("q",), ("bfs",)).measured[0].coherence is None
+    spec = draw_bode(compute_bode(store, repeated, ("q",), ("bfs",)))
     assert spec["layout"]["yaxis3"]["title"]["text"] == "Coherence"
 
 
 def test_maneuver_without_known_harmonics_is_analysed_by_windows(store, pair):
     flown = store.maneuvers.get(pair[0])
-    by_lines = views.bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
+    by_harmonics = compute_bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
     store.maneuvers.replace(replace(flown, excitation=None))
-    by_windows = views.bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
+    by_windows = compute_bode(store, pair[0], ("az_mfs",), ("wf1s",)).measured[0]
     assert by_windows.coherence is not None
     sure = by_windows.coherence > 0.95
     near = sure & (by_windows.frequency_hz > 1.0) & (by_windows.frequency_hz < 5.0)
-    expected = np.interp(by_windows.frequency_hz, by_lines.frequency_hz, by_lines.magnitude)
+    expected = np.interp(by_windows.frequency_hz, by_harmonics.frequency_hz, by_harmonics.magnitude)
     assert near.sum() > 3
     assert np.median(np.abs(by_windows.magnitude[near] / expected[near] - 1.0)) < 0.2
 
 
 @pytest.mark.parametrize("view", ["bode", "nichols", "nyquist"])
 def test_every_plane_can_be_drawn(store, pair, view: View):
-    spec = figures.bode(views.bode(store, pair[0], ("q", "az_ofs"), ("bfs", "wf4s")), view)
+    spec = draw_bode(compute_bode(store, pair[0], ("q", "az_ofs"), ("bfs", "wf4s")), view)
     assert len(spec["data"]) == 4 * (2 if view == "bode" else 1)
 
 
 def test_harmonics_of_an_input_are_above_its_noise(store, pair):
-    value = views.spectrum(store, pair[0], ("q", "bfs"), full=True)
+    value = compute_spectrum(store, pair[0], ("q", "bfs"), full=True)
     assert value.noise is not None
     ratio = value.magnitude[:, 0] / value.noise[:, 0]
     assert np.median(ratio) > 5.0
@@ -81,18 +84,18 @@ def test_harmonics_of_an_input_are_above_its_noise(store, pair):
     assert value.background_hz[-1] == pytest.approx(500.0, rel=1e-3)
     assert value.band_hz is not None
     assert value.band_hz == pytest.approx((0.25, 5.4167), abs=1e-3)
-    spec = figures.spectrum(value)
+    spec = draw_spectrum(value)
     assert spec["layout"]["shapes"][0]["x1"] == value.band_hz[1]
 
 
 def test_regressors_of_equation_error_come_with_their_inflation(store, pair):
-    value = views.plot_matrix(store, pair[0], modes=(7,))
+    value = compute_plot_matrix(store, pair[0], modes=(7,))
     assert value.names[:4] == ("alpha", "q", "eta7", "etadot7")
     assert value.inflation is not None
     assert (value.inflation >= 1.0 - 1e-9).all()
     assert value.condition < 10.0
-    inputs = views.plot_matrix(store, pair[0], domain="frequency")
+    inputs = compute_plot_matrix(store, pair[0], domain="frequency")
     assert np.abs(inputs.correlation[0, 1]) < 0.1
-    figures.plot_matrix(value)
+    draw_plot_matrix(value)
     with pytest.raises(BadInput, match="no channel"):
-        views.plot_matrix(store, pair[0], ("nothing",))
+        compute_plot_matrix(store, pair[0], ("nothing",))

@@ -10,6 +10,7 @@ from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
+from flexsid.workflow.runs import run_identity
 from flexsid.workflow.runs.identified_models import load_identified_model as identified_model
 from flexsid.workflow.runs.run_identity import add_hashes
 
@@ -63,6 +64,12 @@ def test_a_table_imported_later_changes_no_model(flown):
     assert anew.input_hash != run.input_hash
     as_before = build_run(flown, modal_table_id=run.modal_table_id)
     assert add_hashes(flown, as_before).input_hash == run.input_hash
+
+
+def test_other_numerical_methods_are_another_run(flown, monkeypatch):
+    assert add_hashes(flown, build_run(flown)).input_hash == flown.runs.get(1).input_hash
+    monkeypatch.setattr(run_identity, "METHODS", "another")
+    assert add_hashes(flown, build_run(flown)).input_hash != flown.runs.get(1).input_hash
 
 
 def test_table_used_by_a_run_is_not_deleted(flown):

@@ -13,10 +13,9 @@ from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
+from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.records.proposal_basis import ProposalSource
-from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.records.run import EstimationRun, Method, ProposalSource, RunSettings, RunState
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.model_structures.model_structures import add_structure
@@ -109,7 +108,7 @@ def test_saved_structure_of_the_fta_takes_precedence_over_the_band(bands: Store)
         bands, ModelStructure(aircraft_id=1, name="rigid", structure=Structure(fixed={}))
     )
     asked = replace(_build_run(NARROW), structure_id=saved.id, structure_version=1)
-    done = execute_run(bands, asked, load_estimation_pipeline(), lambda _progress: None)
+    done = execute_run(bands, asked, RUN, lambda _progress: None)
     assert done.state is RunState.SUCCEEDED
     basis = propose_run(bands, [NARROW]).basis
     assert (basis.source, basis.structure_id, basis.run_id) == (
@@ -139,7 +138,7 @@ def test_modes_above_the_band_are_warned_of_on_the_run(bands: Store) -> None:
 
 def test_maneuver_without_model_has_no_proposal(bands: Store) -> None:
     bands.maneuvers.replace(replace(bands.maneuvers.get(NARROW), axis="lateral"))
-    with pytest.raises(BadInput, match="is lateral"):
+    with pytest.raises(BadInput, match="a lateral model has antisymmetric surfaces"):
         propose_run(bands, [NARROW])
 
 
@@ -148,7 +147,7 @@ def test_the_three_methods_agree_on_what_is_proposed(bands: Store) -> None:
     ids = []
     for method in Method:
         run = apply_proposal(bands, _build_run(NARROW, method))
-        done = execute_run(bands, run, load_estimation_pipeline(), lambda _progress: None)
+        done = execute_run(bands, run, RUN, lambda _progress: None)
         assert done.state is RunState.SUCCEEDED, done.error
         assert done.id is not None
         assert done.result is not None

@@ -13,8 +13,9 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.computation import EstimationTask, compute_run
+from flexsid.workflow.runs.computation import compute_run
 from flexsid.workflow.runs.estimation import prepare
+from flexsid.workflow.runs.estimation_task import EstimationTask
 
 Ask = Callable[..., EstimationTask]
 
@@ -42,7 +43,7 @@ def ask(flown_url: str) -> Iterator[Ask]:
 
 def test_antisymmetric_mode_raises_a_warning(ask: Ask) -> None:
     (warning,) = ask(Method.OE, modes=(7, 8)).warnings
-    assert warning.startswith("AW1B is antisymmetric")
+    assert warning.startswith("AW1B is not symmetric")
     assert ask(Method.OE).warnings == ()
 
 

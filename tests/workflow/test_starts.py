@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
+from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import limits
-from flexsid.workflow import views
+from flexsid.workflow.flutter.run_flutter import UnmodelledModes, load_run_models
+from flexsid.workflow.runs.derived_runs import DerivedRuns
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_export import export_run
+from flexsid.workflow.views.run import compute_parameter_correlation
 
 
 def test_unconverged_fit_is_restarted_from_perturbed_values(flown_url: str):
@@ -39,7 +41,7 @@ def test_unconverged_fit_has_no_standard_errors(flown_url: str):
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(start=Start.PREDICTION, max_iterations=1),
     )
-    done = execute_run(store, run, load_estimation_pipeline(), lambda _: None)
+    done = execute_run(store, run, RUN, lambda _: None)
     result = done.result
     assert result is not None
     assert done.id is not None
@@ -48,7 +50,7 @@ def test_unconverged_fit_has_no_standard_errors(flown_url: str):
     assert {one.no_error for one in result.parameters} == {"not converged"}
     assert {pole.damping_std for pole in result.poles} == {None}
     assert any("have no standard errors" in text for text in result.fit.warnings)
-    assert np.isnan(views.parameter_correlation(store, done.id).correlation).all()
+    assert np.isnan(compute_parameter_correlation(store, done.id).correlation).all()
     assert export_run(store, done.id).run.result == result
     store.close()
 
@@ -63,7 +65,7 @@ def test_a_parameter_at_its_limit_is_no_estimate(flown_url: str, monkeypatch):
         structure=Structure(modes=(7, 9), fixed={}, extra_parameters=("delay_q",)),
         settings=RunSettings(start=Start.PREDICTION),
     )
-    done = execute_run(store, run, load_estimation_pipeline(), lambda _: None)
+    done = execute_run(store, run, RUN, lambda _: None)
     result = done.result
     assert result is not None
     assert result.fit.outcome == "converged"
@@ -89,3 +91,26 @@ def test_estimates_dominated_by_the_prior_raise_a_warning(flown_url: str):
     assert "Cm_q" in text
     assert "Cm_alpha" not in text
     store.close()
+
+
+def test_flutter_prediction_knows_the_priors_of_the_analyst(flown_url: str):
+    """Runs that share a prior count it once."""
+    store = Store.open(flown_url)
+    request = EstimationRun(
+        maneuver_id=1,
+        method=Method.OE,
+        structure=Structure(modes=(7,), fixed={}),
+        settings=RunSettings(priors={"Cm_q": (-12.0, 2.0)}),
+    )
+    run = execute_run(store, request, RUN, lambda _: None)
+    derived = DerivedRuns(store, lambda _: None)
+    (model,) = load_run_models(
+        store, run.id or 0, UnmodelledModes.RESIDUALIZED, derived, Progress()
+    )
+    store.close()
+    uncertain, prior = model.found.uncertain, model.found.prior
+    assert prior is not None
+    (place,) = np.flatnonzero(prior.precision)
+    assert (uncertain.rows[place], uncertain.columns[place]) == (1, 1)
+    assert (prior.mean[place], prior.precision[place]) == (-12.0, 0.25)
+    assert (1, 1) in model.found.places, "it is a result nevertheless"

@@ -11,15 +11,15 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
-from flexsid.records.search import SearchSettings, SearchStart, StructureSearch
+from flexsid.records.search import InitialTerms, SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.workflow.structure_determination.searches import (
     compute_search,
     create_candidate_run,
-    get_candidate,
+    get_result,
     prepare_search,
 )
 
@@ -55,7 +55,7 @@ def build_search(
         maneuver_ids=maneuvers,
         method=method,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=replace(SearchSettings(draws=4), **settings),
+        settings=replace(SearchSettings(resamplings=4), **settings),
     )
 
 
@@ -79,7 +79,11 @@ def test_every_method_finds_the_terms_of_a_flown_maneuver(flown_store: Store, me
 
 def test_search_over_a_campaign_is_cross_validated(flown_store: Store):
     request = build_search(
-        Method.OE, (1, 2), validate_on=(3,), begin=SearchStart.EQUATION_ERROR, draws=2
+        Method.OE,
+        (1, 2),
+        validate_on=(3,),
+        initial_terms=InitialTerms.EQUATION_ERROR,
+        resamplings=2,
     )
     result = compute_search(prepare_search(flown_store, request), lambda progress: None)
     assert sorted(result.proposed.structure.absent) == sorted(ABSENT)
@@ -92,8 +96,8 @@ def test_candidate_run_is_created_once(flown_store: Store):
         prepare_search(flown_store, build_search(Method.EE)), lambda progress: None
     )
     waiting = flown_store.searches.add(build_search(Method.EE, (1, 2)))
-    with pytest.raises(Conflict, match="has no candidates yet"):
-        get_candidate(waiting, 0)
+    with pytest.raises(Conflict, match="has no result yet"):
+        get_result(waiting)
     stored = flown_store.searches.add(
         replace(build_search(Method.EE, (1, 2)), state=RunState.SUCCEEDED, result=result)
     )

@@ -13,10 +13,9 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.demo.whole_flight import add_recording, record_flight
 from flexsid.errors import BadInput
-from flexsid.importers.aircraft import read_aircraft
-from flexsid.importers.table import MappingTable
-from flexsid.records.cutting import Cut
-from flexsid.records.flight import Flight
+from flexsid.importers.aircraft import AircraftMapping
+from flexsid.importers.table import read_table
+from flexsid.records.maneuver import Cut, Flight
 from flexsid.storage.store import Store
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition
@@ -27,7 +26,7 @@ from flexsid.workflow.aircraft.thrust import (
     set_thrust_table,
 )
 from flexsid.workflow.importing.maneuver_cutting import cut_maneuver
-from flexsid.workflow.measurements.condition_spread import assess_condition
+from flexsid.workflow.quality.maneuver_quality import assess_condition
 
 TEXT = """speed;0;20
 30000; 10; 9
@@ -142,13 +141,13 @@ def test_a_mapping_brings_a_thrust_table():
             "thrust": {"values": [10.0, 9.0, 80.0, 72.0], "unit": "N"},
         },
     }
-    definition = read_aircraft(MappingTable(part)).definition
+    definition = read_table(AircraftMapping, part).build().definition
     assert definition is not None
     assert definition.thrust is not None
     assert definition.thrust.thrust_n == ((10.0, 9.0), (80.0, 72.0))
     part["thrust"]["thrust"]["values"] = [10.0, 9.0, 80.0]
     with pytest.raises(BadInput, match="2 x 2 values"):
-        read_aircraft(MappingTable(part))
+        read_table(AircraftMapping, part)
 
 
 def test_recorded_maneuver_retains_its_thrust(store: Store):

@@ -7,13 +7,13 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.records.flight import Flight
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
-from flexsid.workflow.views import time_check
+from flexsid.workflow.views.time_check import check_in_time
 
 
 @pytest.mark.parametrize("ratio", [0.65, 1.09])
@@ -40,7 +40,7 @@ def test_model_follows_the_recording_also_beyond_flutter(store: Store, ratio: fl
         store, run.id, claimed.attempt, compute_run(prepare(store, run), lambda progress: None)
     )
 
-    check = time_check(store, run.id, ["q", "az_ofs"])
+    check = check_in_time(store, run.id, ["q", "az_ofs"])
     assert [trace.r_squared > 0.95 for trace in check.traces] == [True, True]
     with pytest.raises(BadInput, match="no output 'nose'"):
-        time_check(store, run.id, ["nose"])
+        check_in_time(store, run.id, ["nose"])

@@ -1,4 +1,4 @@
-"""Name of the analyst of a request, as set in the workbench; it is not authenticated."""
+"""Name of the analyst of a request: of the account, or as set in a personal workbench."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from urllib.parse import unquote
 from fastapi import Depends, Header
 
 from flexsid.errors import BadInput
+from flexsid.storage.access import get_access
 from flexsid.text import check_line
 
 HEADER = "X-Flexsid-Analyst"
@@ -34,7 +35,7 @@ def read_name(sent: str) -> str:
         raise BadInput(f"{HEADER} {error}", code="bad-analyst") from error
 
 
-_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; not authenticated."
+_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; that of the account is used instead."
 
 
 async def _get_analyst(
@@ -60,3 +61,19 @@ TheAnalyst = Annotated[str, Depends(_get_analyst)]
 
 NamedAnalyst = Annotated[str, Depends(_require_analyst)]
 """Name of the analyst of the request; the request is refused if none is set."""
+
+
+def choose_author(stated: str, analyst: str) -> str:
+    """Return the author of a record: in a personal workbench as stated in the request.
+
+    Raises
+    ------
+    BadInput
+        If a request of an account states another author.
+    """
+    if get_access() is not None and stated not in ("", analyst):
+        raise BadInput(
+            f"the author is who is logged in, '{analyst}', not '{stated}'; omit the field",
+            code="author-is-account",
+        )
+    return stated or analyst

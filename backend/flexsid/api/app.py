@@ -5,7 +5,7 @@ from __future__ import annotations
 import getpass
 import logging
 import tempfile
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -14,23 +14,28 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
 
 import flexsid
+from flexsid.api.authorization import authorize
 from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import Context
 from flexsid.api.description import add_examples
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import Problem, add_error_handlers
 from flexsid.api.live_events import LiveEvents
+from flexsid.api.metrics import add_metrics
 from flexsid.api.page import add_page
 from flexsid.api.parameters import DESCRIPTION, refuse_unknown_parameters
 from flexsid.api.request_coalescing import RequestCoalescing
+from flexsid.api.request_log import RequestLog, RequestMetrics
 from flexsid.api.routes import (
     aircraft,
+    audit_log,
     batches,
     closed_loop,
     comparisons,
     conditioning,
     controllers,
     decisions,
+    design_predictions,
     designs,
     events,
     figures,
@@ -51,38 +56,34 @@ from flexsid.api.routes import (
     review,
     runs,
     saved_views,
+    searches,
+    session,
     uploads,
+    validation,
     vibration_tests,
 )
-from flexsid.api.routes import searches as search_routes
-from flexsid.api.routes import tasks as task_routes
 from flexsid.api.security import SecurityMiddleware
+from flexsid.api.write_limit import THREADS, WriteLimit
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
-from flexsid.jobs.health import QueueHealth
-from flexsid.jobs.pipeline import load_estimation_pipeline
-from flexsid.jobs.searches import Searches
+from flexsid.jobs.health import PartHealth, QueueHealth
+from flexsid.jobs.kinds import load_kinds
 from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.background_tasks import Tasks
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 from flexsid.workflow.importing.uploads import Uploads
-from flexsid.workflow.quality.campaign_quality import CampaignAssessment
-from flexsid.workflow.review.clock import find_clock_error
+from flexsid.workflow.review.decision_review import find_clock_error
 
 _log = logging.getLogger(__name__)
-
-# The database driver and numpy hold the interpreter lock; more threads only wait for each
-# other (forty threads on one list of a thousand rows blocked each other).
-_THREADS = 4
 
 
 def create_app(
     settings: Settings,
     *,
     add_builtin_aircraft: AddBuiltinAircraft | None = None,
+    check_additional_part: Callable[[], PartHealth | None] = lambda: None,
 ) -> FastAPI:
     """Make the application: migrated database, dispatcher, routes and frontend.
 
@@ -92,11 +93,13 @@ def create_app(
         Database and workers; read when the service starts, from ``app.state.settings``.
     add_builtin_aircraft
         Adds an aircraft that comes with the software when an upload needs it.
+    check_additional_part
+        Returns the health of a part that only this server has, or None.
     """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        anyio.to_thread.current_default_thread_limiter().total_tokens = _THREADS
+        anyio.to_thread.current_default_thread_limiter().total_tokens = THREADS
         settings: Settings = app.state.settings
         # An invalid template stops the server, not the first report.
         template_path = settings.report_template
@@ -107,38 +110,27 @@ def create_app(
         if clock_error is not None:
             _log.warning(clock_error)
         live = LiveEvents(store)
-        duty = DispatcherSettings(
-            settings.database, load_estimation_pipeline, settings.dask, settings.workers
-        )
+        duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
         uploads_service = Uploads(store, _locate_uploads(settings.database), add_builtin_aircraft)
         uploads_service.start()
-        assessments = CampaignAssessment(store, settings.database)
-        tasks = Tasks()
-        searches = Searches(store)
-        searches.start()
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
             migration=migration,
             add_builtin_aircraft=add_builtin_aircraft,
             uploads=uploads_service,
-            assessments=assessments,
             report_template=template,
-            tasks=tasks,
-            searches=searches,
             live=live,
             queue_health=QueueHealth(store),
+            check_additional_part=check_additional_part,
         )
         try:
             yield
         finally:
             live.stop()
-            assessments.stop()
             uploads_service.stop()
-            tasks.stop()
-            searches.stop()
             dispatcher.stop()
             store.close()
 
@@ -157,10 +149,12 @@ def create_app(
     api = APIRouter(
         prefix="/api/v1",
         responses={"4XX": {"model": Problem}},
-        dependencies=[Depends(refuse_unknown_parameters)],
+        dependencies=[Depends(authorize), Depends(refuse_unknown_parameters)],
     )
     for module in (
         health,
+        session,
+        audit_log,
         aircraft,
         flights,
         ground_tests,
@@ -178,29 +172,34 @@ def create_app(
         review,
         runs,
         saved_views,
-        search_routes,
+        searches,
         jobs,
         events,
         batches,
         comparisons,
         reports,
         designs,
+        design_predictions,
         controllers,
         flutter,
         closed_loop,
-        task_routes,
+        validation,
         figures,
         nomenclature,
     ):
         api.include_router(module.router)
     app.include_router(api)
     add_examples(app)
+    metrics = RequestMetrics()
+    add_metrics(app, metrics)
     add_docs(app)
     add_page(app)
     add_error_handlers(app)
     app.add_middleware(BodyLimit)
+    app.add_middleware(WriteLimit)
     app.add_middleware(RequestCoalescing)
-    app.add_middleware(SecurityMiddleware)  # the last one added runs first
+    app.add_middleware(SecurityMiddleware)
+    app.add_middleware(RequestLog, metrics=metrics)  # the last one added runs first
     return app
 
 

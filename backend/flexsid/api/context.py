@@ -1,7 +1,8 @@
-"""Services that routes use: store, dispatcher, uploads, tasks."""
+"""Services that routes use: store, dispatcher, uploads."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -9,13 +10,10 @@ from fastapi import Depends, Request
 
 from flexsid.api.live_events import LiveEvents
 from flexsid.jobs.dispatcher_process import DispatcherProcess
-from flexsid.jobs.health import QueueHealth
-from flexsid.jobs.searches import Searches
+from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.storage.store import Store
-from flexsid.workflow.background_tasks import Tasks
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 from flexsid.workflow.importing.uploads import Uploads
-from flexsid.workflow.quality.campaign_quality import CampaignAssessment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,12 +25,10 @@ class Context:
     migration: str
     add_builtin_aircraft: AddBuiltinAircraft | None
     uploads: Uploads
-    assessments: CampaignAssessment
     report_template: str | None
-    tasks: Tasks
-    searches: Searches
     live: LiveEvents
     queue_health: QueueHealth
+    check_additional_part: Callable[[], PartHealth | None]
 
 
 # Asynchronous, so that no thread of the pool is needed.

@@ -24,13 +24,6 @@ class DecisionItem(Decision):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DecisionList:
-    """Decisions, newest first."""
-
-    items: list[DecisionItem]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionDetail(Decision):
     """A decision with its events, rules, proposed model structure and figures.
 
@@ -69,17 +62,3 @@ class ManeuverBaseline:
 
     maneuver_id: int
     baseline: Baseline | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BaselineList:
-    """Baselines of a campaign, most recently approved first."""
-
-    items: list[Baseline]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManeuverBaselineList:
-    """Baselines of maneuvers, in the order of the request."""
-
-    items: list[ManeuverBaseline]

@@ -48,11 +48,10 @@ _EXAMPLES: dict[str, Any] = {
     "deflection": 0.1,
     "load_factor": 0.5,
     "level": 1,
-    "task_id": "t0123456789abcdef",
     "upload_id": "5b0c2a",
     "version": 1,
     "step_id": 1,
-    "place": 0,
+    "index": 0,
     "group": "CZ",
     "quantities": "CZ,etaddot7",
     "X-Flexsid-Analyst": "Ann%20Analyst",
@@ -163,6 +162,20 @@ _BODIES: dict[str, Any] = {
         "effort": "quick",
     },
     "redesign_phases": {"name": "FTA 500, new phases", "effort": "quick"},
+    "save_updated_table": {"name": "FEM updated", "test_ids": [2]},
+    "compute_prediction": {
+        "aircraft_id": 1,
+        "source": "Doublet lattice",
+        "panels": [
+            {
+                "left": [0.0, 0.0, 0.0],
+                "left_chord": 1.0,
+                "right": [0.5, 4.0, 0.0],
+                "right_chord": 0.5,
+            }
+        ],
+        "reference_k": 0.2,
+    },
     "simulate_design": {"run_id": 1, "level": 1, "controller_id": 1},
     "create_controller": {
         "aircraft_id": 1,
@@ -209,10 +222,78 @@ _BODIES: dict[str, Any] = {
         "reads": "q",
         "drives": "wf1s,wf4s",
     },
+    "log_in": {"name": "Ann Analyst", "password": "correct horse battery staple"},
+    "accept_invitation": {"code": "6mD2...", "password": "correct horse battery staple"},
+    "create_token": {"name": "nightly batch", "role": "analyst", "days": 90},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},
     "import_upload": {"mapping": _MAPPING, "aircraft_id": 1},
+}
+
+_SESSION = {
+    "mode": "team",
+    "name": "Ann Analyst",
+    "roles": [{"aircraft_id": 1, "role": "analyst"}],
+    "expires_at": "2026-11-23T06:00:00Z",
+}
+_TOKEN = {
+    "id": 1,
+    "name": "nightly batch",
+    "role": "analyst",
+    "aircraft_id": None,
+    "created_at": "2026-11-22T18:00:00Z",
+    "expires_at": "2027-02-20T18:00:00Z",
+    "used_at": None,
+    "secret": None,
+}
+_AUDIT_EVENT = {
+    "number": 1,
+    "author": "Ann Analyst",
+    "address": "192.0.2.7",
+    "request_id": "",
+    "operation": "DELETE /api/v1/runs/1",
+    "aircraft_id": 1,
+    "changes": [
+        {
+            "table": "runs",
+            "action": "update",
+            "count": 1,
+            "ids": [1],
+            "before": "5b0c2a...",
+            "after": "91d7e0...",
+        }
+    ],
+    "previous_hash": "",
+    "sealed": "{...}",
+    "hash": "c03f1b...",
+    "created_at": "2026-11-22T18:00:00Z",
+    "id": 1,
+}
+# Responses that a server with the demonstration campaign cannot give.
+_NOT_RECORDED: dict[str, Any] = {
+    "save_updated_table": {
+        "aircraft_id": 1,
+        "name": "FEM updated",
+        "kind": "FEM",
+        "fuel": [0.5],
+        "numbers": [7],
+        "names": ["SW1B"],
+        "symmetric": [True],
+        "points": ["egi"],
+        "gauges": [],
+        "arrays": {"omega": "d6313962...", "zeta": "77bd2a19..."},
+        "origin": "FEM updated from GVT",
+        "version": 1,
+        "reasons": [""],
+        "notes": ["SW1B: 2.31 Hz of the GVT (2.43 Hz before)"],
+        "id": 3,
+    },
+    "get_session": _SESSION,
+    "log_in": _SESSION,
+    "list_audit_events": {"items": [_AUDIT_EVENT], "next": None},
+    "list_tokens": {"items": [_TOKEN]},
+    "create_token": {**_TOKEN, "secret": "flexsid_8Jq0..."},
 }
 
 # Beginnings of text responses; binary formats have no example.
@@ -221,7 +302,7 @@ _TEXTS = {
     "text/html": "<!doctype html>\n<title>Run 1, output error</title>\n",
     "text/markdown": "# SP + SW1B below 400 Pa\n\n- proposed by Ann Analyst\n",
     "text/plain": "static const float design_t[2400][5] = {\n",
-    "text/event-stream": 'id: 12\nevent: run\ndata: {"run_id": 1, "state": "succeeded"}\n\n',
+    "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
 }
 
 
@@ -270,7 +351,8 @@ def _add_response_examples(operation: dict[str, Any], examples: dict[str, Any]) 
         for kind, content in response.get("content", {}).items():
             example = _TEXTS.get(kind)
             if kind == "application/json":
-                example = examples.get(operation["operationId"])
+                name = operation["operationId"]
+                example = _NOT_RECORDED.get(name, examples.get(name))
             if example is not None:
                 content["example"] = example
 

@@ -22,18 +22,26 @@ from flexsid.errors import (
     NotIdentifiable,
     UnknownRecord,
 )
+from flexsid.jobs.health import NotReady
+from flexsid.storage.access import Forbidden
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import DatabaseTooNew
+from flexsid.workflow.accounts.sessions import NotLoggedIn, TooManyAttempts, WrongPassword
 
 _log = logging.getLogger(__name__)
 
 _STATUS: tuple[tuple[type[FlexsidError], HTTPStatus], ...] = (
+    (NotLoggedIn, HTTPStatus.UNAUTHORIZED),
+    (WrongPassword, HTTPStatus.UNAUTHORIZED),
+    (TooManyAttempts, HTTPStatus.TOO_MANY_REQUESTS),
+    (Forbidden, HTTPStatus.FORBIDDEN),
     (UnknownRecord, HTTPStatus.NOT_FOUND),
     (Conflict, HTTPStatus.CONFLICT),
     (Cancelled, HTTPStatus.CONFLICT),
     (BadInput, HTTPStatus.UNPROCESSABLE_ENTITY),
     (NotIdentifiable, HTTPStatus.UNPROCESSABLE_ENTITY),
     (DatabaseUnavailable, HTTPStatus.SERVICE_UNAVAILABLE),
+    (NotReady, HTTPStatus.SERVICE_UNAVAILABLE),
     (DatabaseTooNew, HTTPStatus.SERVICE_UNAVAILABLE),
 )
 _CODES = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "too-large"}
@@ -88,7 +96,12 @@ async def _handle_flexsid_error(_request: Request, error: Exception) -> Response
         _log.warning("an error class without an HTTP status", exc_info=error)
         status = HTTPStatus.UNPROCESSABLE_ENTITY
     context = {name: _to_json_value(value) for name, value in error.context.items()}
-    return make_problem(status, error.code, error.message, **context)
+    response = make_problem(status, error.code, error.message, **context)
+    if isinstance(error, TooManyAttempts):
+        response.headers["Retry-After"] = str(error.wait_s)
+    if isinstance(error, NotLoggedIn):
+        response.headers["WWW-Authenticate"] = "Bearer"
+    return response
 
 
 async def _handle_bad_request(_request: Request, error: Exception) -> Response:

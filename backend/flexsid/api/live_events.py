@@ -1,7 +1,7 @@
-"""Live events of runs for all connected pages.
+"""Live events of jobs for all connected pages.
 
-The database is read once for all listeners. Every event has the id of its entry in the run
-log, so that a page can resume after a lost connection.
+The database is read once for all listeners. Every event has the id of its entry in the log
+of jobs, so that a page can resume after a lost connection.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from anyio import to_thread
 
 from flexsid.errors import FlexsidError
-from flexsid.records.batch import RunEvent
-from flexsid.storage import job_list, run_log
-from flexsid.storage.job_list import Job
+from flexsid.records.job import JobEvent
+from flexsid.storage import job_list, job_log
+from flexsid.storage.job_list import JobItem
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)
@@ -26,20 +26,20 @@ _MAX_EVENTS = 1000  # a page that missed more events reloads its lists
 
 
 @dataclass(frozen=True, slots=True)
-class RunUpdate:
-    """New entries of the run log, and the running jobs if they have changed."""
+class JobUpdate:
+    """New entries of the log, and the running jobs if they have changed."""
 
-    events: list[RunEvent]
-    running: list[Job] | None
+    events: list[JobEvent]
+    running: list[JobItem] | None
     missed: bool = False
 
 
 class LiveEvents:
-    """Reads the run log and distributes it; runs in the event loop of the server."""
+    """Reads the log of jobs and distributes it; runs in the event loop of the server."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
-        self._listeners: set[asyncio.Queue[RunUpdate | None]] = set()
+        self._listeners: set[asyncio.Queue[JobUpdate | None]] = set()
         self._notified = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self._stopped = False
@@ -56,7 +56,7 @@ class LiveEvents:
             self._stopped = True
             self._loop.call_soon_threadsafe(self._end)
 
-    async def listen(self, after: int | None) -> AsyncIterator[RunUpdate]:
+    async def listen(self, after: int | None) -> AsyncIterator[JobUpdate]:
         """Yield the events after a known one, then all new ones, until the server stops.
 
         Parameters
@@ -64,30 +64,34 @@ class LiveEvents:
         after
             Id of the last known event; None for new events only.
         """
-        updates: asyncio.Queue[RunUpdate | None] = asyncio.Queue()
+        updates: asyncio.Queue[JobUpdate | None] = asyncio.Queue()
         self._listeners.add(updates)
         self._notified.set()
         try:
             last = after
-            if after is not None:
+            if after is not None and not self._stopped:
+                # From its first update on, this listener receives every later event.
+                first = await updates.get()
+                if first is None:
+                    return
                 known = await to_thread.run_sync(
-                    run_log.read_since, self._store, after, _MAX_EVENTS
+                    job_log.read_since, self._store, after, _MAX_EVENTS
                 )
                 last = known[-1].id if known else after
-                yield RunUpdate(known, None, missed=len(known) == _MAX_EVENTS)
+                yield JobUpdate(known, first.running, missed=len(known) == _MAX_EVENTS)
             while not self._stopped:
                 update = await updates.get()
                 if update is None:
                     return
                 events = [event for event in update.events if last is None or event.id > last]
                 if events or update.running is not None:
-                    yield RunUpdate(events, update.running)
+                    yield JobUpdate(events, update.running)
         finally:
             self._listeners.discard(updates)
 
     async def _run(self) -> None:
         last: int | None = None
-        before: list[Job] = []
+        before: list[JobItem] = []
         while not self._stopped:
             self._notified.clear()
             if self._listeners:
@@ -98,11 +102,11 @@ class LiveEvents:
                 else:
                     last = events[-1].id if events else last
                     if last is None:
-                        last = await to_thread.run_sync(run_log.find_newest, self._store)
+                        last = await to_thread.run_sync(job_log.find_newest, self._store)
                     changed = running if running != before else None
                     before = running
                     for updates in self._listeners:
-                        updates.put_nowait(RunUpdate(events, changed))
+                        updates.put_nowait(JobUpdate(events, changed))
             else:
                 last = None
             try:
@@ -110,8 +114,8 @@ class LiveEvents:
             except TimeoutError:
                 continue
 
-    def _read(self, last: int | None) -> tuple[list[RunEvent], list[Job]]:
-        events = [] if last is None else run_log.read_since(self._store, last, _MAX_EVENTS)
+    def _read(self, last: int | None) -> tuple[list[JobEvent], list[JobItem]]:
+        events = [] if last is None else job_log.read_since(self._store, last, _MAX_EVENTS)
         return events, job_list.list_running(self._store)
 
     def _end(self) -> None:

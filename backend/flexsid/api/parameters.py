@@ -73,6 +73,7 @@ def _list_parameters(route: APIRoute) -> tuple[str, ...]:
     known = _known.get(route.endpoint)
     if known is None:
         found = get_flat_params(route.dependant)
-        known = tuple(each.alias for each in found if isinstance(each.field_info, params.Query))
+        other = params.Path | params.Header
+        known = tuple(each.alias for each in found if not isinstance(each.field_info, other))
         _known[route.endpoint] = known
     return known

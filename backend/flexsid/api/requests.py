@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from functools import lru_cache
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
-from flexsid.records.conditioning import Correction, StepKind
-from flexsid.records.cutting import Cut
-from flexsid.records.saved_view import SavedView
+from flexsid.records.maneuver import StepKind
 from flexsid.storage.bulk import Action
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.text import LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
 from flexsid.units import LARGEST
-
-_STRICT: Any = ConfigDict(extra="forbid")
-
 
 LARGEST_NUMBER = LARGEST["number"]
 LATEST_S = LARGEST["time"]
@@ -37,57 +32,57 @@ Text = Annotated[str, Field(max_length=LONGEST_NOTE), Lines]
 # Even with every character escaped in JSON, such a text stays below the body limit.
 LONGEST_TEXT = 128 * 1024
 MappingText = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT)]
+# No commas, which separate tags in a query.
+Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$"), Line]
+Sample = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
+
+T = TypeVar("T")
+_build_adapter = lru_cache(TypeAdapter)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MappingRequest:
+class Request(BaseModel):
+    """Body of a request; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def make_record(self, record: type[T], **more: Any) -> T:
+        """Return a record of the fields given in the request, and of further values."""
+        given = self.model_dump(exclude_none=True)
+        return _build_adapter(record).validate_python({**given, **more})
+
+
+class MappingRequest(Request):
     """A mapping to store under a name."""
 
     name: Title
     text: MappingText
     note: Text = ""
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UploadMappingRequest:
+class UploadMappingRequest(Request):
     """A TOML mapping for the files of an upload; ``confirmed``: its guesses are confirmed."""
 
     mapping: MappingText
     aircraft_id: Id | None = None
     confirmed: Annotated[bool, Field(strict=True)] = False
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PreviewRequest:
+class PreviewRequest(Request):
     """A mapping and the channels to plot; the first ones if none are given."""
 
     mapping: MappingText
     channels: Names = ()
 
-    __pydantic_config__ = _STRICT
 
-
-# No commas, which separate tags in a query.
-Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$"), Line]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ChangeRequest:
+class ChangeRequest(Request):
     """One action on many maneuvers or runs; ``tag`` is used by ``tag`` and ``untag``."""
 
     ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)]
     action: Action
     tag: Tag | None = None
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SavedViewRequest:
+class SavedViewRequest(Request):
     """The filters of a page to store under a name."""
 
     page: Literal["campaign", "runs", "compare", "flutter"]
@@ -95,18 +90,8 @@ class SavedViewRequest:
     search: Text
     author: Author = ""
 
-    __pydantic_config__ = _STRICT
 
-    def to_record(self) -> SavedView:
-        """Return the record to be stored."""
-        return SavedView(page=self.page, name=self.name, search=self.search, author=self.author)
-
-
-Sample = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepRequest:
+class StepRequest(Request):
     """One correction; see ``Correction``."""
 
     channel: Name
@@ -118,45 +103,20 @@ class StepRequest:
     std: Annotated[float, Field(strict=True, ge=0.0, le=LARGEST_NUMBER)] | None = None
     basis: Annotated[str, Field(max_length=500), Lines] = ""
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConditioningRequest:
+class ConditioningRequest(Request):
     """Corrections to apply together."""
 
     items: Annotated[tuple[StepRequest, ...], Field(min_length=1, max_length=1000)]
 
-    __pydantic_config__ = _STRICT
 
-    def to_corrections(self) -> list[Correction]:
-        """Return the requested corrections."""
-        return [
-            Correction(
-                channel=one.channel,
-                kind=one.kind,
-                delay_s=one.delay_s,
-                scale=one.scale,
-                bias=one.bias,
-                stretches=one.stretches,
-                std=one.std,
-                basis=one.basis,
-            )
-            for one in self.items
-        ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AssessRequest:
+class AssessRequest(Request):
     """Maneuvers whose data quality is assessed; all unassessed ones if omitted."""
 
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)] | None = None
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CutRequest:
+class CutRequest(Request):
     """A window of a flight to cut out as a maneuver. [s]"""
 
     label: Title
@@ -165,16 +125,3 @@ class CutRequest:
     fta: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
     axis: Literal["longitudinal", "lateral"] | None = None
     note: Text = ""
-
-    __pydantic_config__ = _STRICT
-
-    def to_record(self) -> Cut:
-        """Return the requested window."""
-        return Cut(
-            label=self.label,
-            start_s=self.start_s,
-            stop_s=self.stop_s,
-            fta=self.fta,
-            axis=self.axis,
-            note=self.note,
-        )

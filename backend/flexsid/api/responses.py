@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from flexsid.api.errors import Problem
 from flexsid.jobs.health import PartHealth, PartState
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.conditioning import ConditioningStep
-from flexsid.records.cutting import FoundManeuver
-from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.ground_test import GroundTest
-from flexsid.records.maneuver import Channel, Maneuver
-from flexsid.records.mapping import StoredMapping
-from flexsid.records.modal_table import FlutterSummary, ModalTable
-from flexsid.records.modal_views import ModeAtFuel, SensorSight
-from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.records.prediction import DerivativePrediction
-from flexsid.records.saved_view import SavedView
-from flexsid.storage.maneuver_list import ManeuverItem
+from flexsid.records.aircraft import DerivativePrediction
+from flexsid.records.maneuver import (
+    Channel,
+    Maneuver,
+)
+from flexsid.records.modal_data import ModalTable, ModeAtFuel, SensorSight
+from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.quality_list import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import UploadProgress
-from flexsid.workflow.quality.campaign_quality import Assessing
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,31 +57,13 @@ class UploadDetail:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MappingList:
-    """Stored mappings."""
+class Assessing:
+    """Progress of the assessment of data quality that was requested last."""
 
-    items: list[StoredMapping]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlightChannelList:
-    """Channels of a whole flight."""
-
-    items: list[FlightChannel]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FoundManeuverList:
-    """Maneuvers detected in the recording of a flight."""
-
-    items: list[FoundManeuver]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConditioningList:
-    """Corrections of the channels of a maneuver."""
-
-    items: list[ConditioningStep]
+    running: bool
+    done: int
+    total: int
+    failed: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,8 +78,12 @@ class QualityList:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModalTableDetail(ModalTable):
-    """A modal table with its frequencies [rad/s] and damping ratios, one row per fuel."""
+    """A modal table with its frequencies [rad/s] and damping ratios, one row per fuel.
 
+    ``frequency_std`` is the relative standard deviation of the frequencies that runs assume.
+    """
+
+    frequency_std: float
     omega: list[list[float]] | None
     zeta: list[list[float]] | None
 
@@ -134,42 +117,13 @@ class GlossaryEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AircraftList:
-    """Aircraft."""
+class AxisNames:
+    """Names of one axis: derivatives are coefficient and motion, eta, etadot or surface."""
 
-    items: list[Aircraft]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GroundTestList:
-    """Ground tests of all flights that have one."""
-
-    items: list[GroundTest]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlightList:
-    """Flights."""
-
-    items: list[Flight]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManeuverList:
-    """A page of the filtered list of maneuvers."""
-
-    items: list[ManeuverItem]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModalTableList:
-    """Modal tables."""
-
-    items: list[ModalTable]
-    next: str | None = None
+    axis: str
+    symmetry: str
+    coefficients: tuple[str, ...]
+    motions: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,48 +154,12 @@ class ModeShape:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlutterSummaryList:
-    """Flutter summaries."""
-
-    items: list[FlutterSummary]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PredictionList:
-    """Predictions."""
-
-    items: list[DerivativePrediction]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModelStructureList:
-    """Model structures."""
-
-    items: list[ModelStructure]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StructureVersionList:
-    """Versions of a model structure, oldest first."""
-
-    items: list[StructureVersion]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StaleStructure:
+class StaleStructure(Problem):
     """Why an edit was refused: another version was stored in the meantime.
 
     ``base`` was edited into ``sent``, while ``current`` became the newest version.
     """
 
-    type: str
-    title: str
-    status: int
-    detail: str
-    code: str
     base: StructureVersion
     current: StructureVersion
     sent: StructureVersion
@@ -254,24 +172,10 @@ class ChangedRecords:
     ids: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SavedViewList:
-    """Saved views of a page, or of all."""
-
-    items: list[SavedView]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Glossary:
-    """All quantities."""
-
-    items: list[GlossaryEntry]
-    next: str | None = None
-
-
-T = TypeVar("T")
+T = TypeVar("T", bound="DataclassInstance")
 
 
 def extend_record(detail: type[T], record: Any, **more: Any) -> T:
-    """Make a response of a record's fields and further values."""
-    return detail(**{f.name: getattr(record, f.name) for f in fields(record)}, **more)
+    """Make a response of the values given, and of the fields that it shares with a record."""
+    names = [field.name for field in fields(detail) if field.name not in more]
+    return detail(**{name: getattr(record, name) for name in names}, **more)

@@ -1,8 +1,9 @@
 """Security middleware: host check, cross-site request check and security headers.
 
-The workbench has no log-in and serves the local computer only. Pages of other sites in the
-same browser must neither read nor change data: the host check prevents DNS rebinding, the
-origin check prevents cross-site request forgery.
+Pages of other sites in the same browser must neither read nor change data: the host check
+prevents DNS rebinding, the origin check prevents cross-site request forgery. With accounts the
+server has the host of its address too, and a change by the cookie of a session must state its
+origin, as all browsers do.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from flexsid.api.errors import make_problem
+from flexsid.settings import Mode, Settings
 
 LOOPBACK_HOSTS = frozenset({"localhost", "127.0.0.1", "[::1]"})
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -49,7 +51,8 @@ class SecurityMiddleware:
                 )
             await send(message)
 
-        refusal = _check_request(scope["method"], Headers(scope=scope))
+        settings: Settings = scope["app"].state.settings
+        refusal = _check_request(scope["method"], Headers(scope=scope), settings)
         if refusal is None:
             await self._app(scope, receive, send_with_headers)
         else:
@@ -57,9 +60,10 @@ class SecurityMiddleware:
             await make_problem(403, code, detail)(scope, receive, send_with_headers)
 
 
-def _check_request(method: str, headers: Headers) -> tuple[str, str] | None:
+def _check_request(method: str, headers: Headers, settings: Settings) -> tuple[str, str] | None:
     host = headers.get("host", "")
-    if _strip_port(host) not in LOOPBACK_HOSTS:
+    own = None if settings.url is None else urlsplit(settings.url).netloc
+    if _strip_port(host) not in LOOPBACK_HOSTS and host.lower() != own:
         return "foreign-host", f"host {host!r} is not served; use localhost or 127.0.0.1"
     if method in _SAFE_METHODS:
         return None
@@ -69,8 +73,16 @@ def _check_request(method: str, headers: Headers) -> tuple[str, str] | None:
     else:
         # Not a current browser: scripts and the command line send no origin.
         origin = headers.get("origin")
-        allowed = origin is None or urlsplit(origin).netloc == host
+        allowed = (
+            urlsplit(origin).netloc == host
+            if origin is not None
+            else not _is_session(headers, settings)
+        )
     return None if allowed else ("cross-site", "requests of another site must not change data")
+
+
+def _is_session(headers: Headers, settings: Settings) -> bool:
+    return settings.mode is not Mode.PERSONAL and "authorization" not in headers
 
 
 def _strip_port(host: str) -> str:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Callable
+from functools import wraps
+from inspect import Parameter, Signature, iscoroutinefunction
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 import orjson
 from fastapi import Path, Query, Response
+from fastapi.routing import APIRoute
 
-from flexsid.errors import BadInput
 from flexsid.storage.repository import LARGEST_ID
+
+T = TypeVar("T")
 
 MAX_ITEMS = 1000
 """Largest page of a list."""
@@ -29,6 +34,21 @@ class Json(Response):
         return dump_json(content)
 
 
+class JsonRoute(APIRoute):
+    """A route whose endpoint returns its response model, which is sent as ``Json``."""
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        @wraps(endpoint)
+        def respond(**arguments: Any) -> Response:
+            content = endpoint(**arguments)
+            if isinstance(content, Response):
+                return content
+            code = options.get("status_code") or 200
+            return Response(status_code=code) if content is None else Json(content, code)
+
+        super().__init__(path, endpoint if iscoroutinefunction(endpoint) else respond, **options)
+
+
 def dump_json(content: Any) -> bytes:
     """Serialize records, arrays and plain values as JSON."""
     options = orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
@@ -37,22 +57,33 @@ def dump_json(content: Any) -> bytes:
 
 Identity = Annotated[int, Path(ge=1, le=LARGEST_ID, description="Id of the record.")]
 Reference = Annotated[int | None, Query(ge=1, le=LARGEST_ID)]
+RequiredReference = Annotated[int, Query(ge=1, le=LARGEST_ID)]
+UploadId = Annotated[str, Path(min_length=1, max_length=64, description="Id of the upload.")]
 Limit = Annotated[int, Query(ge=1, le=MAX_ITEMS, description="Maximum number of items.")]
 After = Annotated[str | None, Query(description="`next` of the previous page.")]
 
 
-def split_names(text: str | None) -> tuple[str, ...] | None:
-    """Parse names separated by commas; None if none are given."""
-    if text is None:
-        return None
-    return tuple(name for name in (part.strip() for part in text.split(",")) if name) or None
+def drop_none(**filters: Any) -> dict[str, Any]:
+    """Return the filters that are given."""
+    return {name: value for name, value in filters.items() if value is not None}
 
 
-def split_ids(text: str | None, field: str) -> tuple[int, ...]:
-    """Parse ids separated by commas."""
-    ids: list[int] = []
-    for part in split_names(text) or ():
-        if not (part.isascii() and part.isdigit() and 1 <= int(part[:20]) <= LARGEST_ID):
-            raise BadInput(f"{field}: {part!r} is not an id; give numbers separated by commas")
-        ids.append(int(part))
-    return tuple(ids)
+def read_query(filters: type[T]) -> Callable[..., T]:
+    """Return a dependency with a query parameter for every key of a ``TypedDict``."""
+
+    def read(**values: Any) -> Any:
+        return values
+
+    hints = get_type_hints(filters, include_extras=True)
+    vars(read)["__signature__"] = Signature(
+        [
+            Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hint)
+            for name, hint in hints.items()
+        ]
+    )
+    return read
+
+
+def describe_sort(fields: tuple[str, ...]) -> Any:
+    """Return the description of the query parameter ``sort`` with these fields."""
+    return Query(description=f"`-` for descending order, then one of {', '.join(fields)}.")

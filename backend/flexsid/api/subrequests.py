@@ -5,6 +5,10 @@ from __future__ import annotations
 from starlette.requests import Request
 from starlette.types import Message
 
+from flexsid.storage.access import get_access, using_access
+
+_IDENTITY = (b"host", b"cookie", b"authorization", b"x-forwarded-user", b"x-flexsid-proxy-secret")
+
 
 async def get_internally(request: Request, path: str, query: str) -> tuple[int, bytes]:
     """Return status and body of ``GET path?query``, called with the host of a request."""
@@ -17,7 +21,8 @@ async def get_internally(request: Request, path: str, query: str) -> tuple[int, 
         "raw_path": path.encode(),
         "root_path": "",
         "query_string": query.encode(),
-        "headers": [(b"host", request.headers.get("host", "").encode())],
+        # The same account asks.
+        "headers": [pair for pair in request.scope["headers"] if pair[0] in _IDENTITY],
     }
     status, parts = 500, list[bytes]()
 
@@ -31,5 +36,6 @@ async def get_internally(request: Request, path: str, query: str) -> tuple[int, 
         elif message["type"] == "http.response.body":
             parts.append(message.get("body", b""))
 
-    await request.app(scope, receive, send)
+    with using_access(get_access()):  # the other route sets that of its own permission
+        await request.app(scope, receive, send)
     return status, b"".join(parts)

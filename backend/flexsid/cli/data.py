@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import io
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import orjson
 
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_next_result, print_result, show_count, write_file
+from flexsid.cli.output import (
+    print_next_result,
+    print_result,
+    print_written_file,
+    show_count,
+    write_file,
+)
 from flexsid.cli.serve import add_builtin_aircraft
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.records.run import EstimationRun
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.text import escape_spreadsheet_cell
@@ -30,47 +35,39 @@ from flexsid.workflow.runs.model_export import export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import export_run
 
 
-def import_files(
-    settings: Settings,
-    files: Sequence[str],
-    mapping: str | None,
-    aircraft_id: int | None,
-    *,
-    confirmed: bool = False,
-    as_json: bool = False,
-) -> int:
-    """Import files of one maneuver or flight and print the stored records."""
-    upload = read_upload([Path(file) for file in files], None if mapping is None else Path(mapping))
+def import_files(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Import files of one maneuver or flight, or each file as its own maneuver."""
+    paths = [Path(file) for file in arguments.files]
+    mapping = None if arguments.mapping is None else Path(arguments.mapping)
+    if arguments.each:
+        return _import_each(settings, paths, mapping, arguments)
+    upload = read_upload(paths, mapping)
     with open_store(settings, new=True) as store:
         imported = store_upload(
             store,
             upload,
-            aircraft_id,
+            arguments.aircraft,
             add_builtin_aircraft=add_builtin_aircraft,
-            confirmed=confirmed,
+            confirmed=arguments.confirm,
         )
-    print_result(
-        _describe_import(imported, len(upload.channels)), _collect_ids(imported), as_json=as_json
-    )
+    lines = _describe_import(imported, len(upload.channels))
+    print_result(lines, _collect_ids(imported), as_json=arguments.json)
     return 0
 
 
-def import_each_file(
-    settings: Settings,
-    files: Sequence[str],
-    mapping: str | None,
-    aircraft_id: int | None,
-    *,
-    confirmed: bool = False,
-    as_json: bool = False,
+def _import_each(
+    settings: Settings, paths: list[Path], mapping: Path | None, arguments: argparse.Namespace
 ) -> int:
     """Import each file as its own maneuver; refused files are listed at the end."""
-    paths = [Path(file) for file in files]
-    text = None if mapping is None else Path(mapping)
-    refused: list[str] = []
+    as_json, refused = arguments.json, []
     with open_store(settings, new=True) as store:
         each = import_each(
-            store, paths, text, aircraft_id, add_builtin_aircraft, confirmed=confirmed
+            store,
+            paths,
+            mapping,
+            arguments.aircraft,
+            add_builtin_aircraft,
+            confirmed=arguments.confirm,
         )
         for done, (file, result) in enumerate(each, start=1):
             show_count(done, len(paths), file.name)
@@ -83,28 +80,26 @@ def import_each_file(
             text = f"{len(result.flight_channels)} channels of a whole flight"
             if result.maneuver is not None:
                 text = f"maneuver {result.maneuver.id}, {result.maneuver.label}"
-            print_next_result(
-                f"{file}: {text}", {"file": str(file), **_collect_ids(result)}, as_json=as_json
-            )
-    for line in () if as_json else refused:
-        print(line, file=sys.stderr)
+            ids = {"file": str(file), **_collect_ids(result)}
+            print_next_result(f"{file}: {text}", ids, as_json=as_json)
     if refused and not as_json:
-        print(f"{len(refused)} of {len(paths)} files were refused", file=sys.stderr)
+        summary = f"{len(refused)} of {len(paths)} files were refused"
+        print(*refused, summary, sep="\n", file=sys.stderr)
     return 1 if refused else 0
 
 
-def export(settings: Settings, run_id: int, output: str, *, as_json: bool = False) -> int:
+def export(settings: Settings, arguments: argparse.Namespace) -> int:
     """Write a run (.json), its parameters (.csv) or its model (.mat) to a file."""
-    file = Path(output)
-    if file.suffix not in _EXPORTS:
-        raise BadInput(f"{output} ends in {file.suffix!r}; expected one of {', '.join(_EXPORTS)}")
+    run_id, output = arguments.run, arguments.output
+    encode = _EXPORTS.get(Path(output).suffix)
+    if encode is None:
+        ending = Path(output).suffix
+        raise BadInput(f"{output} ends in {ending!r}; expected one of {', '.join(_EXPORTS)}")
     with open_store(settings) as store:
-        content = _EXPORTS[file.suffix](store, run_id)
-    write_file(file, content)
-    if as_json:
-        print_result((), {"run": run_id, "file": output}, as_json=True)
-    else:
-        print(f"wrote run {run_id} to {output}", file=sys.stderr)
+        content = encode(store, run_id)
+    write_file(output, content)
+    result = {"run": run_id, "file": output}
+    print_written_file(f"wrote run {run_id} to {output}", result, as_json=arguments.json)
     return 0
 
 
@@ -113,15 +108,8 @@ def _encode_run(store: Store, run_id: int) -> bytes:
     return orjson.dumps(export_run(store, run_id), option=options)
 
 
-def _encode_parameters(store: Store, run_id: int) -> bytes:
-    return _write_parameter_table(store.runs.get(run_id)).encode()
-
-
 def _encode_model(store: Store, run_id: int) -> bytes:
     return write_matlab_model(export_model(store, run_id))
-
-
-_EXPORTS = {".json": _encode_run, ".csv": _encode_parameters, ".mat": _encode_model}
 
 
 def _collect_ids(imported: Imported) -> dict[str, Any]:
@@ -152,22 +140,19 @@ def _describe_import(imported: Imported, n_channels: int) -> list[str]:
     return lines or [f"aircraft {imported.aircraft.id}: {imported.aircraft.name}"]
 
 
-def _write_parameter_table(run: EstimationRun) -> str:
+def _encode_parameters(store: Store, run_id: int) -> bytes:
+    run = store.runs.get(run_id)
     refuse_altered(run)
     if run.result is None:
-        raise FlexsidError(
-            f"run {run.id} is {run.state.value} and has no parameters", code="run-without-result"
-        )
+        message = f"run {run.id} is {run.state.value} and has no parameters"
+        raise FlexsidError(message, code="run-without-result")
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(("name", "value", "std_error", "start"))
-    for parameter in run.result.parameters:
-        table.writerow(
-            (
-                escape_spreadsheet_cell(parameter.name),
-                parameter.value,
-                parameter.std_error,
-                parameter.start,
-            )
-        )
-    return text.getvalue()
+    for one in run.result.parameters:
+        name = escape_spreadsheet_cell(one.name)
+        table.writerow((name, one.value, one.std_error, one.start))
+    return text.getvalue().encode()
+
+
+_EXPORTS = {".json": _encode_run, ".csv": _encode_parameters, ".mat": _encode_model}

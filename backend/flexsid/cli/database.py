@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import getpass
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from flexsid.errors import BadInput
-from flexsid.settings import Settings
+from flexsid.settings import Mode, Settings
+from flexsid.storage.access import Access, using_access
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -29,7 +31,12 @@ def open_store(settings: Settings, *, new: bool = False) -> Iterator[Store]:
         )
     upgrade(settings.database)
     store = Store.open(settings.database)
+    access = None
+    if settings.mode is not Mode.PERSONAL:
+        # Of the account of the operating system, which may change everything.
+        access = Access(account_id=None, author=f"{getpass.getuser()} (command line)")
     try:
-        yield store
+        with using_access(access):
+            yield store
     finally:
         store.close()

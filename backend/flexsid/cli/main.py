@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import pkgutil
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,9 +16,10 @@ from typing import NoReturn
 
 import flexsid
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
+from flexsid.settings import DEFAULT_DATABASE, read_settings
 
 _METHODS = ("OE", "FRE", "EE")
+_ROLES = ("viewer", "analyst", "reviewer", "admin")
 _STARTS = ("best", "equation-error", "prediction", "residualized-prediction")
 
 
@@ -31,11 +33,11 @@ def main(command_line: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if command_line is None else command_line
     as_json = "--json" in given
     try:
-        arguments = _parser().parse_args(given)
+        arguments = build_parser().parse_args(given)
         settings = read_settings()
         if arguments.database is not None:
             settings = replace(settings, database=arguments.database)
-        return arguments.command(settings, arguments)
+        return pkgutil.resolve_name(f"flexsid.cli.{arguments.command}")(settings, arguments)
     except FlexsidError as error:
         from flexsid.cli.output import print_error
 
@@ -53,12 +55,13 @@ class _Parser(argparse.ArgumentParser):
         raise BadInput(f"{message}; see {self.prog} --help", code="bad-arguments")
 
 
-def _parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands; ``command`` names the function to call."""
     parser = _Parser(prog="flexsid", description="Identify flexible aircraft from flight test.")
     parser.add_argument("--version", action="version", version=f"flexsid {flexsid.__version__}")
     commands = parser.add_subparsers(required=True, metavar=None)
 
-    def add(name: str, command: object, summary: str) -> argparse.ArgumentParser:
+    def add(name: str, command: str, summary: str) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=summary, description=f"{summary.capitalize()}.")
         added.add_argument(
             "--database",
@@ -69,315 +72,201 @@ def _parser() -> argparse.ArgumentParser:
         added.set_defaults(command=command)
         return added
 
-    add("serve", _serve, "serve the page and the REST interface on this computer")
+    add("serve", "serve:serve", "serve the page and the REST interface on this computer")
 
-    demo = add("demo", _demo, "fill an empty workbench with the demonstration campaign, then serve")
-    demo.add_argument("--no-serve", action="store_true", help="exit after filling")
+    summary = "serve, and fill an empty workbench with the demonstration campaign"
+    demo = add("demo", "serve:demo", summary)
+    demo.add_argument("--no-serve", action="store_true", help="fill only")
 
-    add("migrate", _migrate, "upgrade the database to the current schema, after a backup copy")
+    summary = "upgrade the database to the current schema, after a backup copy"
+    add("migrate", "backup:migrate", summary)
 
-    add("check", _check, "check the database for damage: hashes, references, decisions")
+    add("check", "backup:check", "check the database for damage: hashes, references, decisions")
 
-    copy = add("backup", _backup, "back up the database into a new file, while servers use it")
-    copy.add_argument("file", metavar="FILE")
+    summary = "add, invite and disable accounts, and set their roles in campaigns"
+    _add_user_options(add("users", "users:users", summary))
 
-    back = add(
-        "restore", _restore, "replace the database by a backup, after a copy of the database"
-    )
-    back.add_argument("file", metavar="FILE")
+    audit = add("audit", "audit:audit", "export the audit log: who changed what, and when")
+    audit.add_argument("--output", required=True, metavar="FILE", help="JSON, one event per line")
 
-    bring = add("import", _import, "import files with a mapping")
-    bring.add_argument("files", nargs="+", metavar="FILE", help="recorder file or table")
-    bring.add_argument(
-        "--mapping",
-        metavar="TOML",
-        help="names channels, units and roles; not needed for recognised formats",
-    )
-    bring.add_argument(
-        "--aircraft", type=int, metavar="ID", help="aircraft, if the mapping names none"
-    )
-    bring.add_argument(
-        "--confirm",
-        action="store_true",
-        help="confirm the values that the mapping marks as guessed",
-    )
-    bring.add_argument("--each", action="store_true", help="import every file as its own maneuver")
+    summary = "back up the database into a new file, while servers use it"
+    add("backup", "backup:backup", summary).add_argument("file", metavar="FILE")
 
-    run = add("run", _run, "estimate from maneuvers")
-    run.add_argument(
-        "--maneuver",
-        required=True,
-        metavar="ID,ID",
-        help="ids of maneuvers, each estimated separately",
-    )
-    run.add_argument("--method", choices=_METHODS, required=True)
-    run.add_argument(
-        "--structure",
-        metavar="ID[:VERSION]",
-        help="saved model structure; default: the options below, else the proposed structure",
-    )
-    run.add_argument(
-        "--modes",
-        metavar="M,N",
-        help="numbers of structural modes, '' for none; default: the modes proposed for the band",
-    )
-    run.add_argument(
-        "--inputs",
-        default="",
-        metavar="A,B",
-        help="inputs of the model; default: all excited inputs",
-    )
-    run.add_argument(
-        "--outputs",
-        default="",
-        metavar="A,B",
-        help="outputs of the model; default: all usable outputs",
-    )
-    run.add_argument("--free", metavar="A,B", help="derivatives to estimate; default: all")
-    run.add_argument(
-        "--extra-parameters",
-        dest="extra_parameters",
-        default="",
-        metavar="A,B",
-        help="further free parameters: delay_q, scale_alpha, omega_7 and so on",
-    )
-    run.add_argument(
-        "--free-delays", action="store_true", help="estimate the delay of every output"
-    )
-    run.add_argument("--start", choices=_STARTS, default=_STARTS[0], help="starting values")
-    run.add_argument(
-        "--prior-spread",
-        type=float,
-        metavar="SHARE",
-        help="prior standard deviation of derivatives about the prediction, relative to their size",
-    )
-    run.add_argument(
-        "--additional-maneuvers",
-        dest="additional_maneuver_ids",
-        default="",
-        metavar="ID,ID",
-        help="additional maneuvers, estimated jointly with common derivatives",
-    )
-    run.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
-    run.add_argument(
-        "--wait",
-        action="store_true",
-        help="execute the run now, instead of queueing it for a server",
-    )
+    summary = "replace the database by a backup, after a copy of the database"
+    add("restore", "backup:restore", summary).add_argument("file", metavar="FILE")
 
-    search = add("search", _search, "determine the model structure from maneuvers")
-    search.add_argument("maneuvers", metavar="ID,ID", help="ids of maneuvers, searched jointly")
-    search.add_argument("--method", choices=_METHODS, default="EE")
-    search.add_argument("--modes", default="", metavar="M,N", help="numbers of structural modes")
-    search.add_argument(
-        "--inputs",
-        default="",
-        metavar="A,B",
-        help="inputs of the model; default: all excited inputs",
-    )
-    search.add_argument(
-        "--outputs",
-        default="",
-        metavar="A,B",
-        help="outputs of the model; default: all usable outputs",
-    )
-    search.add_argument("--free", metavar="A,B", help="candidate derivatives; default: all")
-    search.add_argument(
-        "--free-delays", action="store_true", help="estimate the delays of the outputs"
-    )
-    search.add_argument(
-        "--algorithm", choices=("stepwise", "orthogonal functions"), default="stepwise"
-    )
-    search.add_argument(
-        "--begin",
-        choices=("all", "equation error"),
-        default="all",
-        help="initial terms for OE and FRE",
-    )
-    search.add_argument("--f-in", type=float, default=20.0, metavar="F", help="partial F to enter")
-    search.add_argument(
-        "--f-out", type=float, metavar="F", help="partial F to stay; default: as to enter"
-    )
-    search.add_argument(
-        "--draws",
-        type=int,
-        default=30,
-        metavar="N",
-        help="number of resamplings of the frequencies",
-    )
-    search.add_argument("--validate-on", default="", metavar="ID,ID", help="validation maneuvers")
-    search.add_argument("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
+    _add_import_options(add("import", "data:import_files", "import files with a mapping"))
+    _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
 
-    export = add("export", _export, "export a run, its parameters or its model")
+    predict = add("predict", "predictions:predict", "compute derivatives from a planform")
+    meaning = "TOML: aircraft_id, source, panels or deck_file, surfaces, mach, reference_k"
+    predict.add_argument("file", metavar="FILE", help=meaning)
+
+    summary = "determine the model structure from maneuvers"
+    _add_search_options(add("search", "structure_search:search", summary))
+
+    export = add("export", "data:export", "export a run, its parameters or its model")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
-    export.add_argument(
-        "--output",
-        required=True,
-        metavar="FILE",
-        help=".json: the run with its inputs; .csv: parameters; .mat: the model",
-    )
+    meaning = ".json: the run with its inputs; .csv: parameters; .mat: the model"
+    export.add_argument("--output", required=True, metavar="FILE", help=meaning)
 
-    report = add(
-        "report", _report, "write a report of a run, a comparison, a decision or the campaign"
-    )
-    report.add_argument("kind", choices=("run", "comparison", "decision", "campaign", "template"))
-    report.add_argument("ids", nargs="?", metavar="ID,ID", help="ids of runs, or id of a decision")
-    report.add_argument(
-        "--predictions", default="", metavar="ID,ID", help="ids of predictions in the comparison"
-    )
-    report.add_argument(
-        "--template", metavar="FILE", help="custom template; start from `flexsid report template`"
-    )
-    report.add_argument("--output", required=True, metavar="FILE", help=".html, or .pdf")
+    summary = "write a report of a run, a comparison, a decision or the campaign"
+    _add_report_options(add("report", "reports:report", summary))
 
-    design = add(
-        "design", _design, "design a multisine of Table 1 for minimum relative peak factor"
-    )
-    design.add_argument("--fta", type=int, required=True, metavar="N", help="number of the row")
-    design.add_argument(
-        "--duration", type=float, metavar="S", help="default: 24, or 96 for a row of 4T"
-    )
-    design.add_argument("--rate", type=float, default=100.0, metavar="HZ")
-    design.add_argument("--first-harmonic", type=int, default=6, metavar="K")
-    design.add_argument(
-        "--peak-deg", type=float, default=2.0, metavar="DEG", help="peak amplitude of the body flap"
-    )
-    design.add_argument("--effort", choices=("quick", "thorough", "patient"), default="thorough")
-    design.add_argument("--seed", type=int, default=0)
-    design.add_argument(
-        "--output",
-        required=True,
-        metavar="FILE",
-        help=".csv, .mat, .h, or .json (parameters of the design)",
-    )
+    summary = "design a multisine of Table 1 for minimum relative peak factor"
+    _add_design_options(add("design", "excitation:design", summary))
 
-    flown = add("flown", _flown, "import flown multisines as designs")
-    flown.add_argument(
-        "files", nargs="+", metavar="FILE", help="files with samples of exactly one period"
-    )
-    flown.add_argument("--rate", type=float, required=True, metavar="HZ", help="sampling rate")
-    flown.add_argument("--unit", choices=("deg", "rad"), default="deg")
-    flown.add_argument("--name", help="name of the design; default: name of the first file")
-    flown.add_argument(
-        "--separate", action="store_true", help="store every file as a separate design"
-    )
+    summary = "import flown multisines as designs"
+    _add_multisine_options(add("import-multisine", "excitation:import_multisine", summary))
 
-    flutter = add("flutter", _flutter, "predict the flutter speed from runs")
-    flutter.add_argument("runs", metavar="RUN,RUN", help="ids of succeeded runs")
-    flutter.add_argument(
-        "--fuel",
-        type=float,
-        metavar="SHARE",
-        help="fuel fraction; default: that of the fastest run",
-    )
-    flutter.add_argument(
-        "--altitude", type=float, metavar="M", help="altitude in the standard atmosphere"
-    )
-    flutter.add_argument(
-        "--others",
-        choices=("predicted", "residualized"),
-        default="predicted",
-        help="unmodelled modes: included from the prediction, or static response only",
-    )
-    flutter.add_argument(
-        "--next", type=float, metavar="M/S", help="airspeed of the next test point"
-    )
+    _add_flutter_options(add("flutter", "flutter:predict", "predict the flutter speed from runs"))
+    summary = "predict maneuvers by runs, or held-out data by refits of runs"
+    _add_validation_options(add("validate", "validation:validate", summary))
     return parser
 
 
-def _design(_settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.predicted_accuracy import design
-
-    return design(arguments)
-
-
-def _flown(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.predicted_accuracy import import_flown
-
-    return import_flown(settings, arguments)
-
-
-def _flutter(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.predicted_accuracy import print_flutter_prediction
-
-    return print_flutter_prediction(settings, arguments)
-
-
-def _report(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.reports import report
-
-    return report(settings, arguments)
-
-
-def _search(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.structure_search import search
-
-    return search(settings, arguments)
-
-
-def _serve(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.serve import serve
-
-    return serve(settings, as_json=arguments.json)
-
-
-def _demo(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.serve import demo, fill
-
-    if not arguments.no_serve:
-        return demo(settings, as_json=arguments.json)
-    fill(settings, as_json=arguments.json)
-    return 0
-
-
-def _check(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.backup import check
-
-    return check(settings, as_json=arguments.json)
-
-
-def _backup(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.backup import backup
-
-    return backup(settings, arguments.file, as_json=arguments.json)
-
-
-def _restore(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.backup import restore
-
-    return restore(settings, arguments.file, as_json=arguments.json)
-
-
-def _migrate(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.backup import migrate
-
-    return migrate(settings, as_json=arguments.json)
-
-
-def _import(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.data import import_each_file, import_files
-
-    bring = import_each_file if arguments.each else import_files
-    return bring(
-        settings,
-        arguments.files,
-        arguments.mapping,
-        arguments.aircraft,
-        confirmed=arguments.confirm,
-        as_json=arguments.json,
+def _add_user_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    actions = ("add", "reset", "disable", "grant", "revoke", "list", "adopt")
+    meaning = (
+        "add an account; reset its password; disable it; grant or revoke a role; list accounts;"
+        " adopt records without a campaign into that of the aircraft NAME"
     )
+    option("action", choices=actions, help=meaning)
+    option("name", nargs="?", default="", metavar="NAME", help="name of the account")
+    option("role", nargs="?", choices=_ROLES, help="role in the campaign")
+    meaning = "name of the aircraft of the campaign; default: all campaigns"
+    option("--campaign", default="all", metavar="NAME", help=meaning)
 
 
-def _run(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.runs import run
+def _add_import_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("files", nargs="+", metavar="FILE", help="recorder file or table")
+    meaning = "names channels, units and roles; not needed for recognised formats"
+    option("--mapping", metavar="TOML", help=meaning)
+    option("--aircraft", type=int, metavar="ID", help="aircraft, if the mapping names none")
+    meaning = "confirm the values that the mapping marks as guessed"
+    option("--confirm", action="store_true", help=meaning)
+    option("--each", action="store_true", help="import every file as its own maneuver")
 
-    return run(settings, arguments)
+
+def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) -> None:
+    option = command.add_argument
+    option("--modes", metavar="M,N", help=f"numbers of structural modes{modes}")
+    meaning = "inputs of the model; default: all excited inputs"
+    option("--inputs", default="", metavar="A,B", help=meaning)
+    meaning = "outputs of the model; default: all usable outputs"
+    option("--outputs", default="", metavar="A,B", help=meaning)
+    option("--free", metavar="A,B", help=f"{free}; default: all")
+    option("--free-delays", action="store_true", help="estimate the delay of every output")
+    option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
 
 
-def _export(settings: Settings, arguments: argparse.Namespace) -> int:
-    from flexsid.cli.data import export
+def _add_run_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "ids of maneuvers, each estimated separately"
+    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
+    option("--method", choices=_METHODS, required=True)
+    meaning = "saved model structure; default: the options below, else the proposed structure"
+    option("--structure", metavar="ID[:VERSION]", help=meaning)
+    modes = ", '' for none; default: the modes proposed for the band"
+    _add_model_options(command, modes, "derivatives to estimate")
+    meaning = "further free parameters: delay_q, scale_alpha, omega_7 and so on"
+    option("--extra-parameters", default="", metavar="A,B", help=meaning)
+    option("--start", choices=_STARTS, default=_STARTS[0], help="starting values")
+    meaning = "prior standard deviation of derivatives about the prediction, relative to their size"
+    option("--prior-spread", type=float, metavar="SHARE", help=meaning)
+    meaning = (
+        "modes outside the model structure: retained as nuisance parameters with a prior at the "
+        "prediction, or omitted"
+    )
+    option("--out-of-band-modes", choices=("retained", "omitted"), default="retained", help=meaning)
+    meaning = "derivatives constant, or with the frequency shape of a computed prediction"
+    choices = ("quasi-steady", "shaped")
+    option("--aerodynamics", choices=choices, default="quasi-steady", help=meaning)
+    meaning = "additional maneuvers, estimated jointly with common derivatives"
+    option("--additional-maneuvers", default="", metavar="ID,ID", help=meaning)
+    meaning = "execute the run now, instead of queueing it for a server"
+    option("--wait", action="store_true", help=meaning)
 
-    return export(settings, arguments.run, arguments.output, as_json=arguments.json)
+
+def _add_search_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("maneuvers", metavar="ID,ID", help="ids of maneuvers, searched jointly")
+    option("--method", choices=_METHODS, default="EE")
+    _add_model_options(command, "", "candidate derivatives")
+    option("--algorithm", choices=("stepwise", "orthogonal functions"), default="stepwise")
+    meaning = "initial terms for OE and FRE"
+    option("--initial-terms", choices=("all", "equation error"), default="all", help=meaning)
+    option("--f-in", type=float, default=20.0, metavar="F", help="partial F to enter")
+    option("--f-out", type=float, metavar="F", help="partial F to stay; default: as to enter")
+    meaning = "number of resamplings of the frequencies"
+    option("--resamplings", type=int, default=30, metavar="N", help=meaning)
+    option("--validate-on", default="", metavar="ID,ID", help="validation maneuvers")
+
+
+def _add_report_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("kind", choices=("run", "comparison", "decision", "campaign", "template"))
+    option("ids", nargs="?", metavar="ID,ID", help="ids of runs, or id of a decision")
+    meaning = "ids of predictions in the comparison"
+    option("--predictions", default="", metavar="ID,ID", help=meaning)
+    meaning = "custom template; start from `flexsid report template`"
+    option("--template", metavar="FILE", help=meaning)
+    option("--output", required=True, metavar="FILE", help=".html, or .pdf")
+
+
+def _add_design_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("--fta", type=int, required=True, metavar="N", help="number of the row")
+    option("--duration", type=float, metavar="S", help="default: 24, or 96 for a row of 4T")
+    option("--rate", type=float, default=100.0, metavar="HZ")
+    option("--first-harmonic", type=int, default=6, metavar="K")
+    meaning = "peak amplitude of the body flap"
+    option("--peak-deg", type=float, default=2.0, metavar="DEG", help=meaning)
+    option("--effort", choices=("quick", "thorough", "patient"), default="thorough")
+    option("--seed", type=int, default=0)
+    meaning = ".csv, .mat, .h, or .json (parameters of the design)"
+    option("--output", required=True, metavar="FILE", help=meaning)
+
+
+def _add_multisine_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "files with samples of exactly one period"
+    option("files", nargs="+", metavar="FILE", help=meaning)
+    option("--rate", type=float, required=True, metavar="HZ", help="sampling rate")
+    option("--unit", choices=("deg", "rad"), default="deg")
+    option("--name", help="name of the design; default: name of the first file")
+    option("--separate", action="store_true", help="store every file as a separate design")
+
+
+def _add_flutter_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("runs", metavar="RUN,RUN", help="ids of succeeded runs")
+    meaning = "fuel fraction; default: that of the fastest run"
+    option("--fuel", type=float, metavar="SHARE", help=meaning)
+    option("--altitude", type=float, metavar="M", help="altitude in the standard atmosphere")
+    option(
+        "--unmodelled-modes",
+        choices=("predicted", "residualized"),
+        default="predicted",
+        help="included from the prediction, or static response only",
+    )
+    option("--next", type=float, metavar="M/S", help="airspeed of the next test point")
+
+
+def _add_validation_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("runs", metavar="RUN,RUN", help="ids of succeeded runs")
+    meaning = "maneuvers to predict; default: those of the runs"
+    option("--maneuvers", default="", metavar="ID,ID", help=meaning)
+    meaning = (
+        "fit each run again without held-out data and predict these: all folds of the frequencies, "
+        "the first fold, or the last periods"
+    )
+    option("--hold-out", choices=("folds", "frequencies", "periods"), help=meaning)
+    meaning = "number of folds; of periods, one share in so many is held out"
+    option("--folds", type=int, default=5, metavar="N", help=meaning)
 
 
 if __name__ == "__main__":

@@ -52,10 +52,21 @@ def print_error(message: str, code: str, *, as_json: bool) -> None:
         print(f"flexsid: {message}", file=sys.stderr)
 
 
+def print_written_file(text: str, result: Any, *, as_json: bool) -> None:
+    """Report a file as JSON on standard output, or as text on standard error."""
+    if as_json:
+        print_result((), result, as_json=True)
+    else:
+        print(text, file=sys.stderr)
+
+
+def show_progress(text: str, end: str = "") -> None:
+    """Replace the last line of a terminal; a file receives nothing."""
+    if sys.stderr.isatty():
+        print(f"\r{text}", end=end, file=sys.stderr, flush=True)
+
+
 def show_count(done: int, of: int, what: str) -> None:
     """Show on a terminal how many items are done."""
-    if sys.stderr.isatty():
-        bar = "█" * round(30 * done / max(of, 1))
-        end = "\n" if done == of else ""
-        line = f"\r{bar:<30} {done} of {of} {what:<40.40}"
-        print(line, end=end, file=sys.stderr, flush=True)
+    bar = "█" * round(30 * done / max(of, 1))
+    show_progress(f"{bar:<30} {done} of {of} {what:<40.40}", end="\n" if done == of else "")

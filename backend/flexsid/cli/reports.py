@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid import reports
+from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_result, write_file
-from flexsid.cli.runs import parse_list
+from flexsid.cli.output import print_written_file, write_file
 from flexsid.errors import BadInput
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
@@ -22,10 +21,7 @@ def report(settings: Settings, arguments: argparse.Namespace) -> int:
     if file.suffix not in (".html", ".pdf"):
         raise BadInput(f"{file} ends in {file.suffix!r}; expected .html or .pdf")
     write_file(file, _encode_report(settings, arguments, file.suffix))
-    if arguments.json:
-        print_result((), {"file": str(file)}, as_json=True)
-    else:
-        print(f"wrote {file}", file=sys.stderr)
+    print_written_file(f"wrote {file}", {"file": str(file)}, as_json=arguments.json)
     return 0
 
 

@@ -3,104 +3,89 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
 
+from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_maneuver_axis
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_error, print_next_result, print_result, show_count
+from flexsid.cli.output import (
+    print_error,
+    print_next_result,
+    print_result,
+    show_count,
+    show_progress,
+)
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.pipeline import load_estimation_pipeline
+from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState, Start
+from flexsid.records.run import (
+    Aerodynamics,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    Progress,
+    RunSettings,
+    RunState,
+    Start,
+)
 from flexsid.settings import Settings
 from flexsid.storage import batches
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.model_structures.model_structures import get_version
+from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
-
-T = TypeVar("T")
-
-
-def read_request(arguments: argparse.Namespace) -> EstimationRun:
-    """Read the arguments of ``flexsid run``."""
-    return EstimationRun(
-        maneuver_id=0,  # set for each maneuver
-        method=Method(arguments.method),
-        structure=Structure(
-            modes=tuple(parse_list(arguments.modes or "", int, "--modes")),
-            inputs=tuple(parse_list(arguments.inputs, str, "--inputs")),
-            outputs=tuple(parse_list(arguments.outputs, str, "--outputs")),
-            free=None
-            if arguments.free is None
-            else tuple(parse_list(arguments.free, str, "--free")),
-            fixed={},
-            free_delays=arguments.free_delays,
-            extra_parameters=tuple(
-                parse_list(arguments.extra_parameters, str, "--extra-parameters")
-            ),
-        ),
-        settings=RunSettings(
-            start=Start(arguments.start),
-            band_hz=read_band(arguments.band),
-            prior_spread=arguments.prior_spread,
-            additional_maneuver_ids=tuple(
-                parse_list(arguments.additional_maneuver_ids, int, "--additional-maneuvers")
-            ),
-        ),
-    )
-
-
-def read_band(text: str | None) -> tuple[float, float] | None:
-    """Read two frequencies in Hz."""
-    if text is None:
-        return None
-    limits = parse_list(text, float, "--band")
-    if len(limits) != 2:
-        raise BadInput(f"--band is {text!r}; expected two frequencies, e.g. 0.5,12")
-    return limits[0], limits[1]
 
 
 def run(settings: Settings, arguments: argparse.Namespace) -> int:
     """Queue runs, or execute them with ``--wait``; return 0 unless one failed."""
-    maneuvers = parse_list(str(arguments.maneuver), int, "--maneuver")
+    maneuvers = parse_list(arguments.maneuver, int, "--maneuver")
     if not maneuvers:
         raise BadInput("--maneuver names none; give ids separated by commas, e.g. 1,2,3")
-    requested = read_request(arguments)
+    requested = _read_request(arguments)
+    as_json, is_single = arguments.json, len(maneuvers) == 1
     failed = False
     with open_store(settings) as store:
         for done, maneuver in enumerate(maneuvers, start=1):
             try:
-                one = _complete_structure(
-                    store, replace(requested, maneuver_id=maneuver), arguments
-                )
+                one = replace(requested, maneuver_id=maneuver)
+                one = _complete_structure(store, one, arguments)
                 stored = _submit(store, one, wait=arguments.wait)
             except FlexsidError as error:
-                if len(maneuvers) == 1:
+                if is_single:
                     raise
-                print_error(
-                    f"maneuver {maneuver}: {error.message}", error.code, as_json=arguments.json
-                )
+                print_error(f"maneuver {maneuver}: {error.message}", error.code, as_json=as_json)
                 failed = True
                 continue
-            if len(maneuvers) == 1:
-                print_result(
-                    _format_table(stored) if stored.error is None else (),
-                    stored,
-                    as_json=arguments.json,
-                )
+            table = _format_table(stored)
+            if is_single:
+                print_result(table if stored.error is None else (), stored, as_json=as_json)
             else:
                 show_count(done, len(maneuvers), f"maneuver {maneuver}")
-                print_next_result(_format_table(stored)[0], stored, as_json=arguments.json)
+                print_next_result(table[0], stored, as_json=as_json)
             if stored.error is not None:
                 message = f"run {stored.id} failed: {stored.error['message']}"
-                print_error(message, stored.error["code"], as_json=arguments.json)
+                print_error(message, stored.error["code"], as_json=as_json)
             failed = failed or stored.state is RunState.FAILED
     return 1 if failed else 0
+
+
+def _read_request(arguments: argparse.Namespace) -> EstimationRun:
+    additional = arguments.additional_maneuvers
+    return EstimationRun(
+        maneuver_id=0,  # set for each maneuver
+        method=Method(arguments.method),
+        structure=read_structure(arguments, arguments.extra_parameters),
+        settings=RunSettings(
+            start=Start(arguments.start),
+            band_hz=parse_band(arguments.band),
+            prior_spread=arguments.prior_spread,
+            out_of_band_modes=OutOfBandModes(arguments.out_of_band_modes),
+            aerodynamics=Aerodynamics(arguments.aerodynamics),
+            additional_maneuver_ids=parse_list(additional, int, "--additional-maneuvers"),
+        ),
+    )
 
 
 def _complete_structure(
@@ -115,34 +100,33 @@ def _complete_structure(
         if is_described:
             raise BadInput("give --structure, or describe one by --modes and the like, not both")
         text = arguments.structure.replace(":", ",", 1)
-        number, *version = parse_list(text, int, "--structure") or [0]
+        number, *version = parse_list(text, int, "--structure") or (0,)
         stored = get_version(store, number, *version[:1])
-        return attach_proposal_basis(
-            store,
-            replace(
-                requested,
-                structure=stored.structure,
-                structure_id=stored.structure_id,
-                structure_version=stored.version,
-            ),
+        requested = replace(
+            requested,
+            structure=stored.structure,
+            structure_id=stored.structure_id,
+            structure_version=stored.version,
         )
-    if arguments.modes is not None:
         return attach_proposal_basis(store, requested)
-    proposed = apply_proposal(store, requested)
-    if not is_described:
-        return proposed
-    # The given options stay; the modes are the proposed ones.
-    structure = replace(requested.structure, modes=proposed.structure.modes)
-    return attach_proposal_basis(
-        store, replace(requested, structure=structure, settings=proposed.settings)
+    requested = replace(
+        requested,
+        structure=set_maneuver_axis(store, requested.structure, requested.maneuver_id),
     )
+    if arguments.modes is None:
+        proposed = apply_proposal(store, requested)
+        if not is_described:
+            return proposed
+        # The given options stay; the modes are the proposed ones.
+        structure = replace(requested.structure, modes=proposed.structure.modes)
+        requested = replace(requested, structure=structure, settings=proposed.settings)
+    return attach_proposal_basis(store, requested)
 
 
 def _submit(store: Store, requested: EstimationRun, *, wait: bool) -> EstimationRun:
-    pipeline = load_estimation_pipeline()
-    pipeline.prepare(store, requested)  # a run that cannot be estimated is refused at once
+    estimation.prepare(store, requested)  # a run that cannot be estimated is refused at once
     if wait:
-        return execute_run(store, requested, pipeline, show_progress)
+        return execute_run(store, requested, RUN, report_progress)
     stored, _ = batches.add_once(store, add_hashes(store, requested))
     return stored
 
@@ -168,19 +152,11 @@ def _format_table(run: EstimationRun) -> list[str]:
             error = f"{sigma:>12.4g}{percent:>8}"
         lines.append(f"{parameter.name:<16}{parameter.value:>12.5g}{error}")
     lines += ["", "R²: " + ", ".join(f"{k} {v:.3f}" for k, v in fit.r_squared.items())]
+    lines += ["", f"Model adequacy: {result.adequacy.state.value}. {result.adequacy.reason}"]
     return lines + [f"note: {warning}" for warning in fit.warnings]
 
 
-def parse_list(text: str, kind: Callable[[str], T], option: str) -> list[T]:
-    """Parse a comma-separated list."""
-    try:
-        return [kind(part.strip()) for part in text.split(",") if part.strip()]
-    except ValueError as error:
-        raise BadInput(f"{option} is {text!r}; expected numbers separated by commas") from error
-
-
-def show_progress(progress: Progress) -> None:
-    """Show the progress on a terminal."""
-    if sys.stderr.isatty():
-        cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
-        print(f"\r{progress.message:<40} {cost:<24}", end="", file=sys.stderr, flush=True)
+def report_progress(progress: Progress) -> None:
+    """Show the progress of a fit."""
+    cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
+    show_progress(f"{progress.message:<40} {cost:<24}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import logging
 import socket
 import sys
 from types import FrameType
@@ -10,22 +12,27 @@ import uvicorn
 from fastapi import FastAPI
 
 from flexsid.api.app import create_app
+from flexsid.api.request_log import JsonFormatter
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_next_result
+from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
+from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.errors import FlexsidError
+from flexsid.jobs.health import PartHealth
 from flexsid.jobs.interpreter import configure_interpreter
-from flexsid.settings import Settings
+from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
-_LOOPBACK = "127.0.0.1"  # without log-in, only the loopback address is served
 _GRACE_S = 1
+_IDLE_S = 75  # longer than clients with a pool of connections leave them idle
 
 
 class _Server(uvicorn.Server):
     as_json = False
+    campaign_process: CampaignProcess | None = None
+    url = ""
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         # An open event stream would prevent the server from stopping.
@@ -38,45 +45,70 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         configure_interpreter()
         if self.started:
-            url = f"http://{_LOOPBACK}:{self.config.port}"
-            text = f"flexsid serves on {url} (Ctrl-C stops it)"
-            print_next_result(text, {"url": url}, as_json=self.as_json)
+            text = f"flexsid serves on {self.url} (Ctrl-C stops it)"
+            print_next_result(text, {"url": self.url}, as_json=self.as_json)
+            if self.campaign_process is not None:
+                self.campaign_process.start()
 
 
-def serve(settings: Settings, *, as_json: bool = False) -> int:
+def serve(settings: Settings, arguments: argparse.Namespace) -> int:
     """Serve until stopped by a signal."""
-    with _bind_port(settings.port) as port:
+    with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)  # refuses an invalid database before the server starts
-        return _serve_on(port, settings, as_json)
+        return _serve_on(port, settings, arguments.json)
 
 
-def demo(settings: Settings, *, as_json: bool = False) -> int:
-    """Simulate the missing maneuvers of the demonstration campaign, then serve."""
-    with _bind_port(settings.port) as port:
-        fill(settings, as_json=as_json)
-        return _serve_on(port, settings, as_json)
+def demo(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Serve while the missing maneuvers of the demonstration campaign are simulated."""
+    if arguments.no_serve:
+        _fill(settings, arguments.json)
+        return 0
+    campaign_process = CampaignProcess(settings.database, _report_progress)
+    with _bind_port(settings.address, settings.port) as port:
+        upgrade(settings.database)
+        try:
+            return _serve_on(port, settings, arguments.json, campaign_process)
+        finally:
+            campaign_process.stop()
 
 
-def _serve_on(port: socket.socket, settings: Settings, as_json: bool) -> int:
-    app = create_app(settings, add_builtin_aircraft=add_builtin_aircraft)
+def _serve_on(
+    port: socket.socket,
+    settings: Settings,
+    as_json: bool,
+    campaign_process: CampaignProcess | None = None,
+) -> int:
+    if settings.mode is not Mode.PERSONAL:
+        for handler in logging.getLogger().handlers:
+            handler.setFormatter(JsonFormatter())
+
+    def check_campaign() -> PartHealth | None:
+        return None if campaign_process is None else campaign_process.check_health()
+
+    app = create_app(
+        settings, add_builtin_aircraft=add_builtin_aircraft, check_additional_part=check_campaign
+    )
     config = uvicorn.Config(
         app,
-        host=_LOOPBACK,
+        host=settings.address,
         port=settings.port,
         log_level="warning",
         access_log=False,
         timeout_graceful_shutdown=_GRACE_S,
+        timeout_keep_alive=_IDLE_S,
+        proxy_headers=False,  # the application reads those of listed proxies
     )
     server = _Server(config)
     server.as_json = as_json
+    server.campaign_process = campaign_process
+    server.url = settings.url or f"http://{settings.address}:{settings.port}"
     server.run(sockets=[port])
     return 0 if server.started else 1
 
 
-def fill(settings: Settings, *, as_json: bool = False) -> None:
-    """Simulate the missing maneuvers of the demonstration campaign, with a progress bar."""
+def _fill(settings: Settings, as_json: bool) -> None:
     with open_store(settings, new=True) as store:
-        campaign.add_campaign(store, _show_progress)
+        campaign.add_campaign(store, _report_progress)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
         print(file=sys.stderr)
@@ -90,13 +122,14 @@ def add_builtin_aircraft(store: Store, name: str) -> None:
         campaign.add_aircraft(store)
 
 
-def _bind_port(port: int) -> socket.socket:
+def _bind_port(address: str, port: int) -> socket.socket:
     """Bind the port before the database is filled, and return the listening socket."""
     # With the protocol given as TCP, asyncio sets TCP_NODELAY; otherwise responses wait 40 ms.
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind((_LOOPBACK, port))
+        listener.bind((address, port))
         listener.listen()  # early connections wait instead of being refused
     except OSError as error:
         listener.close()
@@ -108,9 +141,8 @@ def _bind_port(port: int) -> socket.socket:
     return listener
 
 
-def _show_progress(fraction: float, message: str) -> None:
+def _report_progress(fraction: float, message: str) -> None:
     if sys.stderr.isatty():
-        bar = "█" * round(30 * fraction)
-        print(f"\r{bar:<30} {fraction:4.0%} {message:<50.50}", end="", file=sys.stderr, flush=True)
+        show_progress(f"{'█' * round(30 * fraction):<30} {fraction:4.0%} {message:<50.50}")
     else:
         print(f"{fraction:4.0%} {message}", file=sys.stderr, flush=True)

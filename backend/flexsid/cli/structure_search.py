@@ -4,58 +4,50 @@ from __future__ import annotations
 
 import argparse
 
+from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_maneuver_axis
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_error, print_result
-from flexsid.cli.runs import parse_list, read_band, show_progress
-from flexsid.records.model_structure import Structure
+from flexsid.cli.runs import report_progress
+from flexsid.jobs.inline import execute_job
+from flexsid.jobs.kinds import SEARCH
 from flexsid.records.run import Method, RunState
-from flexsid.records.search import (
-    Algorithm,
-    SearchSettings,
-    SearchStart,
-    StructureSearch,
-)
+from flexsid.records.search import Algorithm, InitialTerms, SearchSettings, StructureSearch
 from flexsid.settings import Settings
 from flexsid.workflow.structure_determination import searches
 
 
 def search(settings: Settings, arguments: argparse.Namespace) -> int:
     """Execute a search, store and print its result; return 0 if it succeeded."""
-    maneuvers = tuple(parse_list(arguments.maneuvers, int, "MANEUVERS"))
+    maneuvers = parse_list(arguments.maneuvers, int, "MANEUVERS")
+    structure = read_structure(arguments)
     with open_store(settings) as store:
-        aircraft = store.maneuvers.get(maneuvers[0]).aircraft_id if maneuvers else 0
+        if maneuvers:
+            structure = set_maneuver_axis(store, structure, maneuvers[0])
         requested = StructureSearch(
-            aircraft_id=aircraft,
+            aircraft_id=store.maneuvers.get(maneuvers[0]).aircraft_id if maneuvers else 0,
             maneuver_ids=maneuvers,
             method=Method(arguments.method),
-            structure=Structure(
-                modes=tuple(parse_list(arguments.modes, int, "--modes")),
-                inputs=tuple(parse_list(arguments.inputs, str, "--inputs")),
-                outputs=tuple(parse_list(arguments.outputs, str, "--outputs")),
-                free=None
-                if arguments.free is None
-                else tuple(parse_list(arguments.free, str, "--free")),
-                fixed={},
-                free_delays=arguments.free_delays,
-            ),
+            structure=structure,
             settings=SearchSettings(
                 algorithm=Algorithm(arguments.algorithm),
-                begin=SearchStart(arguments.begin),
+                initial_terms=InitialTerms(arguments.initial_terms),
                 f_in=arguments.f_in,
                 f_out=arguments.f_in if arguments.f_out is None else arguments.f_out,
-                draws=arguments.draws,
-                validate_on=tuple(parse_list(arguments.validate_on, int, "--validate-on")),
-                band_hz=read_band(arguments.band),
+                resamplings=arguments.resamplings,
+                validate_on=parse_list(arguments.validate_on, int, "--validate-on"),
+                band_hz=parse_band(arguments.band),
             ),
         )
-        stored = searches.add_search(store, requested)
-        assert stored.id is not None
-        stored = searches.run_search(
-            store, stored.id, lambda task: searches.compute_search(task, show_progress)
-        )
-    print_result(
-        _format_result(stored) if stored.error is None else (), stored, as_json=arguments.json
-    )
+        added: list[StructureSearch] = []
+
+        def add() -> int:
+            added.append(searches.add_search(store, requested))
+            return added[0].job_id or 0
+
+        execute_job(store, SEARCH, add, report_progress)
+        stored = store.searches.get(added[0].id or 0)
+    lines = _format_result(stored) if stored.error is None else ()
+    print_result(lines, stored, as_json=arguments.json)
     if stored.error is not None:
         message = f"search {stored.id} failed: {stored.error['message']}"
         print_error(message, stored.error["code"], as_json=arguments.json)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode
@@ -31,24 +32,22 @@ class Unreachable(FlexsidError):
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """Address of the workbench, response timeout, and name of the analyst."""
+    """Address of the workbench, response timeout, name of the analyst, and API token."""
 
     url: str
     timeout_s: float
     analyst: str = ""
+    token: str | None = field(default=None, repr=False)
 
     def get(self, path: str, query: Mapping[str, Any]) -> bytes:
         """Return the response of a GET request to a path below ``/api/v1``."""
-        encoded = urlencode(
-            {name: _format_value(value) for name, value in query.items() if value is not None}
-        )
-        return self._send(Request(f"{self._address(path)}{'?' if encoded else ''}{encoded}"))
+        return self._send(Request(self._address(path, query)))
 
-    def post(self, path: str, body: Any) -> bytes:
-        """Return the response of a POST request with a JSON body."""
+    def post(self, path: str, body: Any, query: Mapping[str, Any]) -> bytes:
+        """Return the response of a POST request with a JSON body and a query."""
         return self._send(
             Request(
-                self._address(path),
+                self._address(path, query),
                 data=json.dumps(body).encode(),
                 headers={"Content-Type": "application/json"},
                 method="POST",
@@ -83,12 +82,16 @@ class Connection:
         """Send a DELETE request to a path."""
         self._send(Request(self._address(path), method="DELETE"))
 
-    def _address(self, path: str) -> str:
-        return f"{self.url.rstrip('/')}/api/v1/{path.strip('/')}"
+    def _address(self, path: str, query: Mapping[str, Any] = MappingProxyType({})) -> str:
+        given = {name: _format_value(value) for name, value in query.items() if value is not None}
+        encoded = f"?{urlencode(given)}" if given else ""
+        return f"{self.url.rstrip('/')}/api/v1/{path.strip('/')}{encoded}"
 
     def _send(self, request: Request) -> bytes:
         if self.analyst:
             request.add_header("X-Flexsid-Analyst", quote(self.analyst))
+        if self.token is not None:
+            request.add_unredirected_header("Authorization", f"Bearer {self.token}")
         try:
             with urlopen(request, timeout=self.timeout_s) as response:
                 return response.read()

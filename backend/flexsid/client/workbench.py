@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,6 +44,9 @@ class Workbench:
         Address of the server.
     analyst
         Name of the analyst, stored with every request; proposals and comments require it.
+    token
+        API token of an account, for servers with log-in; by default the environment variable
+        ``FLEXSID_TOKEN``.
     timeout_s
         Timeout of one response. [s]
 
@@ -56,9 +60,15 @@ class Workbench:
     """
 
     def __init__(
-        self, url: str = "http://127.0.0.1:8000", *, analyst: str = "", timeout_s: float = 60.0
+        self,
+        url: str = "http://127.0.0.1:8000",
+        *,
+        analyst: str = "",
+        token: str | None = None,
+        timeout_s: float = 60.0,
     ) -> None:
-        self._connection = Connection(url, timeout_s, analyst)
+        token = os.environ.get("FLEXSID_TOKEN") if token is None else token
+        self._connection = Connection(url, timeout_s, analyst, token)
 
     def __repr__(self) -> str:
         return f"Workbench({self._connection.url!r})"
@@ -84,9 +94,9 @@ class Workbench:
         """
         return json.loads(self._connection.get(path, query))
 
-    def post(self, path: str, body: Any) -> Any:
-        """Return the response of any route below ``/api/v1`` to a JSON body."""
-        return json.loads(self._connection.post(path, body))
+    def post(self, path: str, body: Any, **query: Any) -> Any:
+        """Return the response of any route below ``/api/v1`` to a JSON body and a query."""
+        return json.loads(self._connection.post(path, body, query))
 
     def items(self, path: str, limit: int | None = None, **query: Any) -> list[dict[str, Any]]:
         """Return all items of a list, at most ``limit``, read page by page."""
@@ -274,6 +284,19 @@ class Workbench:
         response = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
         return tabulate_comparison(response)
 
+    def compute_prediction(self, **planform: Any) -> int:
+        """Compute derivatives from a planform, wait, and return the id of the prediction.
+
+        Parameters
+        ----------
+        **planform
+            ``aircraft_id``, ``source``, ``panels`` (or ``deck``), ``surfaces``, ``mach`` and
+            ``reference_k``, as the interface names them.
+        """
+        job_id = self.post("predictions", planform)["id"]
+        self.wait(job_id)
+        return self.get(f"jobs/{job_id}")["result"]["prediction_id"]
+
     def flutter(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
         """Return the flutter prediction of runs and the margin of the next test point.
 
@@ -282,16 +305,65 @@ class Workbench:
         run_ids
             Runs that succeeded, best over several airspeeds.
         **query
-            ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``others`` and ``trend``, as the
-            interface names them.
+            ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``unmodelled_modes`` and
+            ``trend``, as the interface names them.
         """
-        return self.get("flutter", run_ids=run_ids, **query)
+        return self._compute("flutter", run_ids=list(run_ids), **query)
 
     def closed_loop(
         self, run_ids: Iterable[int], controller_id: int, **query: Any
     ) -> dict[str, Any]:
         """Return the stability margins of a controller around identified models."""
-        return self.get("closed-loop", run_ids=run_ids, controller_id=controller_id, **query)
+        runs = list(run_ids)
+        return self._compute("closed-loop", run_ids=runs, controller_id=controller_id, **query)
+
+    def cross_predict(
+        self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
+    ) -> pandas.DataFrame:
+        """Predict outputs of maneuvers by the models of runs, from the measured inputs.
+
+        Parameters
+        ----------
+        run_ids
+            Runs that succeeded.
+        maneuver_ids
+            Maneuvers; by default those of the runs.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Mean R2 over the outputs, one row per run and one column per maneuver; NaN where a
+            maneuver cannot be predicted.
+        """
+        import pandas  # takes a second to load
+
+        query: dict[str, Any] = {"run_ids": list(run_ids)}
+        if others := list(maneuver_ids):
+            query["maneuver_ids"] = others
+        cells = self._compute("cross-predictions", **query)["predictions"]
+        found = pandas.DataFrame(cells, columns=["run_id", "maneuver_id", "r_squared"])
+        return found.pivot(index="run_id", columns="maneuver_id", values="r_squared").astype(float)
+
+    def cross_validate(
+        self, run_id: int, partition: str = "folds", folds: int = 5
+    ) -> dict[str, Any]:
+        """Fit a run again without held-out data, and return how well it predicts these.
+
+        Parameters
+        ----------
+        run_id
+            Run that succeeded.
+        partition
+            ``folds`` of the frequencies, ``frequencies`` of the first fold only, or ``periods``.
+        folds
+            Number of folds.
+        """
+        return self._compute("cross-validations", run_id=run_id, partition=partition, folds=folds)
+
+    def _compute(self, path: str, **query: Any) -> dict[str, Any]:
+        """Request a result, wait for its job and return it; an equal request is one job."""
+        self.wait(self.post(f"{path}/results", None, **query)["id"])
+        return self.get(path, **query)
 
     # --- models and figures ---
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import pi
 from typing import Any
 
@@ -20,13 +21,13 @@ from flexsid.records.aircraft import (
     Surface,
     ThrustTable,
 )
-from flexsid.records.controller import ControlLaw, Controller
+from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
 from flexsid.units import factor
 
 NAME = "FLEX-28"
 
-_ACCELEROMETER_PAIRS = ("az_mf", "az_ma", "az_of", "az_oa", "ax_oa", "ay_wl")
+_RIGHT_ACCELEROMETERS = ("az_mfr", "az_mar", "az_ofr", "az_oar", "ax_oar", "ay_wlr")
 
 _DESCRIPTION = (
     "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge "
@@ -49,11 +50,11 @@ def describe_aircraft(truth: Truth) -> Aircraft:
         description=_DESCRIPTION,
         geometry=Geometry(area_m2=truth.area, chord_m=truth.chord, span_m=truth.span),
         mass=MassTable(
-            fuel=_numbers(truth.fuel),
-            mass_kg=_numbers(truth.mass),
-            pitch_inertia_kg_m2=_numbers(truth.pitch_inertia),
-            x_cg_m=_numbers(truth.x_cg),
-            z_cg_m=_numbers(truth.z_cg),
+            fuel=tuple(truth.fuel.tolist()),
+            mass_kg=tuple(truth.mass.tolist()),
+            pitch_inertia_kg_m2=tuple(truth.pitch_inertia.tolist()),
+            x_cg_m=tuple(truth.x_cg.tolist()),
+            z_cg_m=tuple(truth.z_cg.tolist()),
         ),
         surfaces=tuple(
             Surface(
@@ -74,7 +75,7 @@ def describe_aircraft(truth: Truth) -> Aircraft:
             lift_slope=float(-truth.derivatives[:, 0, 0].mean()),
         ),
         flutter=FlutterTable(
-            fuel=_numbers(truth.flutter_fuel), speed_m_s=_numbers(truth.flutter_speed)
+            fuel=tuple(truth.flutter_fuel.tolist()), speed_m_s=tuple(truth.flutter_speed.tolist())
         ),
         thrust=build_thrust_table(),
     )
@@ -87,9 +88,9 @@ def build_thrust_table() -> ThrustTable:
     newton = _STATIC_N * (rpm[:, None] / rpm[-1]) ** 3 * np.sqrt(288.15 / kelvin)
     return ThrustTable(
         engines=("engine_speed_l", "engine_speed_r"),
-        engine_speed_rad_s=_numbers(rpm * factor("rpm", "angular rate")),
-        total_temperature_k=_numbers(kelvin),
-        thrust_n=tuple(_numbers(np.round(row, 1)) for row in newton),
+        engine_speed_rad_s=tuple((rpm * factor("rpm", "angular rate")).tolist()),
+        total_temperature_k=tuple(kelvin.tolist()),
+        thrust_n=tuple(tuple(row) for row in np.round(newton, 1).tolist()),
         source="Invented ground test of one engine",
     )
 
@@ -110,7 +111,7 @@ def describe_controller(truth: Truth, aircraft_id: int) -> Controller:
                 airspeed_m_s=float(airspeed),
                 A=lagged[0],
                 B=lagged[1],
-                C=tuple(_numbers(-row) for row in law.gains_at(airspeed)),
+                C=tuple(tuple(row) for row in (-law.gains_at(airspeed)).tolist()),
                 D=((0.0, 0.0),) * len(law.surfaces),
             )
             for airspeed in (lowest, law.high_speed)
@@ -122,10 +123,6 @@ def describe_controller(truth: Truth, aircraft_id: int) -> Controller:
 def build_anti_alias_filter(source: dict[str, Any]) -> Butterworth:
     """Return the anti-alias filter of all recorded channels."""
     return _butterworth(source["dynamics"]["antialias"])
-
-
-def _numbers(values: Any) -> tuple[float, ...]:
-    return tuple(map(float, values))
 
 
 def _butterworth(entry: dict[str, Any]) -> Butterworth:
@@ -202,22 +199,13 @@ def _combinations(source: dict[str, Any]) -> tuple[Combination, ...]:
 
     Lateral accelerometers measure a symmetric motion with opposite signs.
     """
-    symmetric = [
+    side = re.compile("r(?=_|$)")  # in az_ofr, s_bend1r, s_ros3r_m45
+    names = (*_RIGHT_ACCELEROMETERS, *(f"s_{gauge}" for gauge in source["strain"]))
+    return tuple(
         Combination(
-            name=f"{pair}s",
-            terms=((f"{pair}l", 0.5), (f"{pair}r", -0.5 if pair.startswith("ay") else 0.5)),
+            name=side.sub("s", name),
+            terms=((side.sub("l", name), 0.5), (name, -0.5 if name.startswith("ay") else 0.5)),
         )
-        for pair in _ACCELEROMETER_PAIRS
-    ]
-    gauges = [gauge for gauge in source["strain"] if gauge.split("_")[0].endswith("r")]
-    for gauge in gauges:
-        base, _, direction = gauge.partition("_")
-        tail = f"_{direction}" if direction else ""
-        stem = f"s_{base.removesuffix('r')}"
-        symmetric.append(
-            Combination(
-                name=f"{stem}s{tail}",
-                terms=((f"{stem}l{tail}", 0.5), (f"{stem}r{tail}", 0.5)),
-            )
-        )
-    return tuple(symmetric)
+        for name in names
+        if side.search(name)
+    )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
+from functools import partial
 
 from threadpoolctl import threadpool_limits
 
@@ -19,8 +21,7 @@ from flexsid.demo.sources import build_modal_tables, build_model_structures, bui
 from flexsid.demo.vibration_test import build_measured_responses
 from flexsid.demo.whole_flight import add_uncut_flight
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Channel, Maneuver
+from flexsid.records.maneuver import Channel, Flight, Maneuver
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.model_structures.model_structures import add_structure
@@ -57,45 +58,28 @@ class Sortie:
     cards: tuple[Card, ...]
     stiffness_lost: float = 0.0  # relative stiffness loss of the first bending mode in the flight
 
-    @property
-    def ground_fuel(self) -> tuple[float, float]:
-        """Fuel on the runway before and after, with that of climb, approach and taxi."""
-        return self.cards[0].fuel + 0.05, max(0.02, self.cards[-1].fuel - 0.05)
-
-
-def _cards(*plan: tuple[float, float, int]) -> tuple[Card, ...]:
-    return tuple(Card(*entry) for entry in plan)
-
 
 PLAN = (
     Sortie(
         1,
         date(2025, 5, 13),
         "Clearance to 0.80 of the flutter speed, heavy",
-        _cards(
-            (0.56, 0.92, 503),
-            (0.56, 0.86, 506),
-            (0.65, 0.80, 503),
-            (0.65, 0.74, 506),
-            (0.72, 0.68, 503),
-            (0.72, 0.62, 506),
-            (0.80, 0.56, 503),
-            (0.80, 0.50, 506),
+        (
+            *(Card(0.56, 0.92, 503), Card(0.56, 0.86, 506)),
+            *(Card(0.65, 0.80, 503), Card(0.65, 0.74, 506)),
+            *(Card(0.72, 0.68, 503), Card(0.72, 0.62, 506)),
+            *(Card(0.80, 0.56, 503), Card(0.80, 0.50, 506)),
         ),
     ),
     Sortie(
         2,
         date(2025, 5, 15),
         "Clearance to 0.95 of the flutter speed",
-        _cards(
-            (0.56, 0.66, 503),
-            (0.56, 0.60, 506),
-            (0.65, 0.55, 503),
-            (0.65, 0.50, 506),
-            (0.80, 0.42, 503),
-            (0.80, 0.34, 506),
-            (0.95, 0.22, 503),
-            (0.95, 0.12, 506),
+        (
+            *(Card(0.56, 0.66, 503), Card(0.56, 0.60, 506)),
+            *(Card(0.65, 0.55, 503), Card(0.65, 0.50, 506)),
+            *(Card(0.80, 0.42, 503), Card(0.80, 0.34, 506)),
+            *(Card(0.95, 0.22, 503), Card(0.95, 0.12, 506)),
         ),
         stiffness_lost=0.06,
     ),
@@ -103,16 +87,12 @@ PLAN = (
         3,
         date(2025, 5, 22),
         "Through the flutter speed under control of the loop",
-        _cards(
-            (0.80, 0.90, 506),
-            (0.95, 0.80, 503),
-            (0.95, 0.72, 506),
-            (1.02, 0.64, 503),
-            (1.02, 0.57, 506),
-            (1.09, 0.50, 506),
-            (1.09, 0.42, 503),
-            (1.09, 0.25, 506),
-            (0.65, 0.15, 506),
+        (
+            Card(0.80, 0.90, 506),
+            *(Card(0.95, 0.80, 503), Card(0.95, 0.72, 506)),
+            *(Card(1.02, 0.64, 503), Card(1.02, 0.57, 506)),
+            *(Card(1.09, 0.50, 506), Card(1.09, 0.42, 503), Card(1.09, 0.25, 506)),
+            Card(0.65, 0.15, 506),
         ),
     ),
 )
@@ -142,13 +122,15 @@ def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -
     missing = _find_missing(store, aircraft, seed)
     add_uncut_flight(store, aircraft, seed)
     if missing:
-        report_progress(0.0, f"flying {len(missing)} maneuvers")
+        report_progress(0.0, f"{len(missing)} maneuvers to simulate")
     else:
         report_progress(1.0, "the campaign is complete")
-    flown = _fly_all([task.order for task in missing])
-    for count, (task, maneuver) in enumerate(zip(missing, flown, strict=True), start=1):
-        add_maneuver(store, maneuver, task.flight_id)
-        report_progress(count / len(missing), f"flown {maneuver.label}")
+    flown = _fly_all([simulate for _, simulate in missing])
+    for count, ((flight_id, _), one) in enumerate(zip(missing, flown, strict=True), start=1):
+        maneuver = add_maneuver(store, one, flight_id)
+        report_progress(
+            count / len(missing), f"{count} of {len(missing)} maneuvers, {maneuver.label}"
+        )
     return len(missing)
 
 
@@ -175,98 +157,63 @@ def add_aircraft(store: Store) -> Aircraft:
 def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver:
     """Store a simulated maneuver with all channels in one transaction."""
     with store.transaction():
+        aircraft_id = store.flights.get(flight_id).aircraft_id
         maneuver = store.maneuvers.add(
-            Maneuver(
-                aircraft_id=store.flights.get(flight_id).aircraft_id,
-                flight_id=flight_id,
-                label=flown.label,
-                start_s=flown.start_s,
-                duration_s=flown.duration_s,
-                condition=flown.condition,
-                fta=flown.fta,
-                axis=flown.axis,
-                excitation=flown.excitation,
-                airspeed_ratio=flown.airspeed_ratio,
-                max_input_correlation=flown.max_input_correlation,
-                note=flown.note,
-            )
+            replace(flown.maneuver, aircraft_id=aircraft_id, flight_id=flight_id)
         )
         for channel in flown.channels:
-            store.channels.add(
-                Channel(
-                    name=channel.name,
-                    unit=channel.unit,
-                    role=channel.role,
-                    rate_hz=channel.rate_hz,
-                    start_s=flown.start_s,
-                    n_samples=channel.samples.size,
-                    array=store.arrays.put(channel.samples, channel.unit),
-                    maneuver_id=maneuver.id,
-                )
-            )
+            fields = channel.save(store.arrays.put)
+            store.channels.add(Channel(maneuver_id=maneuver.id, start_s=maneuver.start_s, **fields))
     return maneuver
 
 
-@dataclass(frozen=True, slots=True)
-class _GroundRecord:
-    fuel: float
-    stiffness_lost: float
+_Simulation = partial[FlownManeuver]
 
 
-@dataclass(frozen=True, slots=True)
-class _Order:
-    card: Card | _GroundRecord
-    seed: tuple[int, ...]
-    start_s: float
-    label: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Task:
-    flight_id: int
-    order: _Order
-
-
-def _find_missing(store: Store, aircraft: Aircraft, seed: int) -> list[_Task]:
-    """Return the cards that are not stored yet, e.g. after an interruption."""
-    tasks = []
+def _find_missing(store: Store, aircraft: Aircraft, seed: int) -> list[tuple[int, _Simulation]]:
+    """Return flight and simulation of what is not stored yet, e.g. after an interruption."""
+    missing = []
     for sortie in PLAN:
         flight = _flight(store, aircraft, sortie)
         assert flight.id is not None
         present = {maneuver.label for maneuver in store.maneuvers.find(flight_id=flight.id)}
-        orders = [
-            _Order(
-                card,
-                (seed, sortie.number, place),
-                _FIRST_CARD_S + place * _BETWEEN_CARDS_S,
-                f"{sortie.number}-{place + 1:02d} FTA {card.fta}",
-            )
-            for place, card in enumerate(sortie.cards)
-        ]
-        orders += _ground_records(sortie, seed)
-        tasks += [_Task(flight.id, order) for order in orders if order.label not in present]
-    # ground records last, so that the cards have the first numbers
-    return sorted(tasks, key=lambda task: isinstance(task.order.card, _GroundRecord))
+        records = (*_simulate_cards(sortie, seed), *_simulate_ground_records(sortie, seed))
+        missing += [(flight.id, one) for one in records if one.keywords["label"] not in present]
+    # Ground records last, so that the cards have the first numbers.
+    return sorted(missing, key=lambda entry: entry[1].func is simulate_ground_test)
 
 
-def _ground_records(sortie: Sortie, seed: int) -> list[_Order]:
-    """Return ground records before take-off and after landing; the second shows damage."""
+def _simulate_cards(sortie: Sortie, seed: int) -> Iterator[_Simulation]:
+    for number, card in enumerate(sortie.cards):
+        yield partial(
+            fly,
+            airspeed_ratio=card.airspeed_ratio,
+            fuel=card.fuel,
+            fta=card.fta,
+            peak_deg=card.peak_deg,
+            seed=(seed, sortie.number, number),
+            start_s=_FIRST_CARD_S + number * _BETWEEN_CARDS_S,
+            label=f"{sortie.number}-{number + 1:02d} FTA {card.fta}",
+        )
+
+
+def _simulate_ground_records(sortie: Sortie, seed: int) -> Iterator[_Simulation]:
+    """Yield the records before take-off and after landing; the second shows damage."""
     landed_s = _FIRST_CARD_S + len(sortie.cards) * _BETWEEN_CARDS_S + 300.0
-    before, after = sortie.ground_fuel
-    return [
-        _Order(
-            _GroundRecord(before, 0.0),
-            (seed, sortie.number, 100),
-            -300.0,
-            f"{sortie.number} mini-GVT before flight",
-        ),
-        _Order(
-            _GroundRecord(after, sortie.stiffness_lost),
-            (seed, sortie.number, 101),
-            landed_s,
-            f"{sortie.number} mini-GVT after flight",
-        ),
-    ]
+    # Climb, approach and taxi burn fuel too.
+    before, after = sortie.cards[0].fuel + 0.05, max(0.02, sortie.cards[-1].fuel - 0.05)
+    for number, when, fuel, lost, start_s in (
+        (100, "before", before, 0.0, -300.0),
+        (101, "after", after, sortie.stiffness_lost, landed_s),
+    ):
+        yield partial(
+            simulate_ground_test,
+            fuel=fuel,
+            stiffness_lost=lost,
+            seed=(seed, sortie.number, number),
+            start_s=start_s,
+            label=f"{sortie.number} mini-GVT {when} flight",
+        )
 
 
 def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
@@ -284,38 +231,28 @@ def _flight(store: Store, aircraft: Aircraft, sortie: Sortie) -> Flight:
     )
 
 
-def _fly_all(orders: Sequence[_Order]) -> Iterator[FlownManeuver]:
+def _simulate(one: _Simulation) -> FlownManeuver:
+    return one()
+
+
+def _prepare_process() -> None:
+    # Ctrl-C reaches the whole process group; the parent ends its processes.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threadpool_limits(1)
+
+
+def _fly_all(simulations: Sequence[_Simulation]) -> Iterator[FlownManeuver]:
     """Simulate in order, in several processes if there are at least four maneuvers."""
-    if len(orders) < 4:
-        yield from map(_fly_card, orders)
+    if len(simulations) < 4:
+        yield from map(_simulate, simulations)
         return
     context = multiprocessing.get_context("spawn")
     # One thread each: the matrices are small. More than four processes take longer to start.
     processes = min(4, os.cpu_count() or 1)
     with ProcessPoolExecutor(
-        max_workers=processes, mp_context=context, initializer=threadpool_limits, initargs=(1,)
+        max_workers=processes, mp_context=context, initializer=_prepare_process
     ) as pool:
         try:
-            yield from pool.map(_fly_card, orders)
+            yield from pool.map(_simulate, simulations)
         finally:
             pool.shutdown(cancel_futures=True)
-
-
-def _fly_card(order: _Order) -> FlownManeuver:
-    if isinstance(order.card, _GroundRecord):
-        return simulate_ground_test(
-            fuel=order.card.fuel,
-            stiffness_lost=order.card.stiffness_lost,
-            seed=order.seed,
-            start_s=order.start_s,
-            label=order.label,
-        )
-    return fly(
-        airspeed_ratio=order.card.airspeed_ratio,
-        fuel=order.card.fuel,
-        fta=order.card.fta,
-        peak_deg=order.card.peak_deg,
-        seed=order.seed,
-        start_s=order.start_s,
-        label=order.label,
-    )

@@ -17,8 +17,7 @@ from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.modes import ModeTable, StructuralModes
-from flexsid.sysid.simulation.actuators import Actuator
-from flexsid.sysid.simulation.controller import ScheduledController
+from flexsid.sysid.simulation.closed_loop import Actuator, ScheduledController
 from flexsid.units import factor
 
 INPUTS = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")

@@ -10,37 +10,32 @@ import numpy as np
 from flexsid.demo.aircraft import build_anti_alias_filter, describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.recorder import LOW, FlownChannel, Recorder, condition_channels
+from flexsid.demo.surface_faults import SurfaceFault
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Condition, Excitation, Role
-from flexsid.sysid.excitation.catalogue import design_flight_test_aid
-from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.records.maneuver import Condition, Excitation, Maneuver, Role
+from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.multisine import Multisine, assign_harmonics, design_multisine
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.simulation.turbulence import Turbulence, generate_gust
 from flexsid.units import factor, to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition
-from flexsid.workflow.importing.persistence import compute_largest_correlation
+from flexsid.workflow.importing.flight_import import compute_largest_correlation
 
 TRIM_S = 2.0
 SETTLE_S = 4.0
 ALTITUDE_M = 1524.0
+_LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
+_GUST = 797  # separates the seed of the turbulence from that of the noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FlownManeuver:
     """A recorded maneuver before storage, with the true derivatives."""
 
-    label: str
-    fta: int
-    start_s: float
-    duration_s: float
-    condition: Condition
-    airspeed_ratio: float | None
-    excitation: Excitation
-    max_input_correlation: float
+    maneuver: Maneuver  # its aircraft and flight are set when it is stored
     channels: tuple[FlownChannel, ...]
     truth: DerivativeTable
-    note: str = ""
-    axis: str = "longitudinal"
 
 
 def fly(
@@ -56,6 +51,8 @@ def fly(
     label: str | None = None,
     n_periods: int = 1,
     absent: tuple[str, ...] = (),
+    turbulence: Turbulence = Turbulence.NONE,
+    fault: SurfaceFault | None = None,
 ) -> FlownManeuver:
     """Simulate a flight test aid in closed loop from trim and record all channels.
 
@@ -83,22 +80,33 @@ def fly(
         Number of consecutive periods of the excitation.
     absent
         Derivatives that are zero in the simulated aircraft, e.g. ``Cm_etadot9``.
+    turbulence
+        Intensity of the turbulence, in which the aircraft flies before the record too.
+    fault
+        Fault of a surface, None for none.
     """
     truth = load_truth().without(absent)
     aircraft = describe_aircraft(truth)
     multisine = design_fta(fta, peak_deg)
-    excited_s = n_periods * multisine.period_s
-    duration_s = TRIM_S + excited_s + SETTLE_S
-    excitation = np.zeros((round(duration_s * RATE_HZ), len(multisine.inputs)))
-    during = _during(excited_s)
-    n_excited = during.stop - during.start
-    excitation[during] = multisine.sample(np.arange(n_excited) / RATE_HZ)
+    excitation, during = sample_excitation(multisine, n_periods)
+    duration_s = len(excitation) / RATE_HZ
 
     airspeed = airspeed_ratio * truth.flutter_speed_at(fuel)
-    flight = fly_truth(truth, aircraft.sensors, airspeed, fuel, modes_in_truth, excitation)
+    gust, lead = _generate_gust(turbulence, airspeed, len(excitation), seed)
+    ordered = np.vstack([np.zeros((lead, excitation.shape[1])), excitation])
+    flight = fly_truth(
+        truth,
+        aircraft.sensors,
+        airspeed,
+        fuel,
+        modes_in_truth,
+        ordered if fault is None else fault.apply(ordered, multisine.inputs, RATE_HZ),
+        gust,
+        fault,
+    )
     generator = np.random.default_rng(seed) if noise else None
     recorder = Recorder(aircraft, build_anti_alias_filter(truth.source), generator)
-    surfaces = recorder.surfaces(aircraft, flight.motion.surfaces)
+    surfaces = recorder.surfaces(flight.motion.surfaces, lead)
     states = condition_channels(
         flight.condition,
         fuel,
@@ -108,31 +116,32 @@ def fly(
         generator,
     )
     condition = _average(aircraft, states)
-    correlation = compute_largest_correlation([channel.samples[during] for channel in surfaces])
     assert condition.flutter_speed_m_s is not None
-    assert correlation is not None
     return FlownManeuver(
-        label=label or f"FTA {fta} at {airspeed_ratio:.2f} V_f, fuel {fuel:.2f}",
-        fta=fta,
-        start_s=start_s,
-        duration_s=duration_s,
-        condition=condition,
-        airspeed_ratio=condition.airspeed_m_s / condition.flutter_speed_m_s,
-        excitation=Excitation(
-            period_s=multisine.period_s,
-            harmonics=multisine.harmonics(),
-            start_s=start_s + TRIM_S,
-            n_periods=n_periods,
+        maneuver=Maneuver(
+            aircraft_id=0,
+            flight_id=0,
+            label=label or f"FTA {fta} at {airspeed_ratio:.2f} V_f, fuel {fuel:.2f}",
+            fta=fta,
+            start_s=start_s,
+            duration_s=duration_s,
+            condition=condition,
+            airspeed_ratio=condition.airspeed_m_s / condition.flutter_speed_m_s,
+            excitation=describe_excitation(multisine, start_s, n_periods),
+            max_input_correlation=compute_largest_correlation(
+                [c.samples[during] for c in surfaces]
+            ),
+            note=f"{modes_in_truth} symmetric modes in the truth"
+            + ("" if gust is None else f", {turbulence} turbulence")
+            + ("" if fault is None else f", {fault.surface} {fault.kind}"),
         ),
-        max_input_correlation=correlation,
         channels=(
             *surfaces,
-            *recorder.sensors(aircraft.sensors, flight.felt, flight.condition),
+            *recorder.sensors(aircraft.sensors, flight.felt, flight.condition, lead),
             *recorder.commands(multisine.inputs, excitation),
             *states,
         ),
         truth=flight.derivatives,
-        note=f"{modes_in_truth} symmetric modes in the truth",
     )
 
 
@@ -140,20 +149,41 @@ def fly(
 def design_fta(fta: int, peak_deg: float) -> Multisine:
     """Design a flight test aid for the five symmetric surfaces of FLEX-28."""
     layout = load_truth().source["multisine"]
-    return design_flight_test_aid(
-        fta,
-        order=tuple(f"{name}s" for name in layout["order"]),
-        relative_peaks={f"{name}s": scale for name, scale in layout["scale"].items()},
-        peak=np.radians(peak_deg),
-        period_s=layout["T_s"],
-        first_harmonic=layout["k0"],
+    order = [f"{name}s" for name in layout["order"]]
+    assigned = assign_harmonics(order, CATALOGUE[fta].harmonics_per_input, layout["k0"])
+    peaks = {f"{n}s": float(np.radians(peak_deg)) * scale for n, scale in layout["scale"].items()}
+    return design_multisine({name: assigned[name] for name in peaks}, layout["T_s"], peaks)
+
+
+def sample_excitation(multisine: Multisine, n_periods: int = 1) -> tuple[np.ndarray, slice]:
+    """Return the excitation between trim and rest, (n_samples, n_u), and the samples it acts in."""
+    excited_s = n_periods * multisine.period_s
+    first, count = round(TRIM_S * RATE_HZ), round(excited_s * RATE_HZ)
+    excitation = np.zeros((round((TRIM_S + excited_s + SETTLE_S) * RATE_HZ), len(multisine.inputs)))
+    during = slice(first, first + count)
+    excitation[during] = multisine.sample(np.arange(count) / RATE_HZ)
+    return excitation, during
+
+
+def describe_excitation(multisine: Multisine, start_s: float, n_periods: int = 1) -> Excitation:
+    """Return the excitation of a record that starts at ``start_s``."""
+    return Excitation(
+        period_s=multisine.period_s,
+        harmonics=multisine.harmonics(),
+        start_s=start_s + TRIM_S,
+        n_periods=n_periods,
     )
 
 
-def _during(excited_s: float) -> slice:
-    """Return the samples of a fast channel during the excitation."""
-    first = round(TRIM_S * RATE_HZ)
-    return slice(first, first + round(excited_s * RATE_HZ))
+def _generate_gust(
+    turbulence: Turbulence, airspeed: float, n_samples: int, seed: int | tuple[int, ...]
+) -> tuple[np.ndarray | None, int]:
+    """Return the gust (None in still air) and the number of samples before the record."""
+    if turbulence is Turbulence.NONE:
+        return None, 0
+    lead = round(_LEAD_S * RATE_HZ)
+    generator = np.random.default_rng((*np.atleast_1d(seed).tolist(), _GUST))
+    return generate_gust(turbulence, airspeed, lead + n_samples, RATE_HZ, generator), lead
 
 
 def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:

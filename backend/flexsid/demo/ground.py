@@ -13,15 +13,20 @@ from scipy import fft
 
 from flexsid.demo.aircraft import build_anti_alias_filter, describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
-from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design_fta
+from flexsid.demo.flights import (
+    FlownManeuver,
+    describe_excitation,
+    design_fta,
+    sample_excitation,
+)
 from flexsid.demo.recorder import Recorder
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.aircraft import SensorKind
-from flexsid.records.maneuver import GROUND, Condition, Excitation
+from flexsid.records.maneuver import GROUND, Condition, Maneuver
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
-from flexsid.workflow.importing.persistence import compute_largest_correlation
+from flexsid.workflow.importing.flight_import import compute_largest_correlation
 
 FTA = 506
 PEAK_DEG = 4.0
@@ -67,11 +72,7 @@ def simulate_ground_test(
     truth = load_truth()
     aircraft = describe_aircraft(truth)
     multisine = design_fta(FTA, PEAK_DEG)
-    duration_s = TRIM_S + multisine.period_s + SETTLE_S
-    excitation = np.zeros((round(duration_s * RATE_HZ), len(INPUTS)))
-    first = round(TRIM_S * RATE_HZ)
-    count = round(multisine.period_s * RATE_HZ)
-    excitation[first : first + count] = multisine.sample(np.arange(count) / RATE_HZ)
+    excitation, _ = sample_excitation(multisine)
 
     parked = replace(truth.condition_at(truth.flutter_speed_at(fuel), fuel), alpha=0.0, thrust=0.0)
     condition = Condition(
@@ -105,30 +106,27 @@ def simulate_ground_test(
     n_samples = excitation.shape[0]
     generator = np.random.default_rng(seed) if noise else None
     recorder = Recorder(aircraft, build_anti_alias_filter(truth.source), generator)
-    surfaces = recorder.surfaces(aircraft, fft.irfft(moved, length, axis=0)[:n_samples])
-    correlation = compute_largest_correlation([channel.samples for channel in surfaces])
-    assert correlation is not None
+    surfaces = recorder.surfaces(fft.irfft(moved, length, axis=0)[:n_samples])
     return FlownManeuver(
-        label=label,
-        fta=FTA,
-        start_s=start_s,
-        duration_s=duration_s,
-        condition=condition,
-        airspeed_ratio=None,
-        axis=GROUND,
-        excitation=Excitation(
-            period_s=multisine.period_s,
-            harmonics=multisine.harmonics(),
-            start_s=start_s + TRIM_S,
+        maneuver=Maneuver(
+            aircraft_id=0,
+            flight_id=0,
+            label=label,
+            fta=FTA,
+            start_s=start_s,
+            duration_s=n_samples / RATE_HZ,
+            condition=condition,
+            axis=GROUND,
+            excitation=describe_excitation(multisine, start_s),
+            max_input_correlation=compute_largest_correlation([c.samples for c in surfaces]),
+            note="on the runway, no airflow",
         ),
-        max_input_correlation=correlation,
         channels=(
             *surfaces,
             *recorder.sensors(sensors, fft.irfft(measured, length, axis=0)[:n_samples], parked),
             *recorder.commands(multisine.inputs, excitation),
         ),
         truth=DerivativeTable.from_names(truth.symmetric, INPUTS, {}),
-        note="on the runway, no airflow",
     )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from flexsid.records.maneuver import Role
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
 from flexsid.sysid.simulation.recording import apply_instruments
-from flexsid.units import factor
+from flexsid.units import factor, lookup
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, compute_total_temperature
 
 HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
@@ -31,7 +32,6 @@ _UNITS = {
     SensorKind.VANE: "rad",
     SensorKind.STRAIN: "ustrain",
 }
-_DIMENSIONS = {"g": "acceleration", "ustrain": "strain"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,6 +43,17 @@ class FlownChannel:
     role: Role
     rate_hz: float
     samples: np.ndarray
+
+    def save(self, put: Callable[[np.ndarray, str], str]) -> dict[str, Any]:
+        """Store the samples and return the fields of the record of the channel."""
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "role": self.role,
+            "rate_hz": self.rate_hz,
+            "n_samples": self.samples.size,
+            "array": put(self.samples, self.unit),
+        }
 
 
 class Recorder:
@@ -56,39 +67,44 @@ class Recorder:
     def __init__(
         self, aircraft: Aircraft, anti_alias: Butterworth, noise: np.random.Generator | None
     ) -> None:
-        self._instruments = aircraft.instruments
+        self._aircraft = aircraft
         self._anti_alias = Instrument(elements=(anti_alias,))
         self._noise = noise
 
-    def surfaces(self, aircraft: Aircraft, deflections: np.ndarray) -> list[FlownChannel]:
-        """Record surface positions by their potentiometers."""
-        surfaces = aircraft.surfaces
+    def surfaces(self, deflections: np.ndarray, lead: int = 0) -> list[FlownChannel]:
+        """Record surface positions by their potentiometers, from the sample ``lead``."""
+        surfaces = self._aircraft.surfaces
         measured = self._measure(
             deflections,
             [str(surface.instrument) for surface in surfaces],
             [surface.noise_std_rad or 0.0 for surface in surfaces],
-        )
+        )[lead:]
         return [
             _channel(surface.name, "rad", Role.INPUT, HIGH, samples)
             for surface, samples in zip(surfaces, measured.T, strict=True)
         ]
 
     def sensors(
-        self, sensors: Sequence[Sensor], true_values: np.ndarray, condition: FlightCondition
+        self,
+        sensors: Sequence[Sensor],
+        true_values: np.ndarray,
+        condition: FlightCondition,
+        lead: int = 0,
     ) -> list[FlownChannel]:
-        """Record sensors, including their readings in trim."""
+        """Record sensors, including their readings in trim, from the sample ``lead``."""
         measured = self._measure(
             true_values,
             [str(sensor.instrument) for sensor in sensors],
             [sensor.noise_std or 0.0 for sensor in sensors],
-        )
+        )[lead:]
         channels = []
         for sensor, samples in zip(sensors, measured.T, strict=True):
             unit = _UNITS[sensor.kind]
-            si = factor(unit, _DIMENSIONS[unit]) if unit in _DIMENSIONS else 1.0
             rate = HIGH if sensor.name in _FAST else MEDIUM
             level = samples + compute_trim_reading(sensor, condition)
-            channels.append(_channel(sensor.name, unit, Role.OUTPUT, rate, level / si))
+            channels.append(
+                _channel(sensor.name, unit, Role.OUTPUT, rate, level / lookup(unit).factor)
+            )
         return channels
 
     def commands(self, names: Sequence[str], excitation: np.ndarray) -> list[FlownChannel]:
@@ -101,7 +117,8 @@ class Recorder:
     def _measure(
         self, true: np.ndarray, instruments: Sequence[str], noise_std: Sequence[float]
     ) -> np.ndarray:
-        measured = apply_instruments(true, HIGH, [self._instruments[name] for name in instruments])
+        own = [self._aircraft.instruments[name] for name in instruments]
+        measured = apply_instruments(true, HIGH, own)
         if self._noise is None:
             return measured
         white = self._noise.standard_normal(true.shape) * np.array(noise_std)

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from flexsid.demo.flex28 import INPUTS, Truth, load_nodes
-from flexsid.records.modal_table import ModalKind, ModalTable
+from flexsid.records.aircraft import DerivativePrediction
+from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.records.prediction import DerivativePrediction
-from flexsid.sysid.model.derivatives import Derivative, list_derivative_names
+from flexsid.sysid.model.derivatives import list_derivative_names, parse_derivative
 
 SaveArray = Callable[[np.ndarray], str]
 """Stores an array and returns its name."""
@@ -38,7 +38,7 @@ def build_modal_tables(
         aircraft_id=aircraft_id,
         name="FEM",
         kind=ModalKind.FEM,
-        fuel=_numbers(modes.fuel),
+        fuel=tuple(modes.fuel.tolist()),
         numbers=modes.numbers,
         names=names,
         symmetric=symmetric,
@@ -61,7 +61,7 @@ def build_modal_tables(
         aircraft_id=aircraft_id,
         name="GVT",
         kind=ModalKind.GVT,
-        fuel=_numbers(modes.fuel[ends]),
+        fuel=tuple(modes.fuel[ends].tolist()),
         numbers=modes.numbers,
         names=names,
         symmetric=symmetric,
@@ -83,7 +83,7 @@ def build_predictions(
         aircraft_id=aircraft_id,
         source="Panel code",
         kind="panel code",
-        fuel=_numbers(truth.fuel),
+        fuel=tuple(truth.fuel.tolist()),
         names=names,
         values=save(true * panel_factor),
         note="inviscid, eight symmetric modes; no error bounds are known",
@@ -91,7 +91,7 @@ def build_predictions(
     measured = [
         place
         for place, name in enumerate(names)
-        if Derivative.parse(name).coefficient in ("CZ", "Cm") and _group(name) in _TUNNEL_BIAS
+        if parse_derivative(name)[0] in ("CZ", "Cm") and _group(name) in _TUNNEL_BIAS
     ]
     own = tuple(names[place] for place in measured)
     tunnel_factor = np.array([_TUNNEL_BIAS[_group(name)] for name in own])
@@ -100,7 +100,7 @@ def build_predictions(
         aircraft_id=aircraft_id,
         source="Wind tunnel, half-span model",
         kind="wind tunnel",
-        fuel=_numbers(truth.fuel),
+        fuel=tuple(truth.fuel.tolist()),
         names=own,
         values=save(values),
         std_errors=save(0.03 * np.abs(values) + 0.002),
@@ -128,9 +128,5 @@ def build_model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:
 
 
 def _group(name: str) -> str:
-    variable = Derivative.parse(name).variable.rstrip("0123456789")
+    variable = parse_derivative(name)[1].rstrip("0123456789")
     return variable if variable in _PANEL_BIAS else "surface"
-
-
-def _numbers(values: np.ndarray) -> tuple[float, ...]:
-    return tuple(map(float, values))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.demo.flex28 import Truth
+from flexsid.demo.surface_faults import SurfaceFault
 from flexsid.records.aircraft import Sensor, SensorKind
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -36,6 +37,8 @@ def fly_truth(
     fuel: float,
     count: int,
     excitation: np.ndarray,
+    gust: np.ndarray | None = None,
+    fault: SurfaceFault | None = None,
 ) -> TrueFlight:
     """Simulate the response to an excitation from trim.
 
@@ -53,17 +56,22 @@ def fly_truth(
         Number of symmetric modes in the truth; the others are truncated.
     excitation
         Added to the surface commands at ``RATE_HZ``, (n_samples, 5). [rad]
+    gust
+        Angle of attack of turbulence at ``RATE_HZ``, None for still air. [rad]
+    fault
+        Fault of a surface, None for none.
     """
     condition = truth.condition_at(airspeed, fuel)
     derivatives = truth.derivatives_at(fuel, count)
     airframe = assemble_airframe(condition, truth.modes_at(fuel, count), derivatives)
     motion = simulate_closed_loop(
         airframe,
-        truth.actuator,
+        truth.actuator if fault is None else fault.limit(truth.actuator),
         excitation,
         RATE_HZ,
-        truth.controller,
+        truth.controller if fault is None else fault.disconnect(truth.controller),
         np.stack([feel.gyro(airframe, "nose_gyro"), feel.attitude(airframe, "egi_att")]),
+        gust,
     )
     rows = sensor_rows(truth, airframe, sensors)
     return TrueFlight(condition, derivatives, motion, motion.sense(rows))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flexsid.demo.flex28 import Truth, load_nodes
-from flexsid.records.modal_table import MeasuredResponses
+from flexsid.records.modal_data import MeasuredResponses
 
 _BAND_HZ = (2.0, 30.0)
 _STEP_HZ = 0.05

@@ -11,8 +11,7 @@ import numpy as np
 from flexsid.demo.flights import TRIM_S, FlownManeuver, fly
 from flexsid.demo.recorder import FlownChannel
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.maneuver import Role
+from flexsid.records.maneuver import Flight, FlightChannel, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 
@@ -45,18 +44,8 @@ def add_recording(
     assert flight.id is not None
     with store.transaction():
         for channel in channels:
-            store.flight_channels.add(
-                FlightChannel(
-                    flight_id=flight.id,
-                    name=channel.name,
-                    unit=channel.unit,
-                    role=channel.role,
-                    rate_hz=channel.rate_hz,
-                    start_s=start_s,
-                    n_samples=channel.samples.size,
-                    array=store.arrays.put(channel.samples, channel.unit),
-                )
-            )
+            fields = channel.save(store.arrays.put)
+            store.flight_channels.add(FlightChannel(flight_id=flight.id, start_s=start_s, **fields))
 
 
 def _build_pause(channel: FlownChannel) -> np.ndarray:
@@ -88,8 +77,8 @@ def add_uncut_flight(store: Store, aircraft: Aircraft, seed: int) -> None:
     if store.flights.find(aircraft_id=aircraft.id, number=_NUMBER):
         return
     flown = [
-        fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, seed=(seed, _NUMBER, place))
-        for place, (ratio, fuel, fta) in enumerate(_CARDS)
+        fly(airspeed_ratio=ratio, fuel=fuel, fta=fta, seed=(seed, _NUMBER, index))
+        for index, (ratio, fuel, fta) in enumerate(_CARDS)
     ]
     channels = tuple(_add_fault(channel) for channel in record_flight(flown))
     with store.transaction():

@@ -8,12 +8,17 @@ import numpy as np
 
 from flexsid.figures import quantities, style
 from flexsid.figures.spec import (
+    N_SIGMA,
     Spec,
     axis,
     column,
     empty,
+    error_bars,
     layout_key,
+    marked,
     rows,
+    scatter,
+    stack,
     stagger,
     title,
     vertical_mark,
@@ -25,45 +30,45 @@ View = Literal["bode", "nichols", "nyquist"]
 _DASHES = ("solid", "dash", "dot", "dashdot")
 _RIGID_DASH = "longdashdot"
 _DB = 20.0 / np.log(10.0)  # dB per unit of relative change
-_N_SIGMA = 2.0
 _MOST_LISTED = 400
 
 
-def bode(value: Bode, view: View = "bode") -> Spec:
+def draw_bode(value: Bode, view: View = "bode") -> Spec:
     """Draw measured responses as markers with ±2 standard errors, models as curves.
 
     ``nichols`` draws magnitude over phase, ``nyquist`` the complex plane.
     """
-    shown = value.measured + value.models
-    outputs = tuple(dict.fromkeys(response.output for response in shown))
+    responses = value.measured + value.models
+    outputs = {
+        output: [response for response in responses if response.output == output]
+        for output in dict.fromkeys(response.output for response in responses)
+    }
     if not outputs:
         return empty("No frequency response: select an output and an excited input")
-    bode_plane = view == "bode"
     coherent = any(response.coherence is not None for response in value.measured)
-    per_output = 1 if not bode_plane else 3 if coherent else 2
-    if bode_plane:
-        layout = _layout(outputs, value, per_output)
-    else:
-        layout = _plane_layout(outputs, value, view)
+    n_rows = 1 if view != "bode" else 3 if coherent else 2
+    layout = (
+        _lay_out_rows(outputs, value, coherent)
+        if view == "bode"
+        else _lay_out_planes(outputs, view)
+    )
     layout["meta"] = {
-        "rows": per_output * len(outputs) * (1 if view == "bode" else 2),
-        "blanked": _blanked(value),
+        "rows": n_rows * len(outputs) * (1 if view == "bode" else 2),
+        "blanked": _list_blanked(value),
         "agreement": value.agreement,
     }
     data: list[Spec] = []
-    for response in shown:
-        first = per_output * outputs.index(response.output) + 1
-        drawing = _select_style(response, value)
+    for response in responses:
+        first = n_rows * list(outputs).index(response.output) + 1
+        shared = _describe(response, first, value)
         if view == "bode":
-            data += _pair(response, first, drawing)
-            if response.coherence is not None:
-                data.append(_coherence(response, first, drawing))
+            data += _draw_rows(response, first, shared)
         else:
-            data.append(_locus(response, first, drawing, view))
-    return {"data": data, "layout": layout}
+            data.append(_draw_locus(response, first, shared, view))
+    return {"data": data, "layout": {**layout, "showlegend": True, "hovermode": "closest"}}
 
 
-def _blanked(value: Bode) -> list[Spec]:
+def _list_blanked(value: Bode) -> list[Spec]:
     return [
         {
             "output": response.output,
@@ -77,82 +82,77 @@ def _blanked(value: Bode) -> list[Spec]:
     ][:_MOST_LISTED]
 
 
-def _layout(outputs: tuple[str, ...], value: Bode, per_output: int) -> Spec:
-    count = per_output * len(outputs)
-    layout: Spec = {
-        "xaxis": {**title("Frequency [Hz]"), "type": "log", "anchor": axis(count)},
-        "showlegend": True,
-        "hovermode": "closest",
-    }
-    domains = rows([1.4, 1.0, 0.6][:per_output] * len(outputs))
-    for index, name in enumerate(outputs):
-        shown = [r for r in value.measured + value.models if r.output == name]
-        first = per_output * index
-        layout[layout_key(first + 1)] = {
-            **title(_magnitude_title(name, shown)),
-            "domain": domains[first],
-        }
-        layout[layout_key(first + 2)] = {
-            **title("Phase [deg]"),
-            "domain": domains[first + 1],
-            "dtick": _phase_step(shown),
-        }
-        if per_output == 3:
-            layout[layout_key(first + 3)] = {
-                **title("Coherence"),
-                "domain": domains[first + 2],
-                "range": [0, 1.05],
-            }
-    layout["shapes"], layout["annotations"] = [], []
+def _lay_out_rows(outputs: dict[str, list[Response]], value: Bode, coherent: bool) -> Spec:
+    axes: list[Spec] = []
+    for shown in outputs.values():
+        axes.append(title(_format_magnitude(shown)))
+        axes.append({**title("Phase [deg]"), "dtick": _find_phase_step(shown)})
+        if coherent:
+            axes.append({**title("Coherence"), "range": [0, 1.05]})
+    heights = [1.4, 1.0, *[0.6] * coherent] * len(outputs)
+    layout = stack({**title("Frequency [Hz]"), "type": "log"}, axes, heights)
+    marks = []
     for mode in value.modes:
         shape, name = vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
         if mode.run_id is not None:
             shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
             name["font"] = {"size": 11, "color": style.VERMILION}
-        layout["shapes"].append(shape)
-        layout["annotations"].append(name)
+        marks.append((shape, name))
+    layout |= marked(marks)
     stagger(layout["annotations"])
     return layout
 
 
-def _magnitude_title(name: str, shown: list[Response]) -> str:
-    inputs = {_over(response) for response in shown}
-    output = quantities.of_channel(name, shown[0].output_unit)
-    over = inputs.pop() if len(inputs) == 1 else "input unit"
-    return f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"
-
-
-def _plane_layout(outputs: tuple[str, ...], value: Bode, view: View) -> Spec:
+def _lay_out_planes(outputs: dict[str, list[Response]], view: View) -> Spec:
     """Lay out one plane per output, each with its own axes."""
-    layout: Spec = {"showlegend": True, "hovermode": "closest"}
-    for index, domain in enumerate(rows([1.0] * len(outputs))):
-        name, number = outputs[index], index + 1
-        shown = [r for r in value.measured + value.models if r.output == name]
-        across, up = "Phase [deg]", _magnitude_title(name, shown)
+    layout: Spec = {}
+    for number, (domain, (name, shown)) in enumerate(
+        zip(rows([1.0] * len(outputs)), outputs.items(), strict=True), start=1
+    ):
+        across, up = "Phase [deg]", _format_magnitude(shown)
+        scale = {}
         if view == "nyquist":
             output = quantities.of_channel(name, shown[0].output_unit)
-            unit = quantities.per(output.unit, _over(shown[0]))
+            unit = quantities.per(output.unit, _get_input_unit(shown[0]))
             across, up = f"Re({output.label}/δ) [{unit}]", f"Im({output.label}/δ)<br>[{unit}]"
+            scale = {"scaleanchor": axis(number, "x")}  # equal scales
         layout[layout_key(number, "x")] = {**title(across), "anchor": axis(number)}
         layout[layout_key(number)] = {
-            **title(up),
-            "domain": domain,
-            "anchor": axis(number, "x"),
-        }
-        if view == "nyquist":  # equal scales
-            layout[layout_key(number)] |= {"scaleanchor": axis(number, "x")}
+            **title(up), "domain": domain, "anchor": axis(number, "x"), **scale,
+        }  # fmt: skip
     return layout
 
 
-def _phase_step(shown: list[Response]) -> float:
+def _format_magnitude(shown: list[Response]) -> str:
+    units = {_get_input_unit(response) for response in shown}
+    output = quantities.of_channel(shown[0].output, shown[0].output_unit)
+    over = units.pop() if len(units) == 1 else "input unit"
+    return f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"
+
+
+def _find_phase_step(shown: list[Response]) -> float:
     """Return the tick distance in degrees for about five ticks."""
     phases = np.rad2deg(np.concatenate([response.phase_rad for response in shown]))
     span = float(np.ptp(phases[np.isfinite(phases)])) if np.isfinite(phases).any() else 0.0
     return next((step for step in (45.0, 90.0, 180.0) if span <= 5 * step), 360.0)
 
 
-def _over(response: Response) -> str:
+def _get_input_unit(response: Response) -> str:
     return quantities.of_channel(response.input, response.input_unit).unit
+
+
+def _describe(response: Response, first: int, value: Bode) -> Spec:
+    """Return name, legend and style of the traces of a response."""
+    name = quantities.of_channel(response.input).label
+    if response.label:
+        name = f"{name} {quantities.text(response.label)}"
+    return {
+        "name": name,
+        "legendgroup": f"{response.input} {response.run_id} {response.label}",
+        "showlegend": first == 1,
+        "meta": {"output": response.output, "input": response.input, "run_id": response.run_id},
+        **_select_style(response, value),
+    }
 
 
 def _select_style(response: Response, value: Bode) -> Spec:
@@ -169,74 +169,34 @@ def _select_style(response: Response, value: Bode) -> Spec:
     return {"mode": "lines", "line": {"color": colour, "dash": dash, "width": width}}
 
 
-def _shared(response: Response, first: int, drawing: Spec) -> Spec:
-    name = quantities.of_channel(response.input).label
-    if response.label:
-        name = f"{name} {quantities.text(response.label)}"
-    return {
-        "type": "scatter",
-        "name": name,
-        "legendgroup": f"{response.input} {response.run_id} {response.label}",
-        "showlegend": first == 1,
-        "yaxis": axis(first),
-        "meta": {"output": response.output, "input": response.input, "run_id": response.run_id},
-        **drawing,
-    }
-
-
-def _blank(response: Response, values: np.ndarray) -> np.ndarray:
-    """Replace blanked points by NaN."""
-    blanked = np.isin(response.frequency_hz, [point.frequency_hz for point in response.blanked])
-    return np.where(blanked, np.nan, values)
-
-
-def _pair(response: Response, first: int, drawing: Spec) -> list[Spec]:
+def _draw_rows(response: Response, first: int, shared: Spec) -> list[Spec]:
+    """Draw magnitude, phase and, where known, coherence; the latter also of blanked points."""
     factor, unit = _scale(response)
     with np.errstate(divide="ignore"):
         decibel = _blank(response, 20.0 * np.log10(response.magnitude * factor))
     degrees = _blank(response, np.rad2deg(response.phase_rad))
-    shared = _shared(response, first, drawing) | {"x": column(response.frequency_hz, exact=True)}
-    name = shared["name"]
-    pair: list[Spec] = [
-        {
-            **shared,
-            "y": column(decibel),
-            "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.1f}} dB re {unit}<extra>{name}</extra>",
-        },
-        {
-            **shared,
-            "y": column(degrees),
-            "yaxis": axis(first + 1),
-            "showlegend": False,
-            "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.1f}} deg<extra>{name}</extra>",
-        },
+    drawn = [(decibel, f"%{{y:.1f}} dB re {unit}"), (degrees, "%{y:.1f} deg")]
+    if response.coherence is not None:
+        drawn.append((response.coherence, "%{y:.2f}"))
+    traces = [
+        scatter(
+            column(response.frequency_hz, exact=True),
+            values,
+            row=row,
+            **{**shared, "showlegend": row == 1},
+            hovertemplate=f"%{{x:.3f}} Hz<br>{hover}<extra>{shared['name']}</extra>",
+        )
+        for row, (values, hover) in enumerate(drawn, start=first)
     ]
     if response.relative_std is not None and response.run_id is None:
-        reach = np.nan_to_num(_blank(response, _N_SIGMA * response.relative_std), posinf=0.0)
-        colour = drawing["marker"]["color"]
-        for trace, size in zip(pair, (_DB * reach, np.rad2deg(reach)), strict=True):
-            trace["error_y"] = {
-                "type": "data", "array": column(size), "color": colour,
-                "thickness": 1, "width": 0,
-            }  # fmt: skip
-    return pair
+        reach = np.nan_to_num(_blank(response, N_SIGMA * response.relative_std), posinf=0.0)
+        colour = shared["marker"]["color"]
+        for trace, factor in zip(traces, (_DB, np.rad2deg(1.0)), strict=False):
+            trace["error_y"] = error_bars(reach, colour, factor, thickness=1, width=0)
+    return traces
 
 
-def _coherence(response: Response, first: int, drawing: Spec) -> Spec:
-    """Draw coherence, also where the response is blanked."""
-    assert response.coherence is not None
-    shared = _shared(response, first, drawing)
-    return {
-        **shared,
-        "x": column(response.frequency_hz, exact=True),
-        "y": column(response.coherence),
-        "yaxis": axis(first + 2),
-        "showlegend": False,
-        "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.2f}}<extra>{shared['name']}</extra>",
-    }
-
-
-def _locus(response: Response, number: int, drawing: Spec, view: View) -> Spec:
+def _draw_locus(response: Response, number: int, shared: Spec, view: View) -> Spec:
     """Draw a response in a plane in order of frequency, with frequency in the hover text."""
     factor, unit = _scale(response)
     size = _blank(response, response.magnitude * factor)
@@ -247,17 +207,23 @@ def _locus(response: Response, number: int, drawing: Spec, view: View) -> Spec:
         with np.errstate(divide="ignore"):
             x, y = np.rad2deg(response.phase_rad), 20.0 * np.log10(size)
         text = f"%{{x:.1f}} deg, %{{y:.1f}} dB re {unit}"
-    shared = _shared(response, number, drawing)
     if response.run_id is None:
-        shared |= {"mode": "lines+markers", "line": {"width": 0.6}}
-    return {
+        shared = {**shared, "mode": "lines+markers", "line": {"width": 0.6}}
+    return scatter(
+        x,
+        y,
+        row=number,
+        xaxis=axis(number, "x"),
         **shared,
-        "x": column(x),
-        "y": column(y),
-        "xaxis": axis(number, "x"),
-        "customdata": [round(f, 4) for f in response.frequency_hz.tolist()],
-        "hovertemplate": f"%{{customdata}} Hz<br>{text}<extra>{shared['name']}</extra>",
-    }
+        customdata=[round(f, 4) for f in response.frequency_hz.tolist()],
+        hovertemplate=f"%{{customdata}} Hz<br>{text}<extra>{shared['name']}</extra>",
+    )
+
+
+def _blank(response: Response, values: np.ndarray) -> np.ndarray:
+    """Replace blanked points by NaN."""
+    blanked = np.isin(response.frequency_hz, [point.frequency_hz for point in response.blanked])
+    return np.where(blanked, np.nan, values)
 
 
 def _scale(response: Response) -> tuple[float, str]:

@@ -8,52 +8,48 @@ from itertools import groupby
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.figures.spec import Spec, column, empty, scatter, title
 from flexsid.records.run import Iteration
 from flexsid.records.views import Convergence
 
 
-def iterations(value: Convergence) -> Spec:
-    """Draw cost against iteration, one curve per leakage correction."""
-    steps = value.iterations
-    if not steps:
+def draw_iterations(value: Convergence) -> Spec:
+    """Draw cost against iteration, one curve per leakage correction.
+
+    Costs after a leakage correction are of other data.
+    """
+    if not value.iterations:
         return empty("No iterations: the estimate is direct")
-    stages = [list(stage) for _, stage in groupby(steps, key=lambda step: step.stage)]
-    traces = [
-        _trace(value.run_id, stage, style.of_index(number)[0])
-        for number, stage in enumerate(stages)
-    ]
-    several = len(stages) > 1
-    above = "minimum of each fit" if several else f"{_find_minimum(steps):.8g}"
-    layout: Spec = {
-        "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "dtick": 1 + len(steps) // 10},
+    data = []
+    for stage, group in groupby(value.iterations, key=lambda step: step.stage):
+        steps = list(group)
+        colour, _ = style.of_index(len(data))
+        # Costs of thousands change by fractions, so the difference to the minimum is drawn.
+        minimum = _find_minimum(steps)
+        name = f"after leakage correction {stage}" if stage else "first fit"
+        data.append(
+            scatter(
+                [step.iteration for step in steps],
+                column([step.cost - minimum for step in steps], exact=True),
+                "lines+markers",
+                name=name,
+                customdata=[[value.run_id, _get_finite(step.step), step.cost] for step in steps],
+                line={"color": colour, "width": 1.8},
+                marker={"color": colour, "size": 6},
+                hovertemplate="iteration %{x}<br>cost %{customdata[2]:.8g}<br>"
+                f"step %{{customdata[1]:.2e}}<extra>{name if stage else ''}</extra>",
+            )
+        )
+    minimum = f"{_find_minimum(value.iterations):.8g}"
+    above = "minimum of each fit" if len(data) > 1 else minimum
+    tick = 1 + len(value.iterations) // 10
+    layout = {
+        "xaxis": {**title("Iteration [1]"), "rangemode": "tozero", "dtick": tick},
         "yaxis": {**title(f"Cost J above {above} [1]"), "rangemode": "tozero"},
-        "showlegend": several,
+        "showlegend": len(data) > 1,
         "meta": {"rows": 1},
     }
-    return {"data": traces, "layout": layout}
-
-
-def _trace(run_id: int, steps: Sequence[Iteration], colour: str) -> Spec:
-    """Draw one fit; costs after a leakage correction are of other data."""
-    # Costs of thousands change by fractions, so the difference to the minimum is drawn.
-    minimum = _find_minimum(steps)
-    stage = steps[0].stage
-    name = f"after leakage correction {stage}" if stage else "first fit"
-    return {
-        "type": "scatter",
-        "mode": "lines+markers",
-        "name": name,
-        "x": [step.iteration for step in steps],
-        "y": column([step.cost - minimum for step in steps], exact=True),
-        "customdata": [[run_id, _get_finite(step.step), step.cost] for step in steps],
-        "line": {"color": colour, "width": 1.8},
-        "marker": {"color": colour, "size": 6},
-        "hovertemplate": (
-            "iteration %{x}<br>cost %{customdata[2]:.8g}<br>"
-            f"step %{{customdata[1]:.2e}}<extra>{name if stage else ''}</extra>"
-        ),
-    }
+    return {"data": data, "layout": layout}
 
 
 def _find_minimum(steps: Sequence[Iteration]) -> float:

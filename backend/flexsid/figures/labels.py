@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexsid.nomenclature import describe
+from flexsid.nomenclature import MOTIONS, describe
 
 
 def parameter_label(name: str) -> str:
@@ -15,10 +15,15 @@ def parameter_unit(name: str) -> str:
     return describe(name).unit or "1"
 
 
+def format_axis_title(name: str) -> str:
+    """Return the label of a derivative with its unit."""
+    return f"{parameter_label(name)} [{parameter_unit(name)}]"
+
+
 def get_family(name: str) -> str:
-    """Return the kind of variable of a derivative: alpha, q, eta, etadot, or input."""
+    """Return the kind of variable of a derivative: a motion, eta, etadot, or input."""
     variable = name.partition("_")[2]
-    if variable in ("alpha", "q"):
+    if variable in MOTIONS:
         return variable
     kind = variable.rstrip("0123456789")
     return kind if kind in ("eta", "etadot") and kind != variable else "input"

@@ -5,19 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, axis, column, empty, layout_key
+from flexsid.figures.spec import Spec, axis, column, empty, layout_key, scatter, text_at
 from flexsid.records.views import PlotMatrix
 
-LIMIT = (
-    0.9  # of |Re r|: above it equation and output error are ill-conditioned (ref. 14 of the paper)
-)
+LIMIT = 0.9
+"""Of |Re r|: above it equation and output error are ill-conditioned (ref. 14 of the paper)."""
+
 _POINTS = 400  # in one cross plot
 _ALL_POINTS = 8_000  # a browser draws so many within half a second
 _GAP = 0.01
 _FEW = 8  # largest number of channels with large font
+_BARE = dict.fromkeys(("showticklabels", "zeroline", "showgrid", "showline"), False) | {"ticks": ""}
 
 
-def plot_matrix(value: PlotMatrix) -> Spec:
+def draw_plot_matrix(value: PlotMatrix) -> Spec:
     """Draw names on the diagonal, cross plots above it, coefficients below.
 
     Spectra show real and imaginary parts together, and below the real part of their coefficient
@@ -27,20 +28,38 @@ def plot_matrix(value: PlotMatrix) -> Spec:
     count = len(value.names)
     if count < 2:
         return empty("Select at least two channels")
-    known = [
-        quantities.of_channel(name, unit)
-        for name, unit in zip(value.names, value.units, strict=True)
+    shown = [quantities.of_channel(*named) for named in zip(value.names, value.units, strict=True)]
+    samples = value.samples
+    if np.iscomplexobj(samples):
+        samples = np.concatenate([np.real(samples), np.imag(samples)])
+    samples = samples * np.array([quantity.factor for quantity in shown])
+    cells = [(row, col) for row in range(count) for col in range(row + 1, count)]
+    points = min(_POINTS, _ALL_POINTS // len(cells), len(samples))
+    drawn = samples[np.linspace(0, len(samples) - 1, points).astype(int)]
+    data = [
+        scatter(
+            drawn[:, col],
+            drawn[:, row],
+            name=f"{shown[row].label} over {shown[col].label}",
+            xaxis=axis(col + 1, "x"),
+            yaxis=axis(row + 1),
+            marker={"color": style.BLUE, "size": 2.5, "opacity": 0.6},
+            hovertemplate=f"{shown[col].label} %{{x:.3g}} {shown[col].unit}<br>"
+            f"{shown[row].label} %{{y:.3g}} {shown[row].unit}<extra></extra>",
+        )
+        for row, col in cells
     ]
-    rows = np.concatenate([np.real(value.samples), np.imag(value.samples)])
-    if not np.iscomplexobj(value.samples):
-        rows = value.samples
-    points = min(_POINTS, _ALL_POINTS // (count * (count - 1) // 2), len(rows))
-    indices = np.linspace(0, len(rows) - 1, points).astype(int)
-    shown = rows[indices] * np.array([quantity.factor for quantity in known])
+    font = {"size": 13 if count <= _FEW else 10}
+    notes = [(k, k, f"<b>{q.label}</b><br>[{q.unit}]", font) for k, q in enumerate(shown)]
+    notes += [(c, r, *_format_coefficient(value.correlation[c, r], font)) for r, c in cells]
     layout: Spec = {
         "showlegend": False,
         "hovermode": "closest",
-        "annotations": [],
+        "shapes": [_draw_frames(cells, count)],
+        "annotations": [
+            text_at((c + 0.5) / count, 1.0 - (r + 0.5) / count, text, "center", "middle", own_font)
+            for r, c, text, own_font in notes
+        ],
         "meta": {
             "rows": count,
             "names": list(value.names),
@@ -48,49 +67,22 @@ def plot_matrix(value: PlotMatrix) -> Spec:
             "condition": value.condition if np.isfinite(value.condition) else None,
         },
     }
-    size = 13 if count <= _FEW else 10
-    for index in range(count):
-        layout |= _axes_of_channel(index, count)
-        layout["annotations"].append(_name(known[index], _centre(index, index, count), size))
-    cells = [(row, col) for row in range(count) for col in range(row + 1, count)]
-    layout["annotations"] += [
-        _coefficient(value.correlation[col, row], _centre(col, row, count), size)
-        for row, col in cells
-    ]
-    layout["shapes"] = [_frames(cells, count)]
-    data = [
-        _cross_plot(row, col, shown[:, col], shown[:, row], known[col], known[row])
-        for row, col in cells
-    ]
+    for index in range(count):  # axes shared by the cross plots of a column and of a row
+        left, right = _find_span(index, count)
+        layout[layout_key(index + 1, "x")] = {**_BARE, "domain": [left, right]}
+        layout[layout_key(index + 1)] = {**_BARE, "domain": [1.0 - right, 1.0 - left]}
     return {"data": data, "layout": layout}
 
 
-def _span(index: int, count: int) -> tuple[float, float]:
+def _find_span(index: int, count: int) -> tuple[float, float]:
     return index / count + _GAP / 2, (index + 1) / count - _GAP / 2
 
 
-def _centre(row: int, col: int, count: int) -> tuple[float, float]:
-    return (col + 0.5) / count, 1.0 - (row + 0.5) / count
-
-
-def _axes_of_channel(index: int, count: int) -> Spec:
-    """Lay out the axes of a channel, shared by its column and row of cross plots."""
-    left, right = _span(index, count)
-    bare = {
-        "showticklabels": False, "zeroline": False, "showgrid": False, "showline": False,
-        "ticks": "",
-    }  # fmt: skip
-    return {
-        layout_key(index + 1, "x"): {**bare, "domain": [left, right]},
-        layout_key(index + 1): {**bare, "domain": [1.0 - right, 1.0 - left]},
-    }
-
-
-def _frames(cells: list[tuple[int, int]], count: int) -> Spec:
+def _draw_frames(cells: list[tuple[int, int]], count: int) -> Spec:
     """Draw a box around every cross plot, all in one path."""
     boxes = []
     for row, col in cells:
-        (left, right), (top, bottom) = _span(col, count), _span(row, count)
+        (left, right), (top, bottom) = _find_span(col, count), _find_span(row, count)
         low, high = 1.0 - bottom, 1.0 - top
         boxes.append(f"M{left},{low}L{right},{low}L{right},{high}L{left},{high}Z")
     return {
@@ -99,48 +91,12 @@ def _frames(cells: list[tuple[int, int]], count: int) -> Spec:
     }  # fmt: skip
 
 
-def _cross_plot(
-    row: int,
-    col: int,
-    x: np.ndarray,
-    y: np.ndarray,
-    of_x: quantities.DisplayQuantity,
-    of_y: quantities.DisplayQuantity,
-) -> Spec:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": f"{of_y.label} over {of_x.label}",
-        "x": column(x),
-        "y": column(y),
-        "xaxis": axis(col + 1, "x"),
-        "yaxis": axis(row + 1),
-        "marker": {"color": style.BLUE, "size": 2.5, "opacity": 0.6},
-        "hovertemplate": (
-            f"{of_x.label} %{{x:.3g}} {of_x.unit}<br>"
-            f"{of_y.label} %{{y:.3g}} {of_y.unit}<extra></extra>"
-        ),
-    }
-
-
-def _name(quantity: quantities.DisplayQuantity, centre: tuple[float, float], size: int) -> Spec:
-    return _text(f"<b>{quantity.label}</b><br>[{quantity.unit}]", centre, {"size": size})
-
-
-def _coefficient(value: complex, centre: tuple[float, float], size: int) -> Spec:
+def _format_coefficient(value: complex, font: Spec) -> tuple[str, Spec]:
     if not np.isfinite(value):  # a constant channel has no correlation
-        return _text("–", centre, {"size": size})
+        return "–", font
     text, phasor = f"{np.real(value):z.2f}", ""
     if np.iscomplexobj(value):
         phasor = f"<br>({abs(value):.2f}∠{np.degrees(np.angle(value)):z.0f}°)"
-    if abs(np.real(value)) > LIMIT:
-        flagged = f"<b>{text} !</b>{phasor}"
-        return _text(flagged, centre, {"size": size, "color": style.FLAG})
-    return _text(text + phasor, centre, {"size": size})
-
-
-def _text(text: str, centre: tuple[float, float], font: Spec) -> Spec:
-    return {
-        "xref": "paper", "yref": "paper", "x": centre[0], "y": centre[1], "text": text,
-        "showarrow": False, "font": font, "xanchor": "center", "yanchor": "middle",
-    }  # fmt: skip
+    if abs(np.real(value)) <= LIMIT:
+        return text + phasor, font
+    return f"<b>{text} !</b>{phasor}", {**font, "color": style.FLAG}

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexsid.figures import style
 from flexsid.figures.quantities import text
-from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.figures.spec import Spec, column, empty, error_bars, line_at, plane, scatter, title
 from flexsid.records.run import Pole
 from flexsid.records.views import PoleGroup, PoleMap
 
@@ -17,43 +17,33 @@ _REFERENCE = (
     (style.OCHRE, "square-open"),
     (style.PINK, "diamond-open"),
 )
-
-
 _NAME_WIDTH, _NAME_HEIGHT = 0.12, 0.06  # of a name, as fractions of the figure
 
 
-def poles(value: PoleMap) -> Spec:
+def draw_poles(value: PoleMap) -> Spec:
     """Draw poles in the upper half plane; poles right of the dashed line are unstable."""
     if not any(group.poles for group in value.groups):
         return empty("No poles")
     references = iter(_REFERENCE)
     repeats: Counter[str] = Counter()
     data = []
-    names = iter(_names(value))
-    for group in value.groups:
+    for group, names in zip(value.groups, _list_names(value), strict=True):
         if group.method is None:
-            colour_symbol = next(references)
+            look = next(references)
         else:
-            colour_symbol = style.of_method(group.method.value, repeats[group.method.value])
+            look = style.of_method(group.method.value, repeats[group.method.value])
             repeats[group.method.value] += 1
-        data.append(_trace(group, colour_symbol, next(names)))
-    layout: Spec = {
-        "xaxis": {**title("Real part [rad/s]"), "zeroline": False},
-        "yaxis": {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
-        "shapes": [
-            {
-                "type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1,
-                "line": {"color": style.FLAG, "width": 1.5, "dash": "dash"}, "layer": "below",
-            }
-        ],
-        "showlegend": True,
-        "hovermode": "closest",
-        "meta": {"rows": 2},
-    }  # fmt: skip
+        data.append(_draw_group(group, look, names))
+    layout = plane(
+        {**title("Real part [rad/s]"), "zeroline": False},
+        {**title("Imaginary part [rad/s]"), "rangemode": "tozero"},
+        2,
+        shapes=[line_at(0)],
+    )
     return {"data": data, "layout": layout}
 
 
-def _names(value: PoleMap) -> list[list[str]]:
+def _list_names(value: PoleMap) -> list[list[str]]:
     """List pole names, once for close poles of one mode."""
     every = [pole for group in value.groups for pole in group.poles]
     wide = np.ptp([pole.real for pole in every]) * _NAME_WIDTH
@@ -74,40 +64,35 @@ def _names(value: PoleMap) -> list[list[str]]:
     return names
 
 
-def _trace(group: PoleGroup, colour_symbol: tuple[str, str], names: list[str]) -> Spec:
-    colour, symbol = colour_symbol
-    trace: Spec = {
-        "type": "scatter",
-        "mode": "markers+text",
-        "name": text(group.label),
-        "x": column([pole.real for pole in group.poles]),
-        "y": column([pole.imag for pole in group.poles]),
-        "text": names,
-        "textposition": "top right",
-        "marker": {
-            "color": colour,
-            "symbol": symbol,
-            "size": 9,
-            "line": {"color": colour, "width": 2},
-        },
-        "customdata": [[group.run_id, _hover(pole)] for pole in group.poles],
-        "hovertemplate": f"%{{customdata[1]}}<extra>{text(group.label)}</extra>",
-    }
+def _draw_group(group: PoleGroup, look: tuple[str, str], names: list[str]) -> Spec:
+    colour, symbol = look
+    label = text(group.label)
+    ring = {"color": colour, "width": 2}
+    trace = scatter(
+        column([pole.real for pole in group.poles]),
+        column([pole.imag for pole in group.poles]),
+        "markers+text",
+        name=label,
+        text=names,
+        textposition="top right",
+        marker={"color": colour, "symbol": symbol, "size": 9, "line": ring},
+        customdata=[[group.run_id, _describe(pole)] for pole in group.poles],
+        hovertemplate=f"%{{customdata[1]}}<extra>{label}</extra>",
+    )
     if group.estimated:
-        trace["error_x"] = _bars([pole.real_std for pole in group.poles], colour)
-        trace["error_y"] = _bars([pole.imag_std for pole in group.poles], colour)
+        for key, std in (
+            ("error_x", [pole.real_std for pole in group.poles]),
+            ("error_y", [pole.imag_std for pole in group.poles]),
+        ):
+            trace[key] = error_bars(std, colour, factor=1.0, thickness=1, width=3)
     return trace
 
 
-def _bars(errors: list[float | None], colour: str) -> Spec:
-    array = column([np.nan if error is None else error for error in errors])
-    return {"type": "data", "array": array, "color": colour, "thickness": 1, "width": 3}
-
-
-def _hover(pole: Pole) -> str:
+def _describe(pole: Pole) -> str:
     radius = float(np.hypot(pole.real, pole.imag))
     name = f"<b>{text(pole.name)}</b><br>" if pole.name else ""
-    place = f"{name}{_pm(pole.real, pole.real_std)} + j {_pm(pole.imag, pole.imag_std)} rad/s"
+    real, imag = _format(pole.real, pole.real_std), _format(pole.imag, pole.imag_std)
+    place = f"{name}{real} + j {imag} rad/s"
     if pole.imag == 0 or radius == 0:
         return place
     return (
@@ -115,5 +100,5 @@ def _hover(pole: Pole) -> str:
     )
 
 
-def _pm(value: float, error: float | None) -> str:
+def _format(value: float, error: float | None) -> str:
     return f"{value:.3f}" if error is None else f"{value:.3f} ± {error:.3f}"

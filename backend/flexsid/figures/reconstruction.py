@@ -2,81 +2,93 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, axis, column, empty, layout_key, rows, title
-from flexsid.figures.time_history import select_samples
-from flexsid.records.reconstruction import ReconstructedTrace, Reconstruction
+from flexsid.figures.spec import (
+    N_SIGMA,
+    Spec,
+    column,
+    empty,
+    error_bars,
+    scatter,
+    select_samples,
+    stack,
+    title,
+)
+from flexsid.records.views import ReconstructedTrace, Reconstruction
 
 _POINTS = 2000
+_LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom"}
 
 
-def reconstruction(value: Reconstruction) -> Spec:
-    """Draw each quantity in time with ±2 standard errors."""
+def draw_reconstruction(
+    value: Reconstruction, domain: Literal["time", "frequency"] = "time"
+) -> Spec:
+    """Draw each quantity with ±2 standard errors, in time or over frequency.
+
+    Over frequency with the condition number in a further row.
+    """
+    return _draw_histories(value) if domain == "time" else _draw_spectra(value)
+
+
+def _draw_histories(value: Reconstruction) -> Spec:
     if not value.traces:
         return empty("No quantity selected")
-    count = len(value.traces)
-    layout: Spec = {
-        "xaxis": {**title("Time [s]"), "anchor": axis(count)},
-        "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom"},
-        "hovermode": "x",
-        "meta": _meta(value, count),
-    }
-    data: list[Spec] = []
-    for number, (trace, domain) in enumerate(
-        zip(value.traces, rows([1.0] * count), strict=True), start=1
-    ):
+    titles, data = [], []
+    for row, trace in enumerate(value.traces, start=1):
         quantity = quantities.of_channel(trace.name, trace.unit)
-        layout[layout_key(number)] = {**title(_format_title(quantity)), "domain": domain}
-        data += _draw_history(value.time_s, trace, quantity, number)
-    return {"data": data, "layout": layout}
+        titles.append(title(quantity.label if quantity.unit == "1" else quantity.title))
+        data += _draw_history(value.time_s, trace, quantity, row)
+    layout = stack(title("Time [s]"), titles, legend=_LEGEND, hovermode="x")
+    return {"data": data, "layout": layout | {"meta": _describe(value, len(titles))}}
 
 
-def reconstruction_lines(value: Reconstruction) -> Spec:
-    """Draw each quantity over frequency with ±2 standard errors, and the condition number."""
-    count = len(value.traces) + 1
-    layout: Spec = {
-        "xaxis": {**title("Frequency [Hz]"), "anchor": axis(count)},
-        "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom"},
-        "hovermode": "closest",
-        "meta": _meta(value, count),
-    }
-    data: list[Spec] = []
-    domains = rows([1.0] * count)
-    for number, (trace, domain) in enumerate(zip(value.traces, domains, strict=False), start=1):
+def _draw_spectra(value: Reconstruction) -> Spec:
+    titles, data = [], []
+    for row, trace in enumerate(value.traces, start=1):
         quantity = quantities.transform(quantities.of_channel(trace.name, trace.unit))
-        layout[layout_key(number)] = {**title(quantity.title), "domain": domain, "type": "log"}
-        data.append(_draw_spectrum(value.frequency_hz, trace, quantity, number))
-    layout[layout_key(count)] = {
-        **title("Condition number [1]"),
-        "domain": domains[-1],
-        "type": "log",
-    }
+        titles.append(quantity.title)
+        data.append(
+            scatter(
+                value.frequency_hz,
+                trace.spectrum_magnitude * quantity.factor,
+                row=row,
+                name="±2 standard errors",
+                legendgroup="lines",
+                showlegend=row == 1,
+                error_y=error_bars(trace.spectrum_std * quantity.factor, thickness=1, width=0),
+                marker={"color": style.BLUE, "size": 4},
+                meta=trace.name,
+                hovertemplate=f"%{{x:.3f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
+            )
+        )
+    titles.append("Condition number [1]")
     full = value.rank == value.n_motions
     for name, selected, colour in (
         (f"rank {value.n_motions}", full, style.BLUE),
         ("rank-deficient", ~full, style.FLAG),
     ):
         if selected.any():
-            finite = np.where(np.isfinite(value.condition), value.condition, np.nan)
             data.append(
-                {
-                    "type": "scatter",
-                    "mode": "markers",
-                    "name": name,
-                    "x": column(value.frequency_hz[selected]),
-                    "y": column(finite[selected]),
-                    "yaxis": axis(count),
-                    "marker": {"color": colour, "size": 4},
-                    "text": [f"rank {rank}" for rank in value.rank[selected].tolist()],
-                    "hovertemplate": "%{x:.3f} Hz<br>cond. %{y:.3g}<br>%{text}<extra></extra>",
-                }
+                scatter(
+                    value.frequency_hz[selected],
+                    value.condition[selected],
+                    row=len(titles),
+                    name=name,
+                    marker={"color": colour, "size": 4},
+                    text=[f"rank {rank}" for rank in value.rank[selected].tolist()],
+                    hovertemplate="%{x:.3f} Hz<br>cond. %{y:.3g}<br>%{text}<extra></extra>",
+                )
             )
-    return {"data": data, "layout": layout}
+    axes = [{**title(text), "type": "log"} for text in titles]
+    layout = stack(title("Frequency [Hz]"), axes, legend=_LEGEND, hovermode="closest")
+    return {"data": data, "layout": layout | {"meta": _describe(value, len(titles))}}
 
 
-def _meta(value: Reconstruction, count: int) -> Spec:
+def _describe(value: Reconstruction, count: int) -> Spec:
     """Collect values for the page beside the figure."""
     finite = value.condition[np.isfinite(value.condition)]
     return {
@@ -92,67 +104,39 @@ def _meta(value: Reconstruction, count: int) -> Spec:
     }
 
 
-def _format_title(quantity: quantities.DisplayQuantity) -> str:
-    return quantity.label if quantity.unit == "1" else quantity.title
-
-
 def _draw_history(
-    time_s: np.ndarray, trace: ReconstructedTrace, quantity: quantities.DisplayQuantity, number: int
+    time_s: np.ndarray, trace: ReconstructedTrace, quantity: quantities.DisplayQuantity, row: int
 ) -> list[Spec]:
-    indices = select_samples(time_s, trace.values, _POINTS)
-    at, values = time_s[indices], trace.values[indices] * quantity.factor
-    band = 2.0 * trace.std[indices] * quantity.factor
-    common: Spec = {"type": "scatter", "mode": "lines", "yaxis": axis(number)}
+    drawn = select_samples(time_s, trace.values, _POINTS)
+    # There and back, around the band.
+    around = np.concatenate([drawn, 2 * time_s.size - 1 - drawn[::-1]])
+    values = trace.values * quantity.factor
+    spread = N_SIGMA * trace.std * quantity.factor
     return [
-        {
-            **common,
-            "name": "±2 standard errors",
-            "legendgroup": "band",
-            "showlegend": number == 1,
-            "x": column(np.concatenate([at, at[::-1]]), exact=True),
-            "y": column(np.concatenate([values + band, (values - band)[::-1]])),
-            "fill": "toself",
-            "fillcolor": style.GREY,
-            "opacity": 0.35,
-            "line": {"width": 0, "color": style.GREY},
-            "hoverinfo": "skip",
-        },
-        {
-            **common,
-            "name": "reconstructed",
-            "legendgroup": "value",
-            "showlegend": number == 1,
-            "x": column(at, exact=True),
-            "y": column(values),
-            "line": {"color": style.BLUE, "width": 1},
-            "meta": trace.name,
-            "hovertemplate": f"%{{y:.4g}} {quantity.unit}<extra>{quantity.label}</extra>",
-        },
+        scatter(
+            column(np.concatenate([time_s, time_s[::-1]]), exact=True, drawn=around),
+            column(np.concatenate([values + spread, (values - spread)[::-1]]), drawn=around),
+            "lines",
+            row=row,
+            name="±2 standard errors",
+            legendgroup="band",
+            showlegend=row == 1,
+            fill="toself",
+            fillcolor=style.GREY,
+            opacity=0.35,
+            line={"width": 0, "color": style.GREY},
+            hoverinfo="skip",
+        ),
+        scatter(
+            column(time_s, exact=True, drawn=drawn),
+            column(values, drawn=drawn),
+            "lines",
+            row=row,
+            name="reconstructed",
+            legendgroup="value",
+            showlegend=row == 1,
+            line={"color": style.BLUE, "width": 1},
+            meta=trace.name,
+            hovertemplate=f"%{{y:.4g}} {quantity.unit}<extra>{quantity.label}</extra>",
+        ),
     ]
-
-
-def _draw_spectrum(
-    frequency_hz: np.ndarray,
-    trace: ReconstructedTrace,
-    quantity: quantities.DisplayQuantity,
-    number: int,
-) -> Spec:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "±2 standard errors",
-        "legendgroup": "lines",
-        "showlegend": number == 1,
-        "x": column(frequency_hz),
-        "y": column(trace.line_magnitude * quantity.factor),
-        "error_y": {
-            "type": "data",
-            "array": column(2.0 * trace.line_std * quantity.factor),
-            "thickness": 1,
-            "width": 0,
-        },
-        "yaxis": axis(number),
-        "marker": {"color": style.BLUE, "size": 4},
-        "meta": trace.name,
-        "hovertemplate": f"%{{x:.3f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
-    }

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from flexsid.figures import quantities
-from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.figures.spec import Spec, empty, heatmap, title
 from flexsid.records.views import Residuals
 
 _CEILING = 3.0  # exceeded with probability 1e-4 by circular Gaussian noise
 
 
-def residual(value: Residuals) -> Spec:
+def draw_residual(value: Residuals) -> Spec:
     """Draw |residual|/rms: noise is uniform, an unmodelled mode is a bright band."""
     if value.relative.size == 0:
         return empty("No fitted data")
     labels = [quantities.of_channel(name).label for name in value.outputs]
-    trace = {
-        "type": "heatmap",
-        "x": column(value.frequency_hz),
-        "y": labels,
-        "z": column(value.relative.T),
-        "zmin": 0,
-        "zmax": _CEILING,
-        "colorscale": "Cividis",
-        "colorbar": title("|residual| / rms [1]"),
-        "hovertemplate": "%{y}<br>%{x:.3f} Hz<br>%{z:.2f} rms<extra></extra>",
-    }
-    layout: Spec = {
+    trace = heatmap(
+        value.frequency_hz,
+        labels,
+        value.relative.T,
+        zmin=0,
+        zmax=_CEILING,
+        colorscale="Cividis",
+        colorbar=title("|residual| / rms [1]"),
+        hovertemplate="%{y}<br>%{x:.3f} Hz<br>%{z:.2f} rms<extra></extra>",
+    )
+    layout = {
         "xaxis": title("Frequency [Hz]"),
         "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},
         "meta": {"rows": max(1.0, len(labels) / 5)},

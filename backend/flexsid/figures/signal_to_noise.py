@@ -3,37 +3,32 @@
 from __future__ import annotations
 
 from flexsid.figures import quantities
-from flexsid.figures.spec import Spec, column, empty, title
+from flexsid.figures.spec import Spec, empty, heatmap, title
 from flexsid.records.quality import SignalToNoise
 
 _ROW_PX = 17
-_SHOWN_DB = (0.0, 40.0)
 
 
-def signal_to_noise(value: SignalToNoise) -> Spec:
+def draw_signal_to_noise(value: SignalToNoise) -> Spec:
     """Draw signal-to-noise ratios as a heat map."""
     if not value.names:
         return empty("No channel selected")
     labels = [quantities.of_channel(name).label for name in value.names]
-    return {
-        "data": [
-            {
-                "type": "heatmap",
-                "name": "SNR",
-                "x": column(value.frequency_hz),
-                "y": labels,
-                "z": column(value.decibel.T),
-                "zmin": _SHOWN_DB[0],
-                "zmax": _SHOWN_DB[1],
-                "colorscale": "Viridis",
-                "colorbar": {"title": {"text": "SNR [dB]"}, "thickness": 12},
-                "hovertemplate": "%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>",
-            }
-        ],
-        "layout": {
-            "xaxis": title("Frequency [Hz]"),
-            "yaxis": {"autorange": "reversed", "automargin": True, "tickfont": {"size": 10}},
-            "height": 120 + _ROW_PX * len(labels),
-            "meta": {"rows": 1},
-        },
+    trace = heatmap(
+        value.frequency_hz,
+        labels,
+        value.decibel.T,
+        name="SNR",
+        zmin=0.0,
+        zmax=40.0,
+        colorscale="Viridis",
+        colorbar={**title("SNR [dB]"), "thickness": 12},
+        hovertemplate="%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>",
+    )
+    layout = {
+        "xaxis": title("Frequency [Hz]"),
+        "yaxis": {"autorange": "reversed", "automargin": True, "tickfont": {"size": 10}},
+        "height": 120 + _ROW_PX * len(labels),
+        "meta": {"rows": 1},
     }
+    return {"data": [trace], "layout": layout}

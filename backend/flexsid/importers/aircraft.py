@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
-from math import pi
+from typing import Annotated, Literal
 
-from flexsid.importers.quantity import refuse
-from flexsid.importers.table import MappingTable
+from flexsid.importers.quantity import AngularRate, Dimension, Length, Time
+from flexsid.importers.table import (
+    FromTable,
+    Integer,
+    InvalidValue,
+    Line,
+    MappingTable,
+    Name,
+    Note,
+    Number,
+    Numbers,
+    Text,
+    Texts,
+    key,
+)
 from flexsid.records.aircraft import (
+    PITCH_AXIS,
     Aircraft,
     Combination,
     DragPolar,
@@ -20,8 +34,9 @@ from flexsid.records.aircraft import (
     Surface,
     SurfaceSymmetry,
     ThrustTable,
+    find_axis_in_name,
+    find_contradicting_axis,
 )
-from flexsid.records.axes import PITCH_AXIS, find_axis_in_name, find_contradicting_axis
 from flexsid.sysid.model.instruments import (
     Butterworth,
     Element,
@@ -29,7 +44,22 @@ from flexsid.sysid.model.instruments import (
     Instrument,
     SecondOrder,
 )
-from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, mirror_sign
+from flexsid.sysid.preparation.symmetry import Part, combine_pair, find_pairs, mirror_sign
+
+_Area = Annotated[float, Dimension("area")]
+_Angle = Annotated[float, Dimension("angle")]
+_Lengths = Annotated[tuple[float, ...], Dimension("length")]
+_Masses = Annotated[tuple[float, ...], Dimension("mass")]
+_Inertias = Annotated[tuple[float, ...], Dimension("inertia")]
+_Speeds = Annotated[tuple[float, ...], Dimension("speed")]
+_Forces = Annotated[tuple[float, ...], Dimension("force")]
+_AngularRates = Annotated[tuple[float, ...], Dimension("angular rate")]
+_Temperatures = Annotated[tuple[float, ...], Dimension("temperature")]
+_ELEMENTS: dict[str, type[Element]] = {
+    "first-order": FirstOrder,
+    "second-order": SecondOrder,
+    "butterworth": Butterworth,
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,249 +74,273 @@ class AircraftPart:
     definition: Aircraft | None = None
 
 
-def read_aircraft(table: MappingTable) -> AircraftPart:
-    """Read ``name``, ``builtin``, or ``name`` with geometry, mass, surfaces and sensors."""
-    if "builtin" in table:
-        part = AircraftPart(name=table.text("builtin"), builtin=True)
-    elif "geometry" in table:
-        definition = _definition(table)
-        part = AircraftPart(name=definition.name, definition=definition)
-    else:
-        part = AircraftPart(name=table.label("name"))
-    table.close()
-    return part
+class GeometryMapping(MappingTable):
+    """``[aircraft.geometry]``: reference dimensions of the wing."""
+
+    area_m2: _Area = key("the reference area", alias="area", gt=0)
+    chord_m: Length = key("the reference chord", alias="chord", gt=0)
+    span_m: Length = key("the reference span", alias="span", gt=0)
 
 
-def _definition(table: MappingTable) -> Aircraft:
-    instruments = _instruments(table)
-    sensors = tuple(_sensor(row, instruments) for row in table.tables("sensors"))
-    aircraft = Aircraft(
-        name=table.label("name"),
-        description=table.note("description"),
-        geometry=_geometry(table.table("geometry")),
-        mass=_mass(table.table("mass")),
-        surfaces=tuple(_surface(row, instruments) for row in table.tables("surfaces")),
-        sensors=sensors,
-        combinations=(*_pairs(table, sensors), *map(_combination, table.tables("combinations"))),
-        instruments=instruments,
-        polar=_polar(table.table("polar")) if "polar" in table else None,
-        flutter=_flutter(table.table("flutter")) if "flutter" in table else None,
-        thrust=_thrust(table.table("thrust")) if "thrust" in table else None,
+class MassMapping(MappingTable):
+    """``[aircraft.mass]``: mass properties against fuel fraction."""
+
+    fuel: Numbers = key("the fuel fractions, increasing")
+    mass_kg: _Masses = key("the mass at each fuel fraction", alias="mass")
+    pitch_inertia_kg_m2: _Inertias = key("the pitching moment of inertia", alias="pitch_inertia")
+    x_cg_m: _Lengths = key("the centre of gravity, positive aft", alias="x_cg")
+    z_cg_m: _Lengths | None = key("centre of gravity, positive up; else zero", None, alias="z_cg")
+    roll_inertia_kg_m2: _Inertias | None = key("inertia in roll", None, alias="roll_inertia")
+    yaw_inertia_kg_m2: _Inertias | None = key("inertia in yaw", None, alias="yaw_inertia")
+    product_of_inertia_kg_m2: _Inertias | None = key(
+        "the integral of x z dm in body axes", None, alias="product_of_inertia"
     )
-    if not aircraft.surfaces:
-        raise refuse(table.path("surfaces"), "is missing; expected at least one surface.")
-    names = [item.name for item in (*aircraft.surfaces, *aircraft.sensors, *aircraft.combinations)]
-    for name in names:
-        if names.count(name) > 1:
-            raise refuse(table.path("sensors"), f"use the name '{name}' twice.")
-    return aircraft
-
-
-def _geometry(table: MappingTable) -> Geometry:
-    geometry = Geometry(
-        area_m2=table.si_scalar("area", "area"),
-        chord_m=table.si_scalar("chord", "length"),
-        span_m=table.si_scalar("span", "length"),
+    inertia_tensor_xz: _Inertias | None = key(
+        "element xz of the inertia tensor: minus the product of inertia", None
     )
-    table.close()
-    if min(geometry.area_m2, geometry.chord_m, geometry.span_m) <= 0:
-        raise refuse(table.path("area"), "and the lengths must be positive.")
-    return geometry
+
+    def build(self) -> MassTable:
+        """Return the mass properties in SI."""
+        columns = self.entries()
+        columns["z_cg_m"] = self.z_cg_m or (0.0,) * len(self.fuel)
+        tensor = columns.pop("inertia_tensor_xz")
+        if tensor is not None:
+            if self.product_of_inertia_kg_m2 is not None:
+                problem = "or inertia_tensor_xz must be given, but not both."
+                raise InvalidValue(problem, "product_of_inertia")
+            columns["product_of_inertia_kg_m2"] = tuple(-value for value in tensor)
+        given = [column for column in columns.values() if column is not None]
+        if not self.fuel or len({len(column) for column in given}) > 1:
+            problem = "and the mass properties must have the same number of values."
+            raise InvalidValue(problem, "fuel")
+        if not _increases(self.fuel):
+            raise InvalidValue("must increase.", "fuel")
+        for inertia in (self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2, self.yaw_inertia_kg_m2):
+            if min(self.mass_kg) <= 0 or (inertia is not None and min(inertia) <= 0):
+                raise InvalidValue("and the inertia must be positive.", "mass")
+        return MassTable(**columns)
 
 
-def _mass(table: MappingTable) -> MassTable:
-    fuel = table.numbers("fuel")
-    mass = MassTable(
-        fuel=fuel,
-        mass_kg=table.si("mass", "mass"),
-        pitch_inertia_kg_m2=table.si("pitch_inertia", "inertia"),
-        x_cg_m=table.si("x_cg", "length"),
-        z_cg_m=table.si("z_cg", "length") if "z_cg" in table else (0.0,) * len(fuel),
-    )
-    table.close()
-    columns = (mass.mass_kg, mass.pitch_inertia_kg_m2, mass.x_cg_m, mass.z_cg_m)
-    if not fuel or any(len(column) != len(fuel) for column in columns):
-        raise refuse(
-            table.path("fuel"), "and the mass properties must have the same number of values."
+class SurfaceMapping(MappingTable):
+    """``[[aircraft.surfaces]]``: a control surface, or a pair moved as one."""
+
+    name: Name = key("the name of the surface")
+    instrument: Text | None = key("instrument from deflection to recording", None)
+    actuator: Text | None = key("instrument from recording to deflection", None)
+    servo: Text | None = key("instrument from command to deflection", None)
+    noise_std_rad: _Angle | None = key("standard deviation of noise", None, alias="noise_std")
+    symmetry: SurfaceSymmetry | None = key("symmetry; else from the name", None)
+
+
+class SensorMapping(MappingTable):
+    """``[[aircraft.sensors]]``: kind, location and instrument of a sensor."""
+
+    name: Name = key("the name of the sensor")
+    kind: SensorKind = key("the measured quantity")
+    point: Text | None = key("row of the modal table; else the name", None)
+    axis: Literal["x", "y", "z"] | None = key("axis; else from the name", None)
+    location: _Lengths = key("coordinates: x aft, y right, z up", (0.0, 0.0, 0.0))
+    instrument: Text | None = key("instrument from quantity to recording", None)
+    noise_std: Number | None = key("standard deviation of the noise, in SI", None)
+
+    def build(self) -> Sensor:
+        """Return the sensor with its axis."""
+        if len(self.location) != 3:
+            problem = "must be the three coordinates x aft, y right, z up."
+            raise InvalidValue(problem, "location")
+        usual = "z" if self.kind is SensorKind.ACCELEROMETER else PITCH_AXIS
+        sensor = Sensor(
+            name=self.name,
+            kind=self.kind,
+            point=self.point or self.name,
+            axis=self.axis or find_axis_in_name(self.kind, self.name) or usual,
+            location_m=(self.location[0], self.location[1], self.location[2]),
+            instrument=self.instrument,
+            noise_std=self.noise_std,
         )
-    if any(later <= earlier for earlier, later in pairwise(fuel)):
-        raise refuse(table.path("fuel"), "must increase.")
-    if min(mass.mass_kg) <= 0 or min(mass.pitch_inertia_kg_m2) <= 0:
-        raise refuse(table.path("mass"), "and the inertia must be positive.")
-    return mass
+        if (named := find_contradicting_axis(sensor)) is not None:
+            problem = (
+                f"is '{sensor.axis}', but a {self.kind.value} called '{self.name}' measures along "
+                f"or about {named}; correct the axis, or give the sensor another name."
+            )
+            raise InvalidValue(problem, "axis")
+        return sensor
 
 
-def _surface(table: MappingTable, instruments: dict[str, Instrument]) -> Surface:
-    surface = Surface(
-        name=table.label("name"),
-        instrument=_instrument_name(table, "instrument", instruments),
-        actuator=_instrument_name(table, "actuator", instruments),
-        servo=_instrument_name(table, "servo", instruments),
-        noise_std_rad=table.si_scalar("noise_std", "angle") if "noise_std" in table else None,
-        symmetry=_symmetry(table),
-    )
-    table.close()
-    return surface
+class CombinationMapping(MappingTable):
+    """``[[aircraft.combinations]]``: a weighted sum of channels."""
+
+    name: Name = key("the name of the sum")
+    terms: dict[Line, Number] = key("the weights of the channels by name")
+
+    def build(self) -> Combination:
+        """Return the sum."""
+        return Combination(name=self.name, terms=tuple(self.terms.items()))
 
 
-def _symmetry(table: MappingTable) -> SurfaceSymmetry | None:
-    if "symmetry" not in table:
-        return None
-    choices: tuple[SurfaceSymmetry, ...] = ("symmetric", "antisymmetric", "single")
-    found = table.choice("symmetry", choices)
-    return next(choice for choice in choices if choice == found)
+class ElementMapping(MappingTable):
+    """An element of an instrument."""
+
+    type: Literal["first-order", "second-order", "butterworth"] = key("the kind of element")
+    corner: AngularRate | None = key("corner frequency of a lag or filter", None)
+    natural_frequency: AngularRate | None = key("of a second-order element", None)
+    damping: Number | None = key("damping ratio of a second-order element", None)
+    order: Integer | None = key("order of a Butterworth filter", None)
+
+    def build(self) -> Element:
+        """Return the element in SI."""
+        given = {k: v for k, v in self.entries().items() if k != "type" and v is not None}
+        element = _ELEMENTS[self.type]
+        needed = [field.name for field in fields(element)]
+        for name in set(needed) ^ set(given):
+            problem = "is not a key" if name in given else "is missing"
+            problem = f"{problem}; a {self.type} element has {' and '.join(needed)}."
+            raise InvalidValue(problem, name)
+        return element(**given)
 
 
-def _sensor(table: MappingTable, instruments: dict[str, Instrument]) -> Sensor:
-    name = table.label("name")
-    kind = SensorKind(table.choice("kind", tuple(kind.value for kind in SensorKind)))
-    location = table.si("location", "length") if "location" in table else (0.0, 0.0, 0.0)
-    if len(location) != 3:
-        raise refuse(table.path("location"), "must be the three coordinates x aft, y right, z up.")
-    usual = "z" if kind is SensorKind.ACCELEROMETER else PITCH_AXIS
-    sensor = Sensor(
-        name=name,
-        kind=kind,
-        point=table.text("point", name),
-        axis=table.choice("axis", ("x", "y", "z"), find_axis_in_name(kind, name) or usual),
-        location_m=(location[0], location[1], location[2]),
-        instrument=_instrument_name(table, "instrument", instruments),
-        noise_std=table.optional_number("noise_std"),
-    )
-    table.close()
-    if (named := find_contradicting_axis(sensor)) is not None:
-        raise refuse(
-            table.path("axis"),
-            f"is '{sensor.axis}', but a {kind.value} called '{name}' measures along or about "
-            f"{named}; correct the axis, or give the sensor another name.",
+_Element = Annotated[Element, FromTable(ElementMapping)]
+
+
+class InstrumentMapping(MappingTable):
+    """``[aircraft.instruments.<name>]``: dynamics and delay between a quantity and its samples."""
+
+    elements: tuple[_Element, ...] = key("filters in series", ())
+    delay_s: Time = key("the transport delay", 0.0, alias="delay")
+
+
+class PolarMapping(MappingTable):
+    """``[aircraft.polar]``: a parabolic polar."""
+
+    cd_min: Number = key("the least drag coefficient")
+    oswald: Number = key("the Oswald efficiency")
+    aspect_ratio: Number = key("the aspect ratio")
+    lift_slope: Number = key("the lift-curve slope, per rad")
+
+
+class FlutterMapping(MappingTable):
+    """``[aircraft.flutter]``: predicted open-loop flutter speed against fuel fraction."""
+
+    fuel: Numbers = key("the fuel fractions")
+    speed_m_s: _Speeds = key("the flutter speed at each fuel fraction", alias="speed")
+
+    def build(self) -> FlutterTable:
+        """Return the speeds in SI."""
+        if len(self.fuel) != len(self.speed_m_s) or not self.fuel:
+            raise InvalidValue("and speed must have the same number of values.", "fuel")
+        return FlutterTable(**self.entries())
+
+
+class ThrustMapping(MappingTable):
+    """``[aircraft.thrust]``: thrust of one engine, a row per rotation speed."""
+
+    engines: Texts = key("the channels of the rotation speeds, one per engine")
+    engine_speed: _AngularRates = key("the rotation speeds, increasing")
+    total_temperature: _Temperatures = key("total temperatures, increasing", (288.15,))
+    thrust: _Forces = key("the thrust at each rotation speed and temperature, row by row")
+    source: Note = key("where the table is from", "")
+
+    def build(self) -> ThrustTable:
+        """Return the table in SI."""
+        n_speeds, n_temperatures = len(self.engine_speed), len(self.total_temperature)
+        if len(self.thrust) != n_speeds * n_temperatures or n_speeds < 2:
+            problem = (
+                f"must have {n_speeds} x {n_temperatures} values, a row of temperatures for each "
+                "of two engine speeds or more."
+            )
+            raise InvalidValue(problem, "thrust")
+        if not (_increases(self.engine_speed) and _increases(self.total_temperature)):
+            raise InvalidValue("and total_temperature must increase.", "engine_speed")
+        if not self.engines or len(set(self.engines)) < len(self.engines):
+            raise InvalidValue("must name a channel for each engine, none twice.", "engines")
+        rows = range(0, len(self.thrust), n_temperatures)
+        return ThrustTable(
+            engines=self.engines,
+            engine_speed_rad_s=self.engine_speed,
+            total_temperature_k=self.total_temperature,
+            thrust_n=tuple(self.thrust[row : row + n_temperatures] for row in rows),
+            source=self.source,
         )
-    return sensor
 
 
-def _instrument_name(
-    table: MappingTable, key: str, instruments: dict[str, Instrument]
-) -> str | None:
-    name = table.optional_text(key)
-    if name is not None and name not in instruments:
-        known = ", ".join(instruments) or "none"
-        raise refuse(
-            table.path(key), f"names '{name}', which is not an instrument; defined: {known}."
-        )
-    return name
+_Surface = Annotated[Surface, FromTable(SurfaceMapping)]
+_Sensor = Annotated[Sensor, FromTable(SensorMapping)]
+_Combination = Annotated[Combination, FromTable(CombinationMapping)]
+_Instrument = Annotated[Instrument, FromTable(InstrumentMapping)]
 
 
-def _pairs(table: MappingTable, sensors: tuple[Sensor, ...]) -> tuple[Combination, ...]:
-    """Return the symmetric or antisymmetric parts, as ``pairs`` requests, of left-right pairs."""
-    requested = table.texts("pairs") if "pairs" in table else ()
+class AircraftMapping(MappingTable):
+    """``[aircraft]``: the name of an aircraft, or its definition."""
+
+    name: Name | None = key("name in the database", None)
+    builtin: Text | None = key("name of an aircraft of the workbench", None)
+    description: Note = key("free text", "")
+    geometry: Annotated[Geometry, FromTable(GeometryMapping)] | None = key(
+        "reference dimensions", None
+    )
+    mass: Annotated[MassTable, FromTable(MassMapping)] | None = key("mass properties", None)
+    surfaces: tuple[_Surface, ...] = key("control surfaces, at least one", ())
+    sensors: tuple[_Sensor, ...] = key("sensors", ())
+    pairs: tuple[Part, ...] = key("parts to form of sensors on the left and right", ())
+    combinations: tuple[_Combination, ...] = key("weighted sums of channels", ())
+    instruments: dict[Line, _Instrument] = key("instruments by name", {})
+    polar: Annotated[DragPolar, FromTable(PolarMapping)] | None = key("parabolic polar", None)
+    flutter: Annotated[FlutterTable, FromTable(FlutterMapping)] | None = key("flutter speed", None)
+    thrust: Annotated[ThrustTable, FromTable(ThrustMapping)] | None = key(
+        "thrust of one engine", None
+    )
+
+    def build(self) -> AircraftPart:
+        """Return the name, with the definition if the mapping has one."""
+        more = self.model_fields_set - {"name", "builtin", "proposed"}
+        if self.builtin is not None and (more or self.name is not None):
+            raise InvalidValue("is given, so that other keys do not apply.", "builtin")
+        if self.builtin is not None:
+            return AircraftPart(name=self.builtin, builtin=True)
+        if self.name is None:
+            raise InvalidValue("is missing; expected the name of the aircraft.", "name")
+        if not more:
+            return AircraftPart(name=self.name)
+        for name in ("geometry", "mass", "surfaces"):
+            if not getattr(self, name):
+                problem = "is missing; a definition has geometry, mass and at least one surface."
+                raise InvalidValue(problem, name)
+        self._check_names()
+        pairs = _combine_pairs(self.pairs, self.sensors)
+        entries = {k: v for k, v in self.entries().items() if k not in ("builtin", "pairs")}
+        entries["combinations"] = (*pairs, *self.combinations)
+        definition = Aircraft(**entries)
+        return AircraftPart(name=self.name, definition=definition)
+
+    def _check_names(self) -> None:
+        """Reject a name that is used twice, and an instrument that is not defined."""
+        names = [item.name for item in (*self.surfaces, *self.sensors, *self.combinations)]
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidValue(f"use the name '{name}' twice.", "sensors")
+        known = ", ".join(self.instruments) or "none"
+        for table, items in (("surfaces", self.surfaces), ("sensors", self.sensors)):
+            for place, item in enumerate(items, start=1):
+                for role in ("instrument", "actuator", "servo"):
+                    name = getattr(item, role, None)
+                    if name is not None and name not in self.instruments:
+                        problem = f"names '{name}', which is not an instrument; defined: {known}."
+                        raise InvalidValue(problem, f"{table}[{place}].{role}")
+
+
+def _increases(values: tuple[float, ...]) -> bool:
+    return all(earlier < later for earlier, later in pairwise(values))
+
+
+def _combine_pairs(parts: tuple[Part, ...], sensors: tuple[Sensor, ...]) -> list[Combination]:
+    """Return the symmetric or antisymmetric parts of pairs of sensors on the left and right."""
     known = {sensor.name: sensor for sensor in sensors}
     found: list[Combination] = []
-    for part in requested:
-        if part not in ("symmetric", "antisymmetric"):
-            raise refuse(
-                table.path("pairs"), f"may hold 'symmetric' and 'antisymmetric', found '{part}'."
-            )
+    for part in parts:
         for left, right, both in find_pairs(known):
             one, other = known[left], known[right]
-            if (one.kind, one.axis, one.instrument) != (other.kind, other.axis, other.instrument):
-                continue
-            sign = mirror_sign(one.kind.value, one.axis)
-            name, terms = combine_pair(left, right, both, sign, part)
-            found.append(Combination(name=name, terms=terms))
-    return tuple(found)
-
-
-def _combination(table: MappingTable) -> Combination:
-    weights = table.table("terms")
-    combination = Combination(
-        name=table.label("name"),
-        terms=tuple((channel, weights.number(channel)) for channel in weights.names()),
-    )
-    table.close()
-    return combination
-
-
-def _instruments(table: MappingTable) -> dict[str, Instrument]:
-    if "instruments" not in table:
-        return {}
-    rows = table.table("instruments")
-    return {name: _instrument(rows.table(name)) for name in rows.names()}
-
-
-def _instrument(table: MappingTable) -> Instrument:
-    instrument = Instrument(
-        elements=tuple(_element(row) for row in table.tables("elements")),
-        delay_s=table.si_scalar("delay", "time") if "delay" in table else 0.0,
-    )
-    table.close()
-    return instrument
-
-
-def _element(table: MappingTable) -> Element:
-    kind = table.choice("type", ("first-order", "second-order", "butterworth"))
-    element: Element
-    if kind == "first-order":
-        element = FirstOrder(corner=_angular(table, "corner"))
-    elif kind == "second-order":
-        element = SecondOrder(
-            natural_frequency=_angular(table, "natural_frequency"),
-            damping=table.number("damping"),
-        )
-    else:
-        element = Butterworth(order=table.integer("order"), corner=_angular(table, "corner"))
-    table.close()
-    return element
-
-
-def _angular(table: MappingTable, key: str) -> float:
-    if table.table(key).text("unit") == "Hz":
-        return 2.0 * pi * table.si_scalar(key, "frequency")
-    return table.si_scalar(key, "angular rate")
-
-
-def _polar(table: MappingTable) -> DragPolar:
-    polar = DragPolar(
-        cd_min=table.number("cd_min"),
-        oswald=table.number("oswald"),
-        aspect_ratio=table.number("aspect_ratio"),
-        lift_slope=table.number("lift_slope"),
-    )
-    table.close()
-    return polar
-
-
-def _flutter(table: MappingTable) -> FlutterTable:
-    flutter = FlutterTable(fuel=table.numbers("fuel"), speed_m_s=table.si("speed", "speed"))
-    table.close()
-    if len(flutter.fuel) != len(flutter.speed_m_s) or not flutter.fuel:
-        raise refuse(table.path("fuel"), "and speed must have the same number of values.")
-    return flutter
-
-
-def _thrust(table: MappingTable) -> ThrustTable:
-    """Read the thrust table of one engine, one row per rotation speed."""
-    speeds = table.si("engine_speed", "angular rate")
-    temperatures = (
-        table.si("total_temperature", "temperature") if "total_temperature" in table else (288.15,)
-    )
-    values = table.si("thrust", "force")
-    if len(values) != len(speeds) * len(temperatures) or len(speeds) < 2:
-        raise refuse(
-            table.path("thrust"),
-            f"must have {len(speeds)} x {len(temperatures)} values, a row of temperatures for each "
-            "of two engine speeds or more.",
-        )
-    if any(b <= a for axis in (speeds, temperatures) for a, b in pairwise(axis)):
-        raise refuse(table.path("engine_speed"), "and total_temperature must increase.")
-    found = ThrustTable(
-        engines=table.texts("engines"),
-        engine_speed_rad_s=speeds,
-        total_temperature_k=temperatures,
-        thrust_n=tuple(
-            values[k : k + len(temperatures)] for k in range(0, len(values), len(temperatures))
-        ),
-        source=table.note("source"),
-    )
-    table.close()
-    if not found.engines or len(set(found.engines)) < len(found.engines):
-        raise refuse(table.path("engines"), "must name a channel for each engine, none twice.")
+            if (one.kind, one.axis, one.instrument) == (other.kind, other.axis, other.instrument):
+                sign = mirror_sign(one.kind.value, one.axis)
+                name, terms = combine_pair(left, right, both, sign, part)
+                found.append(Combination(name=name, terms=terms))
     return found

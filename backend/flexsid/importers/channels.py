@@ -2,46 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 
 import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.clock import Clock, Timing
-from flexsid.importers.plausibility import UNIT_WARNINGS
-from flexsid.importers.quantity import refuse
-from flexsid.importers.source import SourceFile, Sources
-from flexsid.importers.table import MappingTable
+from flexsid.importers.mapping import ChannelMapping
+from flexsid.importers.source import SourceFile, Sources, refuse_field
 from flexsid.records.maneuver import Role
 from flexsid.text import check_line, one_line
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ChannelRule:
-    """One channel, or the columns of one array.
-
-    ``column`` alone is a field of the file; with ``array`` it is a column
-    number from 1. ``labels`` names all columns of ``array`` (a field of the
-    file, or a list); then ``unit`` may hold one unit per label or pattern and
-    ``name`` is a template with ``{label}``. ``sensor`` is the sensor that measured it, ``clock``
-    one of ``[[clocks]]``; ``confirmed`` holds the codes of the unit warnings that an analyst
-    has confirmed.
-    """
-
-    path: str
-    table: str
-    role: Role
-    name: str
-    units: tuple[tuple[str, str], ...]
-    column: str | int | None = None
-    array: str | None = None
-    labels: str | tuple[str, ...] | None = None
-    sign: float = 1.0
-    sensor: str | None = None
-    clock: str | None = None
-    confirmed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,78 +45,8 @@ class RawChannel:
         return replace(self, samples=self.samples[window], clock=clock)
 
 
-def read_channel(table: MappingTable) -> ChannelRule:
-    """Read one ``[[channels]]`` entry."""
-    array = table.optional_text("array")
-    labels: str | tuple[str, ...] | None = None
-    column: str | int | None = None
-    if "labels" in table:
-        labels = (
-            table.optional_text("labels") if _is_text(table, "labels") else table.texts("labels")
-        )
-    elif array is not None:
-        column = table.integer("column")
-        if column < 1:
-            raise refuse(table.path("column"), "counts from 1.")
-    else:
-        column = table.text("column")
-    if labels is not None and array is None:
-        raise refuse(table.path("array"), "is missing; labels name the columns of an array.")
-    fallback = "{label}" if labels is not None else str(column)
-    sign = table.number("sign", 1.0)
-    if abs(sign) != 1.0:
-        raise refuse(table.path("sign"), "must be 1 or -1; a scale factor belongs in the unit.")
-    rule = ChannelRule(
-        path=table.path("unit"),
-        table=table.path("unit").removesuffix(".unit"),
-        role=Role(table.choice("role", tuple(role.value for role in Role))),
-        name=table.label("name", fallback),
-        units=_units(table),
-        column=column,
-        array=array,
-        labels=labels,
-        sign=sign,
-        sensor=table.optional_text("sensor"),
-        clock=table.optional_text("clock"),
-        confirmed=table.texts("confirmed") if "confirmed" in table else (),
-    )
-    for code in rule.confirmed:
-        if code not in UNIT_WARNINGS:
-            allowed = ", ".join(UNIT_WARNINGS)
-            raise refuse(table.path("confirmed"), f"may hold {allowed}; found '{code}'.")
-    table.close()
-    return rule
-
-
-def _is_text(table: MappingTable, key: str) -> bool:
-    try:
-        table.text(key)
-    except BadInput:
-        return False
-    return True
-
-
-def _units(table: MappingTable) -> tuple[tuple[str, str], ...]:
-    if table.is_table("unit"):
-        rows = table.table("unit")
-        pairs = tuple((pattern, rows.text(pattern)) for pattern in rows.names())
-    else:
-        pairs = (("*", table.text("unit")),)
-    for _, unit in pairs:
-        try:
-            units.lookup(unit)
-        except BadInput as error:
-            raise BadInput(
-                f"Mapping: '{table.path('unit')}': {error.message}",
-                code=error.code,
-                key=table.path("unit"),
-                **error.context,
-            ) from error
-    return pairs
-
-
 def extract_channels(
-    rules: tuple[ChannelRule, ...], sources: Sources, timing: Timing
+    rules: tuple[ChannelMapping, ...], sources: Sources, timing: Timing
 ) -> tuple[RawChannel, ...]:
     """Extract the recorded columns, with their names, time bases and checked samples.
 
@@ -159,84 +61,56 @@ def extract_channels(
         If a column is missing, a name is repeated, a channel is longer than its
         time or a sample is not finite; the message names the location.
     """
-    channels: list[RawChannel] = []
-    seen: set[str] = set()
-    for channel in (found for rule in rules for found in _extract(rule, sources, timing)):
-        if channel.name in seen:
-            raise BadInput(
-                f"The mapping names two channels '{channel.name}'; names must be unique.",
-                code="duplicate-channel",
-                column=channel.name,
-            )
-        seen.add(channel.name)
-        channels.append(channel)
-    return tuple(channels)
+    channels: dict[str, RawChannel] = {}
+    for rule in rules:
+        for label, samples, source in _extract_columns(rule, sources):
+            channel = _make_channel(rule, label, samples, source, timing)
+            if channel.name in channels:
+                raise BadInput(
+                    f"The mapping names two channels '{channel.name}'; names must be unique.",
+                    code="duplicate-channel",
+                    column=channel.name,
+                )
+            channels[channel.name] = channel
+    return tuple(channels.values())
 
 
-def _extract(rule: ChannelRule, sources: Sources, timing: Timing) -> list[RawChannel]:
-    if rule.array is None:
-        field = str(rule.column)
+def _extract_columns(
+    rule: ChannelMapping, sources: Sources
+) -> Iterator[tuple[str, np.ndarray, SourceFile]]:
+    """Yield the columns of a rule with their names in the file."""
+    if rule.labels is None:
+        field = str(rule.column) if rule.array is None else f"{rule.array}({rule.column})"
         source, _ = sources.find(field)
         samples = np.atleast_1d(sources.numbers(field))
         if samples.ndim != 1:
-            raise BadInput(
-                f"Field '{field}' has shape {samples.shape}; select one with array and column.",
-                code="bad-mapping",
-                column=field,
-            )
-        return [_channel(rule, rule.name, field, samples, source, timing)]
-    source, _ = sources.find(rule.array)
-    matrix = sources.numbers(rule.array)
+            problem = f"has shape {samples.shape}; select one column with array and column."
+            raise refuse_field(field, problem, "bad-mapping")
+        yield field, samples, source
+        return
+    array = str(rule.array)
+    source, _ = sources.find(array)
+    matrix = sources.numbers(array)
     matrix = matrix[:, None] if matrix.ndim == 1 else matrix
     if matrix.ndim != 2:
-        raise BadInput(
-            f"Array '{rule.array}' has shape {matrix.shape}; rows of samples and columns of "
-            "channels are expected.",
-            code="bad-mapping",
-            column=rule.array,
-        )
-    if isinstance(rule.column, int):
-        if rule.column > matrix.shape[1]:
-            raise BadInput(
-                f"Array '{rule.array}' has {matrix.shape[1]} columns, the mapping selects column "
-                f"{rule.column}.",
-                code="missing-column",
-                column=f"{rule.array}({rule.column})",
-            )
-        label = f"{rule.array}({rule.column})"
-        return [_channel(rule, rule.name, label, matrix[:, rule.column - 1], source, timing)]
-    labels = sources.texts(rule.labels) if isinstance(rule.labels, str) else rule.labels or ()
+        problem = f"has shape {matrix.shape}; rows of samples and columns of channels are expected."
+        raise refuse_field(array, problem, "bad-mapping")
+    labels = sources.texts(rule.labels) if isinstance(rule.labels, str) else rule.labels
     if len(labels) != matrix.shape[1]:
-        raise BadInput(
-            f"Array '{rule.array}' has {matrix.shape[1]} columns but {len(labels)} labels.",
-            code="unequal-lengths",
-            column=rule.array,
-        )
-    return [
-        _channel(rule, rule.name.replace("{label}", label), label, matrix[:, index], source, timing)
-        for index, label in enumerate(labels)
-    ]
+        problem = f"has {matrix.shape[1]} columns but {len(labels)} labels."
+        raise refuse_field(array, problem, "unequal-lengths")
+    for label, samples in zip(labels, matrix.T, strict=True):
+        yield label, samples, source
 
 
-def largest_sample(unit: str) -> float:
-    """Return the largest physically possible sample in its own unit."""
-    known = units.lookup(unit)
-    return units.LARGEST[known.dimension] / known.factor
-
-
-def _channel(
-    rule: ChannelRule,
-    name: str,
-    label: str,
-    samples: np.ndarray,
-    source: SourceFile,
-    timing: Timing,
+def _make_channel(
+    rule: ChannelMapping, label: str, samples: np.ndarray, source: SourceFile, timing: Timing
 ) -> RawChannel:
     clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)
-    unit = next((unit for pattern, unit in rule.units if fnmatchcase(label, pattern)), None)
-    if unit is None:
-        raise refuse(rule.path, f"gives no unit for '{label[:80]}'.")
-    source.check_finite(samples, label, largest_sample(unit))
+    unit = rule.find_unit(label)
+    known = units.lookup(unit)
+    source.check_finite(samples, label, units.LARGEST[known.dimension] / known.factor)
+    name = rule.template.replace("{label}", label) if rule.labels is not None else rule.template
     try:
         name = check_line(name)
     except ValueError as error:
@@ -255,7 +129,7 @@ def _channel(
         clock=clock,
         field=label,
         source=source,
-        rule=rule.table,
+        rule=rule.path(""),
         sensor=rule.sensor,
         confirmed=rule.confirmed,
     )

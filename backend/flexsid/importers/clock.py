@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers.quantity import MappedQuantity, refuse, scalar
+from flexsid.importers.mapping import ClockMapping, TimeMapping
+from flexsid.importers.quantity import scalar
 from flexsid.importers.source import SourceFile, Sources
-from flexsid.importers.table import MappingTable
+from flexsid.importers.table import refuse
 
 POSSIBLE_RATES_HZ = (1e-4, 1e8)
 USUAL_RATES_HZ = (2.0, 5000.0)
@@ -31,21 +31,6 @@ UNUSUAL_RATE = "unusual-rate"
 
 DRIFT_TOLERANCE = 0.5
 """Tolerance of a time stamp against the uniform clock, as a fraction of a sample."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TimeRule:
-    """Definition of a time base: a column, or a rate and the time of the first sample.
-
-    ``offset_s`` is added, to align the clocks of several recorders.
-    """
-
-    column: str | None
-    unit: str = "s"
-    rate: MappedQuantity | None = None
-    start_s: float = 0.0
-    offset_s: float = 0.0
-    confirmed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,43 +59,6 @@ class Clock:
         return slice(first, max(first, last))
 
 
-def read_time(table: MappingTable) -> TimeRule:
-    """Read ``column`` and ``unit``, or ``rate`` and ``start``."""
-    offset = table.si_scalar("offset", "time") if "offset" in table else 0.0
-    confirmed = table.texts("confirmed") if "confirmed" in table else ()
-    if set(confirmed) - {UNUSUAL_RATE}:
-        raise refuse(table.path("confirmed"), f"may hold '{UNUSUAL_RATE}'.")
-    if "rate" in table:
-        rule = TimeRule(
-            column=None,
-            rate=table.quantity("rate", "frequency"),
-            start_s=table.si_scalar("start", "time") if "start" in table else 0.0,
-            offset_s=offset,
-            confirmed=confirmed,
-        )
-    else:
-        rule = TimeRule(
-            column=table.text("column"),
-            unit=table.text("unit", "s"),
-            offset_s=offset,
-            confirmed=confirmed,
-        )
-        units.factor(rule.unit, "time")
-    table.close()
-    return rule
-
-
-def read_clocks(tables: tuple[MappingTable, ...]) -> dict[str, TimeRule]:
-    """Read ``[[clocks]]``: further time bases, by name."""
-    clocks: dict[str, TimeRule] = {}
-    for table in tables:
-        name = table.label("name")
-        if name in clocks:
-            raise refuse(table.path("name"), f"'{name}' is used twice.")
-        clocks[name] = read_time(table)
-    return clocks
-
-
 @dataclass(slots=True)
 class Timing:
     """The time bases of the files of one import; each is checked once.
@@ -120,10 +68,10 @@ class Timing:
     ``[time]``.
     """
 
-    default: TimeRule | None
-    named: Mapping[str, TimeRule]
+    default: TimeMapping | None
+    named: tuple[ClockMapping, ...]
     sources: Sources
-    _known: dict[tuple[TimeRule, str], Clock] = field(default_factory=dict)
+    _known: dict[tuple[TimeMapping, str], Clock] = field(default_factory=dict)
 
     def clock(self, source: SourceFile, path: str, label: str, n: int, name: str | None) -> Clock:
         """Return the time base of a field with ``n`` samples.
@@ -154,17 +102,18 @@ class Timing:
             )
         return found
 
-    def _rule(self, source: SourceFile, path: str, name: str | None) -> TimeRule:
+    def _rule(self, source: SourceFile, path: str, name: str | None) -> TimeMapping:
         if name is not None:
-            if name not in self.named:
-                known = ", ".join(self.named) or "none"
-                raise refuse("clocks", f"has no clock '{name}'; defined: {known}.")
-            return self.named[name]
+            for rule in self.named:
+                if rule.name == name:
+                    return rule
+            known = ", ".join(rule.name for rule in self.named) or "none"
+            raise refuse("clocks", f"has no clock '{name}'; defined: {known}.")
         if path in source.clocks:
             column = source.clocks[path]
-            return TimeRule(column=column, unit=source.units.get(column, "s"))
+            return TimeMapping.model_construct(column=column, unit=source.units.get(column, "s"))
         if self.default is None or self.default.column not in source.arrays:
-            for rule in self.named.values():
+            for rule in self.named:
                 if rule.column is not None and self.sources.find(rule.column)[0] is source:
                     return rule
         if self.default is None:
@@ -172,11 +121,13 @@ class Timing:
         return self.default
 
 
-def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samples: int) -> Clock:
+def _extract(
+    rule: TimeMapping, source: SourceFile | None, sources: Sources, n_samples: int
+) -> Clock:
     if rule.column is None or source is None:
         rate = 0.0 if rule.rate is None else scalar(rule.rate, sources)
         if rate <= 0:
-            raise BadInput("Mapping: 'time.rate' must be positive.", code="bad-mapping")
+            raise refuse(rule.path("rate"), "must be positive.")
         return Clock(
             start_s=rule.start_s + rule.offset_s,
             rate_hz=_check_rate(rate),
@@ -186,18 +137,11 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
     column = np.atleast_1d(Sources((source,)).numbers(rule.column))
     stamps = units.to_si(column, rule.unit) + rule.offset_s
     if stamps.ndim != 1 or stamps.size < 2:
-        raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' holds {stamps.size} time stamp; "
-            "a record has at least two samples.",
-            column=rule.column,
-        )
+        problem = f"holds {stamps.size} time stamp; a record has at least two samples."
+        raise _refuse(source, rule, problem)
     if units.LARGEST["time"] < abs(float(stamps[0])) < np.inf:
-        raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' begins at {stamps[0]:.4g} s; expected "
-            f"at most {units.LARGEST['time']:g} s. Check its unit.",
-            code="bad-rate",
-            column=rule.column,
-        )
+        expected = f"expected at most {units.LARGEST['time']:g} s. Check its unit."
+        raise _refuse(source, rule, f"begins at {stamps[0]:.4g} s; {expected}", "bad-rate")
     source.check_finite(stamps, rule.column)
     steps = np.diff(stamps)
     backwards = np.flatnonzero(steps < 0)
@@ -210,21 +154,17 @@ def _extract(rule: TimeRule, source: SourceFile | None, sources: Sources, n_samp
             return rounded
     stopped = backwards if backwards.size else np.flatnonzero(steps == 0)
     if stopped.size:
-        row = source.first_row + int(stopped[0]) + 1
-        raise UnreadableFile(
-            f"{source.name}: row {row}, column '{rule.column}': time does not increase "
-            f"({stamps[stopped[0] + 1]:.6g} s after {stamps[stopped[0]]:.6g} s).",
-            code="time-backwards",
-            row=row,
-            column=rule.column,
-        )
+        first = int(stopped[0])
+        stalled = f"{stamps[first + 1]:.6g} s after {stamps[first]:.6g} s"
+        problem = f"time does not increase ({stalled})."
+        raise _refuse(source, rule, problem, "time-backwards", first + 1)
     step = (stamps[-1] - stamps[0]) / steps.size
     usual = float(np.median(steps))
     drift = np.abs(stamps - (stamps[0] + step * np.arange(stamps.size)))
     uneven = np.abs(steps - usual) > STEP_TOLERANCE * usual
     if uneven.any() or (drift > DRIFT_TOLERANCE * step).any():
         worst = int(np.argmax(uneven)) + 1 if uneven.any() else int(np.argmax(drift))
-        raise _not_uniform(source, rule, worst, float(steps[worst - 1]), usual)
+        raise _refuse_step(source, rule, worst, float(steps[worst - 1]), usual)
     return _clock(rule, source, stamps, 1.0 / step)
 
 
@@ -265,7 +205,7 @@ def find_resolution(stamps: np.ndarray) -> float | None:
 
 
 def _fit_rounded_clock(
-    rule: TimeRule, source: SourceFile, stamps: np.ndarray, resolution: float
+    rule: TimeMapping, source: SourceFile, stamps: np.ndarray, resolution: float
 ) -> Clock | None:
     """Return the clock behind rounded time stamps; None if no rate explains every stamp.
 
@@ -284,14 +224,11 @@ def _fit_rounded_clock(
         return None
     stands = np.flatnonzero(np.diff(stamps) == 0.0)
     if stands.size and _are_repeated(source, stands, n):
-        row = source.first_row + int(stands[0]) + 1
-        raise UnreadableFile(
-            f"{source.name}: row {row} repeats the row before it, as do {stands.size} rows; "
-            "every sample must occur once. Remove repeated rows.",
-            code="rows-repeated",
-            row=row,
-            column=rule.column,
+        problem = (
+            f"this row repeats the row before it, as do {stands.size} rows; every sample must "
+            "occur once. Remove repeated rows."
         )
+        raise _refuse(source, rule, problem, "rows-repeated", int(stands[0]) + 1)
     duration = float(stamps[-1] - stamps[0])
     index = np.arange(n)
     mean = float(np.polyfit(index, stamps - stamps[0], 1)[0])
@@ -309,27 +246,25 @@ def _fit_rounded_clock(
         missing = _find_missing(stamps, resolution, fitting[0])
         if missing is not None:
             step = float(stamps[missing] - stamps[missing - 1])
-            raise _not_uniform(source, rule, missing, step, 1.0 / fitting[0])
+            raise _refuse_step(source, rule, missing, step, 1.0 / fitting[0])
         return _clock(rule, source, stamps, fitting[0], resolution)
     if odd.mean() < _FEW:
         return None
     if not fitting and span(mean) >= most:
-        raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, and no "
-            f"uniform rate near {1.0 / mean:.5g} Hz explains every time stamp. Samples are missing "
-            "or the clock jumped; resample the record.",
-            code="time-not-uniform",
-            column=rule.column,
+        problem = (
+            f"is rounded to {resolution:.3g} s, and no uniform rate near {1.0 / mean:.5g} Hz "
+            "explains every time stamp. Samples are missing or the clock jumped; resample the "
+            "record."
         )
+        raise _refuse(source, rule, problem, "time-not-uniform")
     if spread * mean > RATE_TOLERANCE:
-        raise UnreadableFile(
-            f"{source.name}: column '{rule.column}' is rounded to {resolution:.3g} s, so "
-            f"the sampling rate is between {low:.5g} and {high:.5g} Hz. Set it in the mapping "
-            f'instead of the column: rate = {{ value = {1.0 / mean:.0f}, unit = "Hz" }} and '
-            f'start = {{ value = {stamps[0]:.6g}, unit = "s" }} in [time].',
-            code="clock-rounded",
-            column=rule.column,
+        problem = (
+            f"is rounded to {resolution:.3g} s, so the sampling rate is between {low:.5g} and "
+            f"{high:.5g} Hz. Set it in the mapping instead of the column: rate = "
+            f'{{ value = {1.0 / mean:.0f}, unit = "Hz" }} and start = '
+            f'{{ value = {stamps[0]:.6g}, unit = "s" }} in [time].'
         )
+        raise _refuse(source, rule, problem, "clock-rounded")
     return _clock(rule, source, stamps, 1.0 / mean, resolution)
 
 
@@ -362,22 +297,34 @@ def _are_repeated(source: SourceFile, stands: np.ndarray, n: int) -> bool:
     )
 
 
-def _not_uniform(
-    source: SourceFile, rule: TimeRule, index: int, step: float, usual: float
+def _refuse(
+    source: SourceFile,
+    rule: TimeMapping,
+    problem: str,
+    code: str | None = None,
+    sample: int | None = None,
 ) -> UnreadableFile:
-    row = source.first_row + index
-    return UnreadableFile(
-        f"{source.name}: row {row}, column '{rule.column}': the time step is not uniform "
-        f"({step:.6g} s, usually {usual:.6g} s). "
-        "Samples are missing or the clock jumped; resample the record.",
-        code="time-not-uniform",
-        row=row,
-        column=rule.column,
+    """Build the error for the time stamps of a file, or for one of them."""
+    if sample is None:
+        message = f"{source.name}: column '{rule.column}' {problem}"
+        return UnreadableFile(message, code=code, column=rule.column)
+    row = source.first_row + sample
+    message = f"{source.name}: row {row}, column '{rule.column}': {problem}"
+    return UnreadableFile(message, code=code, row=row, column=rule.column)
+
+
+def _refuse_step(
+    source: SourceFile, rule: TimeMapping, sample: int, step: float, usual: float
+) -> UnreadableFile:
+    problem = (
+        f"the time step is not uniform ({step:.6g} s, usually {usual:.6g} s). Samples are missing "
+        "or the clock jumped; resample the record."
     )
+    return _refuse(source, rule, problem, "time-not-uniform", sample)
 
 
 def _clock(
-    rule: TimeRule,
+    rule: TimeMapping,
     source: SourceFile,
     stamps: np.ndarray,
     rate: float,
@@ -386,11 +333,8 @@ def _clock(
     try:
         rate = _check_rate(rate)
     except BadInput as error:
-        raise UnreadableFile(
-            f"{source.name}: column '{rule.column}': {error.message}",
-            code=error.code,
-            column=rule.column,
-        ) from error
+        message = f"{source.name}: column '{rule.column}': {error.message}"
+        raise UnreadableFile(message, code=error.code, column=rule.column) from error
     # Time stamps are rounded in the file: 199.99999998 Hz is 200 Hz.
     whole = round(rate)
     return Clock(

@@ -34,6 +34,10 @@ _SUFFIXES = {
     "deg": "deg", "rad": "rad", "dps": "deg/s", "degs": "deg/s", "rps": "rad/s", "g": "g",
     "kt": "kt", "kts": "kt", "fps": "ft/s", "mps": "m/s", "ft": "ft", "m": "m", "psf": "psf",
     "pa": "Pa", "ms": "ms", "s": "s", "lb": "lb", "kg": "kg", "ustrain": "ustrain", "v": "V",
+    "pct": "%", "percent": "%", "degc": "degC", "degf": "degF", "hpa": "hPa", "kpa": "kPa",
+    "psi": "psi", "inhg": "inHg", "kmh": "km/h", "mps2": "m/s2", "fps2": "ft/s2", "ms2": "m/s2",
+    "degps": "deg/s", "radps": "rad/s", "mrad": "mrad", "slug": "slug", "lbf": "lbf", "hz": "Hz",
+    "microstrain": "ustrain",
 }  # fmt: skip
 
 _ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
@@ -69,41 +73,28 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
 
 _TIME = re.compile(
     r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
-    r"|(?:utc|gps|irig)_?time"
+    r"|(?:utc|irig)(?:_?time)?|gps_?time"
 )
 _PERHAPS_TIME = re.compile(r"(?:time|t)_\w+")
 
 _TIME_UNITS = {"ms": "ms", "us": "us", "ns": "ns", "min": "min", "s": "s", "sec": "s"}
 
-_FDATA: dict[int, tuple[str, str, Role]] = {
-    2: ("airspeed", "ft/s", Role.CONDITION),
-    3: ("beta", "deg", Role.OUTPUT),
-    4: ("alpha", "deg", Role.OUTPUT),
-    5: ("p", "deg/s", Role.OUTPUT),
-    6: ("q", "deg/s", Role.OUTPUT),
-    7: ("r", "deg/s", Role.OUTPUT),
-    8: ("phi", "deg", Role.OUTPUT),
-    9: ("theta", "deg", Role.OUTPUT),
-    10: ("psi", "deg", Role.OUTPUT),
-    11: ("ax", "g", Role.OUTPUT),
-    12: ("ay", "g", Role.OUTPUT),
-    13: ("az", "g", Role.OUTPUT),
-    14: ("elevator", "deg", Role.INPUT),
-    15: ("aileron", "deg", Role.INPUT),
-    16: ("rudder", "deg", Role.INPUT),
-    27: ("dynamic_pressure", "psf", Role.CONDITION),
-    28: ("mach", "1", Role.CONDITION),
-    29: ("density", "slug/ft3", Role.CONDITION),
-    30: ("altitude", "ft", Role.CONDITION),
-    42: ("pdot", "deg/s2", Role.OUTPUT),
-    43: ("qdot", "deg/s2", Role.OUTPUT),
-    44: ("rdot", "deg/s2", Role.OUTPUT),
-    48: ("mass", "slug", Role.CONDITION),
-    49: ("Ixx", "slug*ft2", Role.CONDITION),
-    50: ("pitch_inertia", "slug*ft2", Role.CONDITION),
-    51: ("Izz", "slug*ft2", Role.CONDITION),
-    52: ("Ixz", "slug*ft2", Role.CONDITION),
-}
+_FDATA: dict[Role, dict[int, tuple[str, str]]] = {
+    Role.INPUT: {14: ("elevator", "deg"), 15: ("aileron", "deg"), 16: ("rudder", "deg")},
+    Role.OUTPUT: {
+        3: ("beta", "deg"), 4: ("alpha", "deg"),
+        5: ("p", "deg/s"), 6: ("q", "deg/s"), 7: ("r", "deg/s"),
+        8: ("phi", "deg"), 9: ("theta", "deg"), 10: ("psi", "deg"),
+        11: ("ax", "g"), 12: ("ay", "g"), 13: ("az", "g"),
+        42: ("pdot", "deg/s2"), 43: ("qdot", "deg/s2"), 44: ("rdot", "deg/s2"),
+    },
+    Role.CONDITION: {
+        2: ("airspeed", "ft/s"), 27: ("dynamic_pressure", "psf"), 28: ("mach", "1"),
+        29: ("density", "slug/ft3"), 30: ("altitude", "ft"), 48: ("mass", "slug"),
+        49: ("roll_inertia", "slug*ft2"), 50: ("pitch_inertia", "slug*ft2"),
+        51: ("yaw_inertia", "slug*ft2"), 52: ("Ixz", "slug*ft2"),
+    },
+}  # fmt: skip
 """Columns of the matrix ``fdata`` of SIDPAC users, whose column 1 is time.
 
 Source: SIDPAC, scripts compfc, compmc and f16_fltdatsel (E. A. Morelli).
@@ -146,7 +137,8 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
     bare, named_unit = _bare(path)
     unit = _unit(file_unit) or _unit(named_unit)
     unknown = "" if unit else named_unit.strip()
-    for candidate in dict.fromkeys((bare, bare.rpartition("_")[0])):
+    # Without its unit first: the last part of NZ_G is a unit, that of az_ofs a place.
+    for candidate in dict.fromkeys((bare.rpartition("_")[0], bare)):
         suffix = "" if candidate == bare else bare.rpartition("_")[2].lower()
         if not candidate or (suffix and suffix not in _SUFFIXES):
             continue
@@ -158,21 +150,25 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
             if stated and units.dimension(stated) != units.dimension(usual):
                 continue
             tail = found.groupdict().get("tail") or ""
+            tail = tail.lower() if tail.isupper() else tail
             return Meaning(
                 name=name.replace("{tail}", tail),
                 unit=stated or unknown or usual,
                 role=role,
-                sure=bool(stated),
+                sure=bool(stated) or name == "mach",
             )
+    suffix = bare.rpartition("_")[2].lower()
+    unit = unit or (_SUFFIXES.get(suffix, "") if len(suffix) > 1 else "")
     return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
 
 
 def find_fdata_column(column: int) -> Meaning | None:
     """Return the quantity of a column of SIDPAC's ``fdata``; None for columns not in ``_FDATA``."""
-    known = _FDATA.get(column)
-    return (
-        None if known is None else Meaning(name=known[0], unit=known[1], role=known[2], sure=False)
-    )
+    for role, columns in _FDATA.items():
+        if column in columns:
+            name, unit = columns[column]
+            return Meaning(name=name, unit=unit, role=role, sure=False)
+    return None
 
 
 def _bare(path: str) -> tuple[str, str]:

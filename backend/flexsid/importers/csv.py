@@ -1,8 +1,11 @@
-"""Text: one row per sample, delimited or in columns of fixed width, UTF-8 or Latin-1."""
+"""Text: one row per sample, delimited or in columns of fixed width, UTF-8 or Latin-1.
+
+Rows of text above the header, a row of units below it, a delimiter at the end of every row and
+columns of time stamps (see ``time_stamps``) are understood.
+"""
 
 from __future__ import annotations
 
-import codecs
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -12,8 +15,9 @@ from typing import TextIO
 import numpy as np
 
 from flexsid import units
-from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers.source import Content, Field
+from flexsid.errors import UnreadableFile
+from flexsid.importers.source import Field
+from flexsid.importers.time_stamps import parse_time_stamp
 
 LARGEST_COLUMNS = 4096
 """Largest number of columns; wide headers stall readers."""
@@ -28,14 +32,8 @@ def recognises(head: bytes) -> bool:
     return b"\x00" not in head
 
 
-def read(path: Path) -> Content:
-    """Read the columns of a text file.
-
-    Returns
-    -------
-    Content
-        One float64 field per column, in order of the file; ``first_row`` is the
-        line of the first sample, counted from 1.
+def read(path: Path) -> Iterator[Field]:
+    """Read the columns of a text file as float64, in order of the file.
 
     Raises
     ------
@@ -56,7 +54,9 @@ def read(path: Path) -> Content:
             row=layout.first_row,
             column=layout.names[0],
         )
-    return Content(_columns(blocks, layout), layout.first_row)
+    for index, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True)):
+        samples = np.concatenate([block[:, index] for block in blocks])
+        yield Field(name, samples, unit, first_row=layout.first_row)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,26 +69,40 @@ class _Layout:
     delimiter: str | None
     width: int | None
     decimal_comma: bool
+    stamps: tuple[int, ...]
+    """Indices of the columns of time stamps."""
+    ends_delimited: bool
 
     def cells(self, line: str) -> list[str]:
-        return _split(line, self.delimiter, self.width)
+        return _split(self._strip(line), self.delimiter, self.width)
 
     def plain(self, line: str) -> str:
         """Return a row in a form that numpy reads."""
-        if self.width is not None:
-            return ",".join(self.cells(line))
-        return line.replace(",", ".") if self.decimal_comma else line
+        if self.width is None and not self.stamps:
+            line = self._strip(line)
+            return line.replace(",", ".") if self.decimal_comma else line
+        cells = self.cells(line)
+        for index in self.stamps:
+            seconds = parse_time_stamp(cells[index]) if index < len(cells) else None
+            if seconds is not None:
+                cells[index] = repr(seconds)
+        delimiter = "," if self.width is not None else self.delimiter
+        joined = (delimiter or " ").join(cells)
+        return joined.replace(",", ".") if self.decimal_comma else joined
+
+    def _strip(self, line: str) -> str:
+        if not self.ends_delimited or self.delimiter is None:
+            return line
+        return line.rstrip("\r ").removesuffix(self.delimiter)
 
 
 def _encoding(path: Path) -> str:
-    decoder = codecs.getincrementaldecoder("utf-8")()
-    with path.open("rb") as file:
-        try:
-            while piece := file.read(LARGEST_LINE):
-                decoder.decode(piece)
-            decoder.decode(b"", final=True)
-        except UnicodeDecodeError:
-            return "latin-1"
+    try:
+        with path.open(encoding="utf-8") as file:
+            while file.read(LARGEST_LINE):
+                pass
+    except UnicodeDecodeError:
+        return "latin-1"
     return "utf-8-sig"
 
 
@@ -115,15 +129,22 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         raise UnreadableFile(
             "row 1, column 1 is missing: the file holds no header and no sample.", row=1, column=1
         )
+    rows = rows[_count_preamble([line for _, line in rows]) :]
     row, header = rows[0]
     lines = [line for _, line in rows]
     delimiter = _delimiter(header)
+    ends_delimited = delimiter is not None and all(
+        line.rstrip("\r ").endswith(delimiter) for line in lines
+    )
+    if ends_delimited and delimiter is not None:
+        lines = [line.rstrip("\r ").removesuffix(delimiter) for line in lines]
+        header = lines[0]
     width = None if delimiter is not None else _width(lines)
     _check_quotes(header, delimiter, row)
     names = _split(header, delimiter, width)
     symbols: list[str] = []
     comma = delimiter == ";" and any(_is_decimal_comma(c) for c in _split(lines[-1], ";", None))
-    if all(_is_number(name.replace(",", ".") if comma else name) for name in names):
+    if all(_is_value(name.replace(",", ".") if comma else name) for name in names):
         above = _split(comments[-1].lstrip("#% "), delimiter, None) if comments else []
         named = len(above) == len(names) and not any(map(_is_number, above))
         names = above if named else [str(number) for number in range(1, len(names) + 1)]
@@ -134,7 +155,15 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
             symbols = below
             first_row = rows[1][0] + 1
     _check_names(names, row)
+    last = _split(lines[-1], delimiter, width)
     symbols = symbols if len(symbols) == len(names) else [""] * len(names)
+    stamps = tuple(
+        index
+        for index, cell in enumerate(last[: len(names)])
+        if not _is_number(cell) and parse_time_stamp(cell) is not None
+    )
+    for index in stamps:
+        symbols[index] = "s"
     return _Layout(
         names=tuple(names),
         units=tuple(symbols),
@@ -142,7 +171,29 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         delimiter=delimiter,
         width=width,
         decimal_comma=comma,
+        stamps=stamps,
+        ends_delimited=ends_delimited,
     )
+
+
+def _count_preamble(lines: Sequence[str]) -> int:
+    """Return the number of rows of text above the header.
+
+    The header is the first of the rows with as many cells as the last one; no row above it
+    may hold samples.
+    """
+    # A comma may be that of the decimals.
+    delimiter = next((one for one in (";", "\t", ",") if one in lines[-1]), None)
+    if delimiter is None:
+        return 0
+    counts = [line.count(delimiter) for line in lines]
+    first = len(lines)
+    while first > 0 and counts[first - 1] == counts[-1]:
+        first -= 1
+    holds_samples = any(
+        all(map(_is_value, _split(line, _delimiter(line), None))) for line in lines[: first + 1]
+    )
+    return 0 if holds_samples else first
 
 
 def _is_comment(line: str) -> bool:
@@ -195,20 +246,20 @@ def _is_number(cell: str) -> bool:
     return True
 
 
+def _is_value(cell: str) -> bool:
+    return _is_number(cell) or parse_time_stamp(cell) is not None
+
+
 def _is_decimal_comma(cell: str) -> bool:
     return cell.count(",") == 1 and _is_number(cell.replace(",", "."))
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether a second header row gives the unit of every column."""
-    if any(map(_is_number, cells)) and not all(cell in ("1", "") for cell in cells):
-        cells = [cell for cell in cells if cell != "1"]
-    for cell in cells:
-        try:
-            units.lookup(cell.strip("[]()"))
-        except BadInput:
-            return False
-    return any(cell not in ("", "-", "1") for cell in cells)
+    """Return whether a second header row gives units: text, most of it known units."""
+    named = [cell.strip("[]()") for cell in cells if cell not in ("", "-", "1")]
+    if any(map(_is_value, named)):
+        return False
+    return 2 * sum(map(units.is_known, named)) > len(named)
 
 
 def _check_quotes(header: str, delimiter: str | None, row: int) -> None:
@@ -286,17 +337,14 @@ def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) 
                 row=row,
                 column=at,
             )
-        for name, cell in zip(names, cells, strict=True):
-            if not _is_number(cell):
+        for index, (name, cell) in enumerate(zip(names, cells, strict=True)):
+            stamped = index in layout.stamps
+            if not _is_number(cell) and not (stamped and parse_time_stamp(cell) is not None):
                 found = "is empty" if not cell else f"holds '{cell[:40]}'"
+                expected = "time stamp" if stamped else "number"
                 raise UnreadableFile(
-                    f"row {row}, column '{name}' {found}; a number is expected.",
+                    f"row {row}, column '{name}' {found}; a {expected} is expected.",
                     code="not-numeric",
                     row=row,
                     column=name,
                 )
-
-
-def _columns(blocks: Sequence[np.ndarray], layout: _Layout) -> Iterator[Field]:
-    for index, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True)):
-        yield Field(name, np.concatenate([block[:, index] for block in blocks]), unit)

@@ -3,73 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from flexsid.importers.quantity import MappedQuantity, refuse, scalar
+from flexsid.importers.mapping import ExcitationMapping, OrderMapping
+from flexsid.importers.quantity import scalar
 from flexsid.importers.source import Sources
-from flexsid.importers.table import MappingTable
+from flexsid.importers.table import refuse
 from flexsid.records.maneuver import Excitation
 
 _MAX_HARMONICS = 10_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Interleaving:
-    """Consecutive harmonics interleaved between the inputs, from ``first`` upward."""
-
-    order: str | tuple[str, ...]
-    name: str
-    first: MappedQuantity
-    per_input: MappedQuantity
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExcitationPart:
-    """Harmonics per input, listed or interleaved (Eq. 4)."""
-
-    period: MappedQuantity
-    start_s: float
-    n_periods: int
-    harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
-
-
-def read_excitation(table: MappingTable) -> ExcitationPart:
-    """Read ``harmonics`` by input, or ``order`` with ``first`` and ``per_input``."""
-    harmonics: tuple[tuple[str, tuple[int, ...]], ...] | Interleaving
-    if "harmonics" in table:
-        rows = table.table("harmonics")
-        harmonics = tuple((name, rows.integers(name)) for name in rows.names())
-    else:
-        harmonics = _interleaving(table)
-    part = ExcitationPart(
-        period=table.quantity("period", "time"),
-        start_s=table.si_scalar("start", "time") if "start" in table else 0.0,
-        n_periods=table.integer("n_periods", 1),
-        harmonics=harmonics,
-    )
-    table.close()
-    return part
-
-
-def _interleaving(table: MappingTable) -> Interleaving:
-    order: str | tuple[str, ...]
-    name = "{label}"
-    if table.is_table("order"):
-        labels = table.table("order")
-        order = labels.text("field")
-        name = labels.label("name", "{label}")
-        labels.close()
-    else:
-        order = table.texts("order")
-    return Interleaving(
-        order=order,
-        name=name,
-        first=table.quantity("first", "number"),
-        per_input=table.quantity("per_input", "number"),
-    )
-
-
-def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[str]) -> Excitation:
+def extract_excitation(
+    part: ExcitationMapping, sources: Sources, inputs: Sequence[str]
+) -> Excitation:
     """Return the harmonics of every input.
 
     Raises
@@ -77,10 +23,7 @@ def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[
     BadInput
         If a harmonic is assigned to a channel that is no input, or to two inputs.
     """
-    if isinstance(part.harmonics, Interleaving):
-        harmonics = _interleave(part.harmonics, sources)
-    else:
-        harmonics = dict(part.harmonics)
+    harmonics = _interleave(part, sources) if part.harmonics is None else part.harmonics
     assigned: dict[int, str] = {}
     for name, numbers in harmonics.items():
         if name not in inputs:
@@ -107,15 +50,21 @@ def extract_excitation(part: ExcitationPart, sources: Sources, inputs: Sequence[
     )
 
 
-def _interleave(plan: Interleaving, sources: Sources) -> dict[str, tuple[int, ...]]:
-    labels = sources.texts(plan.order) if isinstance(plan.order, str) else plan.order
-    names = tuple(plan.name.replace("{label}", label) for label in labels)
-    first = round(scalar(plan.first, sources))
-    count = round(scalar(plan.per_input, sources))
+def _interleave(part: ExcitationMapping, sources: Sources) -> dict[str, tuple[int, ...]]:
+    assert part.order is not None
+    assert part.first is not None
+    assert part.per_input is not None
+    if isinstance(part.order, OrderMapping):
+        labels = sources.texts(part.order.field)
+        names = tuple(part.order.name.replace("{label}", label) for label in labels)
+    else:
+        names = part.order
+    first = round(scalar(part.first, sources))
+    count = round(scalar(part.per_input, sources))
     if not names or first < 1 or not 1 <= count * len(names) <= _MAX_HARMONICS:
         raise refuse("excitation.first", "and per_input must be at least 1, with order not empty.")
     step = len(names)
     return {
-        name: tuple(range(first + place, first + place + step * count, step))
-        for place, name in enumerate(names)
+        name: tuple(range(first + index, first + index + step * count, step))
+        for index, name in enumerate(names)
     }

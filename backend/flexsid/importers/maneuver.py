@@ -5,70 +5,21 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.channels import ChannelRule, RawChannel, extract_channels
-from flexsid.importers.clock import TimeRule, Timing
-from flexsid.importers.excitation import ExcitationPart, extract_excitation, read_excitation
-from flexsid.importers.quantity import MappedQuantity, refuse, scalar
+from flexsid.importers.channels import RawChannel, extract_channels
+from flexsid.importers.clock import Timing
+from flexsid.importers.excitation import extract_excitation
+from flexsid.importers.mapping import FtaMapping, ManeuverMapping, MappingFile
+from flexsid.importers.quantity import Quantity, scalar
 from flexsid.importers.source import Sources
-from flexsid.importers.table import MappingTable
+from flexsid.importers.table import refuse
 from flexsid.records.maneuver import Excitation, Role
 from flexsid.text import check_line
-
-_CONDITION = {
-    "airspeed": "speed",
-    "density": "density",
-    "altitude": "length",
-    "fuel_fraction": "number",
-    "alpha": "angle",
-    "gamma": "angle",
-    "thrust": "force",
-    "mass": "mass",
-    "pitch_inertia": "inertia",
-    "x_cg": "length",
-    "z_cg": "length",
-    "total_temperature": "temperature",
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlightPart:
-    """The flight of the maneuver."""
-
-    number: int
-    flown_on: date | None = None
-    description: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManeuverPart:
-    """Name, time and flight condition of a maneuver."""
-
-    label: str
-    condition: Mapping[str, MappedQuantity]
-    excitation: ExcitationPart | None = None
-    fta: int | None = None
-    fta_field: str | None = None
-    fta_by_value: tuple[tuple[float, int], ...] = ()
-    axis: str | None = None
-    start_s: float | None = None
-    stop_s: float | None = None
-    note: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordingPart:
-    """Channels of the files and their time bases."""
-
-    time: TimeRule | None
-    clocks: Mapping[str, TimeRule]
-    channels: tuple[ChannelRule, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,77 +42,7 @@ class RawManeuver:
     source_hash: str
 
 
-def read_flight(table: MappingTable) -> FlightPart:
-    """Read ``number``, ``date`` and ``description``."""
-    day = table.optional_text("date")
-    try:
-        flown_on = None if day is None else date.fromisoformat(day)
-    except ValueError as error:
-        raise refuse(
-            table.path("date"), f"must have the form 2024-05-31, found '{day}'."
-        ) from error
-    part = FlightPart(
-        number=table.integer("number"),
-        flown_on=flown_on,
-        description=table.note("description"),
-    )
-    table.close()
-    return part
-
-
-def read_maneuver(table: MappingTable, excitation: MappingTable | None) -> ManeuverPart:
-    """Read the maneuver's own keys and its ``condition``."""
-    condition = table.table("condition")
-    quantities = {
-        key: quantity
-        for key, dimension in _CONDITION.items()
-        if (quantity := condition.optional_quantity(key, dimension)) is not None
-    }
-    if "engines" in condition:  # rotation speeds by channel of the thrust table
-        engines = condition.table("engines")
-        quantities |= {name: engines.quantity(name, "angular rate") for name in engines.names()}
-    condition.close()
-    if "airspeed" not in quantities:
-        raise refuse(condition.path("airspeed"), "is missing; expected the true airspeed.")
-    if ("density" in quantities) == ("altitude" in quantities):
-        raise refuse(condition.path("density"), "or altitude must be given, but not both.")
-    fta: int | None = None
-    fta_field: str | None = None
-    by_value: tuple[tuple[float, int], ...] = ()
-    if table.is_table("fta"):
-        rows = table.table("fta")
-        fta_field = rows.text("field")
-        lookup = rows.table("values")
-        by_value = tuple((_number(lookup, key), lookup.integer(key)) for key in lookup.names())
-        rows.close()
-    elif "fta" in table:
-        fta = table.integer("fta")
-    part = ManeuverPart(
-        label=table.label("label", "{file}"),
-        condition=quantities,
-        excitation=None if excitation is None else read_excitation(excitation),
-        fta=fta,
-        fta_field=fta_field,
-        fta_by_value=by_value,
-        axis=table.choice("axis", ("longitudinal", "lateral", "ground"))
-        if "axis" in table
-        else None,
-        start_s=table.si_scalar("start", "time") if "start" in table else None,
-        stop_s=table.si_scalar("stop", "time") if "stop" in table else None,
-        note=table.note("note"),
-    )
-    table.close()
-    return part
-
-
-def _number(table: MappingTable, key: str) -> float:
-    try:
-        return float(key)
-    except ValueError as error:
-        raise refuse(table.path(key), "must be a number: a value of the field.") from error
-
-
-def extract_recording(part: RecordingPart, sources: Sources) -> tuple[RawChannel, ...]:
+def extract_recording(mapping: MappingFile, sources: Sources) -> tuple[RawChannel, ...]:
     """Extract the channels of the files, at full length.
 
     Raises
@@ -170,10 +51,12 @@ def extract_recording(part: RecordingPart, sources: Sources) -> tuple[RawChannel
         If anything is missing or invalid; the message names the key of the
         mapping, or row and column of the file.
     """
-    return extract_channels(part.channels, sources, Timing(part.time, part.clocks, sources))
+    return extract_channels(
+        mapping.channels, sources, Timing(mapping.time, mapping.clocks, sources)
+    )
 
 
-def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sources) -> RawManeuver:
+def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sources) -> RawManeuver:
     """Extract one maneuver from its files.
 
     Raises
@@ -182,9 +65,10 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
         If anything is missing or invalid; the message names the key of the
         mapping, or row and column of the file.
     """
-    timing = Timing(recording.time, recording.clocks, sources)
-    channels = extract_channels(recording.channels, sources, timing)
-    if not any(channel.role is Role.INPUT for channel in channels):
+    timing = Timing(mapping.time, mapping.clocks, sources)
+    channels = extract_channels(mapping.channels, sources, timing)
+    inputs = [channel.name for channel in channels if channel.role is Role.INPUT]
+    if not inputs:
         raise BadInput(
             "The mapping gives no channel the role 'input'; a maneuver has at least one measured "
             "surface.",
@@ -220,7 +104,9 @@ def extract_maneuver(part: ManeuverPart, recording: RecordingPart, sources: Sour
         condition={
             key: _average(item, sources, timing, part) for key, item in part.condition.items()
         },
-        excitation=_excitation(part.excitation, sources, cut),
+        excitation=None
+        if mapping.excitation is None
+        else extract_excitation(mapping.excitation, sources, inputs),
         source_file=source_file,
         source_hash=source_hash,
     )
@@ -245,9 +131,7 @@ def origin(channels: tuple[RawChannel, ...]) -> tuple[str, str]:
     return ", ".join(used.values()), digests[0] if len(digests) == 1 else joined
 
 
-def _average(
-    quantity: MappedQuantity, sources: Sources, timing: Timing, part: ManeuverPart
-) -> float:
+def _average(quantity: Quantity, sources: Sources, timing: Timing, part: ManeuverMapping) -> float:
     """Return one number in SI; a recorded channel is averaged over the maneuver."""
     if quantity.field is None or (values := sources.numbers(quantity.field)).size == 1:
         return scalar(quantity, sources)
@@ -256,22 +140,13 @@ def _average(
     clock = timing.clock(source, quantity.field, quantity.field, values.size, None)
     samples = values[clock.window(part.start_s, part.stop_s)]
     if samples.size == 0:
-        raise refuse(quantity.path, f"has no sample of '{quantity.field}' inside the maneuver.")
+        raise refuse(quantity.given, f"has no sample of '{quantity.field}' inside the maneuver.")
     source.check_finite(samples, quantity.field)
     mean = float(units.to_si(samples.mean(dtype=np.float64), quantity.unit))
     return units.check_size(mean, units.dimension(quantity.unit))
 
 
-def _fta(part: ManeuverPart, sources: Sources) -> int | None:
-    if part.fta_field is None:
-        return part.fta
-    return dict(part.fta_by_value).get(sources.scalar(part.fta_field))
-
-
-def _excitation(
-    part: ExcitationPart | None, sources: Sources, channels: tuple[RawChannel, ...]
-) -> Excitation | None:
-    if part is None:
-        return None
-    inputs = [channel.name for channel in channels if channel.role is Role.INPUT]
-    return extract_excitation(part, sources, inputs)
+def _fta(part: ManeuverMapping, sources: Sources) -> int | None:
+    if isinstance(part.fta, FtaMapping):
+        return part.fta.values.get(sources.scalar(part.fta.field))
+    return part.fta

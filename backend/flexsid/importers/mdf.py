@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import logging
-import struct
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import LARGEST_CONTENT, Content, Field
+from flexsid.importers.source import Field
 
 _FORMULA = {3: 10, 4: 3}
 """Number of the conversion by a formula; a text from a file is not evaluated."""
@@ -26,7 +25,7 @@ def recognises(head: bytes) -> bool:
     return head.startswith(b"MDF ")
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read every channel with its unit and the clock of its group.
 
     A name that several groups have is followed by ``@`` and the number of the
@@ -35,35 +34,16 @@ def read(path: Path) -> Content:
     Raises
     ------
     UnreadableFile
-        If the file is damaged, or a channel is computed by a formula.
+        If a channel is computed by a formula.
     """
-    return Content(_fields(path))
-
-
-def _fields(path: Path) -> Iterator[Field]:
     from asammdf import MDF
-    from asammdf.blocks.utils import MdfException
 
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)
-    try:
-        with MDF(path, raise_on_multiple_occurrences=False) as file:
-            counts = Counter(channel.name for group in file.groups for channel in group.channels)
-            version = int(str(file.version)[0])
-            for number, group in enumerate(file.groups, start=1):
-                yield from _group(file, group, number, version, counts)
-    except (
-        MdfException,
-        OSError,
-        ValueError,
-        KeyError,
-        IndexError,
-        TypeError,
-        AttributeError,
-        OverflowError,
-        RecursionError,
-        struct.error,
-    ) as error:
-        raise UnreadableFile(f"the MDF file is damaged ({error}).") from error
+    with MDF(path, raise_on_multiple_occurrences=False) as file:
+        counts = Counter(channel.name for group in file.groups for channel in group.channels)
+        version = int(str(file.version)[0])
+        for number, group in enumerate(file.groups, start=1):
+            yield from _group(file, group, number, version, counts)
 
 
 def _group(
@@ -71,11 +51,6 @@ def _group(
 ) -> Iterator[Field]:
     master = file.masters_db.get(number - 1)
     n_samples = int(group.channel_group.cycles_nr)
-    if n_samples * 8 * max(1, len(group.channels)) > LARGEST_CONTENT:
-        raise UnreadableFile(
-            f"group {number} claims {n_samples} samples of {len(group.channels)} channels, more "
-            f"than {LARGEST_CONTENT / 1024**3:.0f} GB."
-        )
     clock = ""
     if master is not None:
         clock = "time" if number == 1 else f"time@{number}"

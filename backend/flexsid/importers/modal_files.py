@@ -1,9 +1,11 @@
-"""Modal data written to universal files and CSV without loss of precision."""
+"""Modal data written to universal files, CSV and MATLAB files."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from io import BytesIO
+from typing import Any
 
 import numpy as np
 
@@ -39,8 +41,11 @@ class WrittenModes:
     lines: np.ndarray
 
 
-def write_universal(modes: WrittenModes) -> Iterator[str]:
-    """Write data sets 151, 164, 2411, 82 and one 2414 per mode, in double precision."""
+def write_universal(modes: WrittenModes, *, single: bool = False) -> Iterator[str]:
+    """Write data sets 151, 164, 2411, 82 and one 2414 per mode.
+
+    Shapes are in double precision, or ``single`` for readers that do not know the other.
+    """
     yield from _block(
         151, [one_line(modes.title)[:80], f"fuel fraction {modes.fuel:.17g}", *["NONE"] * 5]
     )
@@ -67,10 +72,10 @@ def write_universal(modes: WrittenModes) -> Iterator[str]:
         ]
         yield from _block(82, [f"{1:10d}{len(trace):10d}{8:10d}", "lines", *rows])
     for place, number in enumerate(modes.numbers):
-        yield from _block(2414, _shape(modes, place, number))
+        yield from _block(2414, _shape(modes, place, number, single))
 
 
-def _shape(modes: WrittenModes, place: int, number: int) -> list[str]:
+def _shape(modes: WrittenModes, place: int, number: int, single: bool) -> list[str]:
     frequency = float(modes.frequency_hz[place])
     damping, mass = (float(np.nan_to_num(v[place])) for v in (modes.damping, modes.mass))
     exact = f"{EXACT} {frequency:.17g} {damping:.17g} {mass:.17g}"
@@ -82,15 +87,16 @@ def _shape(modes: WrittenModes, place: int, number: int) -> list[str]:
         one_line(modes.title)[:80] or "NONE",
         exact,
         *["NONE"] * 3,
-        # structural, normal modes, six degrees of freedom, displacement, real double
-        "".join(f"{n:10d}" for n in (1, 2, 3, 8, 4, 6)),
+        # structural, normal modes, six degrees of freedom, displacement, real single or double
+        "".join(f"{n:10d}" for n in (1, 2, 3, 8, 2 if single else 4, 6)),
         "".join(f"{n:10d}" for n in (0, 0, 1, 0, 0, number, 0, 0)),
         f"{0:10d}" * 2,
         f"{0.0:13.5E}{frequency:13.5E}{0.0:13.5E}{mass:13.5E}{damping:13.5E}{0.0:13.5E}",
         six,
     ]
     for node, values in zip(modes.node_ids.tolist(), modes.shapes[place], strict=True):
-        rows += [f"{node:10d}", "".join(f"{x:24.16E}" for x in values)]
+        form = "13.5E" if single else "24.16E"
+        rows += [f"{node:10d}", "".join(f"{x:{form}}" for x in values)]
     return rows
 
 
@@ -98,6 +104,17 @@ def _block(kind: int, lines: list[str]) -> Iterator[str]:
     yield f"    -1\n{kind:6d}\n"
     yield "".join(f"{line}\n" for line in lines)
     yield "    -1\n"
+
+
+def write_matlab(modes: WrittenModes) -> bytes:
+    """Write a MATLAB file (version 5) with one variable for each field of ``WrittenModes``."""
+    from scipy import io as files  # slow to import, and needed for MAT only
+
+    file: Any = BytesIO()  # the stubs of savemat know only names of files
+    values = {one.name: getattr(modes, one.name) for one in fields(modes)}
+    named = {"names": np.array(modes.names, dtype=object), "lines": modes.lines + 1}
+    files.savemat(file, values | named | {"numbers": np.array(modes.numbers)}, oned_as="column")
+    return file.getvalue()
 
 
 def write_csv(modes: WrittenModes) -> Iterator[str]:
@@ -108,15 +125,15 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
     }
     columns = [name for name in CSV_COLUMNS if known.get(name, True)]
     yield ",".join(columns) + "\n"
-    for place, number in enumerate(modes.numbers):
+    for index, number in enumerate(modes.numbers):
         of_mode = {
             "mode": f"{number}",
-            "frequency_hz": f"{modes.frequency_hz[place]:.17g}",
-            "damping": f"{modes.damping[place]:.17g}",
-            "mass_kg_m2": f"{modes.mass[place]:.17g}",
+            "frequency_hz": f"{modes.frequency_hz[index]:.17g}",
+            "damping": f"{modes.damping[index]:.17g}",
+            "mass_kg_m2": f"{modes.mass[index]:.17g}",
         }
         head = ",".join(of_mode[name] for name in columns if name in of_mode)
-        rows = np.concatenate([modes.nodes, modes.shapes[place]], axis=1)
+        rows = np.concatenate([modes.nodes, modes.shapes[index]], axis=1)
         yield "".join(
             f"{head},{node}," + ",".join(f"{x:.17g}" for x in row) + "\n"
             for node, row in zip(modes.node_ids.tolist(), rows, strict=True)

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import LARGEST_CONTENT, Content, Field
-
-LARGEST_COLUMNS = 4096
+from flexsid.importers.source import Field
 
 
 def recognises(head: bytes) -> bool:
@@ -19,60 +17,33 @@ def recognises(head: bytes) -> bool:
     return head.startswith(b"PAR1")
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read the columns of numbers or time stamps; time stamps are converted to seconds.
 
     Raises
     ------
     UnreadableFile
-        If the file is damaged, claims more than LARGEST_CONTENT, or a column
-        has empty cells.
+        If a column has empty cells.
     """
-    return Content(_fields(path))
-
-
-def _fields(path: Path) -> Iterator[Field]:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     pa.set_cpu_count(1)
-    try:
-        with pq.ParquetFile(path) as file:
-            schema = file.schema_arrow
-            n_rows = file.metadata.num_rows
-            names = list(schema.names)
-            _check(names, n_rows)
-            for index, name in enumerate(names):
-                kind = schema.field(index).type
-                if pa.types.is_timestamp(kind):
-                    column = file.read([name], use_threads=False).column(0).cast(pa.int64())
-                    unit = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}[kind.unit]
-                    yield Field(name, _plain(column, name) / unit, "s")
-                elif pa.types.is_floating(kind) or pa.types.is_integer(kind):
-                    column = file.read([name], use_threads=False).column(0)
-                    yield Field(name, _plain(column, name), _unit(schema.field(index).metadata))
-                elif pa.types.is_boolean(kind):
-                    column = file.read([name], use_threads=False).column(0).cast(pa.uint8())
-                    yield Field(name, _plain(column, name))
-    except MemoryError:
-        raise
-    except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
-        raise UnreadableFile(f"the Parquet file is damaged ({error}).") from error
-
-
-def _check(names: list[str], n_rows: int) -> None:
-    if len(names) > LARGEST_COLUMNS:
-        raise UnreadableFile(f"the file has {len(names)} columns; at most {LARGEST_COLUMNS}.")
-    if n_rows * len(names) * 8 > LARGEST_CONTENT:
-        raise UnreadableFile(
-            f"the file claims {n_rows} rows of {len(names)} columns, more than "
-            f"{LARGEST_CONTENT / 1024**3:.0f} GB."
-        )
-    for name in names:
-        if names.count(name) > 1:
-            raise UnreadableFile(
-                f"two columns are called '{name}'.", code="duplicate-channel", column=name
-            )
+    with pq.ParquetFile(path) as file:
+        schema = file.schema_arrow
+        for described in schema:
+            name, kind = described.name, described.type
+            is_time, is_flag = pa.types.is_timestamp(kind), pa.types.is_boolean(kind)
+            if not (is_time or is_flag or pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+                continue
+            column = file.read([name], use_threads=False).column(0)
+            if is_time:
+                steps = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}[kind.unit]
+                yield Field(name, _plain(column.cast(pa.int64()), name) / steps, "s")
+            elif is_flag:
+                yield Field(name, _plain(column.cast(pa.uint8()), name))
+            else:
+                yield Field(name, _plain(column, name), _unit(described.metadata))
 
 
 def _plain(column: Any, name: str) -> np.ndarray:

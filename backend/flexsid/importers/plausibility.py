@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from flexsid.records.maneuver import Role
 TOO_LARGE = "too-large"
 TOO_SMALL = "too-small"
 OTHER_AXIS = "other-axis"
-UNIT_WARNINGS: tuple[str, ...] = (TOO_LARGE, TOO_SMALL, OTHER_AXIS)
+WarningCode = Literal["too-large", "too-small", "other-axis"]
 
 _LARGEST = {
     "angle": 6.4,  # a turn
@@ -51,7 +52,7 @@ _LARGEST_MEAN = 60.0
 """Largest plausible mean, 6 g: 1 g recorded in m/s2 and read as g exceeds it. [m/s2]"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class UnitWarning:
     """A warning that the samples are too large or too small for their unit.
 
@@ -114,17 +115,14 @@ def find_unit_warning(name: str, unit: str, role: Role, samples: np.ndarray) -> 
     code = find_code(unit)
     if code is None or lowest == highest:
         return None
-    return UnitWarning(
-        code=code,
-        channel=name,
-        unit=unit,
-        largest=highest - lowest if deflection else max(abs(lowest), abs(highest)),
-        instead=tuple(
-            symbol
-            for symbol in units.SYMBOLS
-            if units.dimension(symbol) == dimension and symbol != unit and find_code(symbol) is None
-        ),
-    )
+    size = highest - lowest if deflection else max(abs(lowest), abs(highest))
+    others = [symbol for symbol in _list_units(dimension) if symbol != unit]
+    instead = tuple(symbol for symbol in others if find_code(symbol) is None)
+    return UnitWarning(code, name, unit, size, instead)
+
+
+def _list_units(dimension: str) -> list[str]:
+    return [symbol for symbol in units.SYMBOLS if units.dimension(symbol) == dimension]
 
 
 def find_small_outputs(channels: Sequence[tuple[str, str, Role, np.ndarray]]) -> list[UnitWarning]:
@@ -153,20 +151,11 @@ def find_small_outputs(channels: Sequence[tuple[str, str, Role, np.ndarray]]) ->
         if not 0.0 < max(sizes, default=0.0) < smallest:
             continue
         for name, unit, moved in moves:
-            larger = [
+            larger = tuple(
                 symbol
-                for symbol in units.SYMBOLS
-                if units.dimension(symbol) == dimension
-                and moved * units.lookup(symbol).factor >= smallest
-            ]
+                for symbol in _list_units(dimension)
+                if moved * units.lookup(symbol).factor >= smallest
+            )
             if moved > 0.0:
-                found.append(
-                    UnitWarning(
-                        code=TOO_SMALL,
-                        channel=name,
-                        unit=unit,
-                        largest=moved,
-                        instead=tuple(larger),
-                    )
-                )
+                found.append(UnitWarning(TOO_SMALL, name, unit, moved, larger))
     return found

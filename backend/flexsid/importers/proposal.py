@@ -179,26 +179,19 @@ def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
     lines = ["[maneuver]", 'label = "{file}"', "", "[maneuver.condition]"]
     guessed: list[str] = []
     height = "density" if "density" in condition else "altitude"
-    for name in ("airspeed", height):
-        column, meaning = condition[name]
-        lines.append(f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}")
-        guessed += [] if meaning.sure else [name]
-    if "fuel_fraction" in condition:
-        column, meaning = condition["fuel_fraction"]
-        guessed += [] if meaning.sure else ["fuel_fraction"]
-        lines.append(
-            f"fuel_fraction = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
-        )
-    else:
-        lines.append('fuel_fraction = { value = 50, unit = "%" }  # not in the files')
-        guessed.append("fuel_fraction")
-    for name in ("mass", "pitch_inertia"):
+    for name in (
+        *("airspeed", height, "fuel_fraction", "mass"),
+        *("pitch_inertia", "roll_inertia", "yaw_inertia"),
+    ):
         if name in condition:
             column, meaning = condition[name]
-            guessed += [] if meaning.sure else [name]
             lines.append(
                 f"{name} = {{ field = {_text(column.field)}, unit = {_text(meaning.unit)} }}"
             )
+            guessed += [] if meaning.sure else [name]
+        elif name == "fuel_fraction":
+            lines.append('fuel_fraction = { value = 50, unit = "%" }  # not in the files')
+            guessed.append(name)
     return "\n".join(lines) + "\n" + _guessed(*guessed)
 
 
@@ -229,17 +222,17 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
     if name in seen:
         name = column.field
     seen.add(name)
-    lines = ["[[channels]]"]
+    place = [f"column = {_text(column.field)}"]
     if column.array is not None:
-        lines += [f"array = {_text(column.array)}", f"column = {column.number}"]
-    else:
-        lines.append(f"column = {_text(column.field)}")
+        place = [f"array = {_text(column.array)}", f"column = {column.number}"]
     unit, guessed = meaning.unit, not meaning.sure
     if guessed and is_known(unit):
         warning = find_unit_warning(name, unit, meaning.role, column.samples)
         if warning is not None and warning.instead:
             unit = warning.instead[0]
-    lines += [
+    lines = [
+        "[[channels]]",
+        *place,
         f"name = {_text(name)}",
         f"unit = {_text(unit)}",
         f'role = "{meaning.role.value}"',

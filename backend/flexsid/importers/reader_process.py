@@ -2,15 +2,19 @@
 
 Started by ``sandbox``. Each request is one JSON line; the process writes two lines: that it is
 ready, once the packages that it needs are loaded; and the result, after the samples have been
-written to a file. Its memory is limited to ``MEMORY``, its time by ``sandbox``.
+written to a file. Its memory is limited to ``MEMORY``, its processor time
+by the request.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
+import math
 import resource
 import sys
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from io import SEEK_CUR
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -37,6 +41,7 @@ def main() -> None:
         request = json.loads(line)
         readers.load_packages(request["names"])
         _write_line(output, {"ready": True})
+        _limit_time(request["seconds"])
         _write_line(output, _process(request))
 
 
@@ -46,6 +51,16 @@ def _limit_memory() -> None:
     _, hard = resource.getrlimit(kind)
     limit = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
     resource.setrlimit(kind, (limit, hard))
+
+
+def _limit_time(seconds: float) -> None:
+    """Let the system end this process after further processor time; other programs do not count."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    limit = math.ceil(used.ru_utime + used.ru_stime + seconds)
+    if hard != resource.RLIM_INFINITY:
+        limit = min(limit, hard)
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, hard))
 
 
 def _write_line(output: Any, response: dict[str, Any]) -> None:
@@ -65,35 +80,31 @@ def _process(request: dict[str, Any]) -> dict[str, Any]:
         return {"error": {"message": error.message, "code": error.code, "context": error.context}}
     except MemoryError:
         message = (
-            f"{name}: reading needs more than {MEMORY // 1024**3} GB of memory; "
-            "split the recording, or export it as HDF5 with one data set per channel."
+            f"{name}: reading needs more than {MEMORY // 1024**3} GB of memory; split the "
+            "recording, or export it as HDF5 with one data set per channel. A small file "
+            "that needs so much is damaged."
         )
         return {"error": {"message": message, "code": "too-large", "context": {}}}
-    except Exception as error:  # a damaged file may raise any exception in a library
-        message = f"{name}: the file is damaged ({type(error).__name__}: {error})."
-        return {"error": {"message": message, "code": UnreadableFile.code, "context": {}}}
     (folder / MANIFEST).write_text(json.dumps(sources), encoding="utf-8")
     return {"done": True}
 
 
 def _decode(path: Path, name: str, samples: BinaryIO) -> dict[str, Any]:
-    opened = readers.open_file(path, name)
-    fields = [_write_field(field, samples) for field in opened.fields]
-    return {
-        "name": opened.name,
-        "sha256": opened.sha256.result(),
-        "first_row": opened.first_row,
-        "fields": fields,
-    }
+    with ThreadPoolExecutor(1) as hasher:
+        digest = hasher.submit(_hash, path)
+        fields = [_write_field(field, samples) for field in readers.read_file(path, name)]
+    return {"name": name, "sha256": digest.result(), "fields": fields}
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _write_field(field: readers.Field, samples: BinaryIO) -> dict[str, Any]:
     values = np.asarray(field.samples)
-    entry: dict[str, Any] = {"path": field.path, "shape": list(values.shape)}
-    if field.unit:
-        entry["unit"] = field.unit
-    if field.clock:
-        entry["clock"] = field.clock
+    entry: dict[str, Any] = {**field._asdict(), "shape": list(values.shape)}
+    del entry["samples"]
     if values.dtype.kind in "US":
         return {**entry, "texts": [str(text) for text in values.reshape(-1)]}
     values = values.astype(values.dtype.newbyteorder("<"), copy=False)

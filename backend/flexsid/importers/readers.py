@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import importlib.util
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +13,7 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
 from flexsid.importers.nastran import bulk, f06, op2, punch
-from flexsid.importers.source import Content, Field
+from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
 
 LARGEST_FILE = 2 * 1024**3
@@ -24,7 +22,7 @@ LARGEST_FILE = 2 * 1024**3
 @dataclass(frozen=True, slots=True)
 class _Format:
     name: str
-    read: Callable[[Path], Content]
+    read: Callable[[Path], Iterator[Field]]
     recognises: Callable[[bytes], bool]
     needs: str = ""  # a package that only an extra brings
     extra: str = ""
@@ -59,18 +57,8 @@ _FORMATS: dict[str, _Format] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OpenFile:
-    """A file of recognised format, whose fields are read on iteration."""
-
-    name: str
-    sha256: Future[str]
-    first_row: int
-    fields: Iterator[Field]
-
-
-def open_file(path: Path, name: str | None = None) -> OpenFile:
-    """Recognise a file and begin to read it.
+def read_file(path: Path, name: str) -> Iterator[Field]:
+    """Recognise a file and read its fields, numeric or text.
 
     Parameters
     ----------
@@ -83,10 +71,8 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
     ------
     UnreadableFile
         If the suffix is unknown, the content is not of the format of the suffix, or
-        the content is damaged; the message names the location. Iteration over the
-        fields raises it too.
+        the content is damaged; the message names the location.
     """
-    name = name or path.name
     selected = _find_format(name)
     try:
         size = path.stat().st_size
@@ -107,24 +93,31 @@ def open_file(path: Path, name: str | None = None) -> OpenFile:
             f"{name} does not start like a {selected.name} file ({Path(name).suffix.lower()}); "
             "export it again."
         )
+    known: set[str] = set()
+    n_bytes = 0
     try:
-        content = selected.read(path)
+        for field in selected.read(path):
+            samples = np.asarray(field.samples)
+            n_bytes += samples.nbytes  # a small file may unpack to any size
+            if n_bytes > LARGEST_CONTENT:
+                limit = f"{LARGEST_CONTENT / 1024**3:.0f} GB"
+                raise UnreadableFile(f"it unpacks to more than {limit}; split the recording.")
+            if len(known) > MOST_FIELDS:
+                raise UnreadableFile(f"it holds more than {MOST_FIELDS} arrays.")
+            if samples.dtype.kind in "biufUS":
+                yield _check_field(field, known)
     except UnreadableFile as error:
-        raise _add_name(error, name) from error
-    return OpenFile(
-        name=name,
-        sha256=_hasher.submit(_hash, path),
-        first_row=content.first_row,
-        fields=_check_fields(content, name),
-    )
-
-
-_hasher = ThreadPoolExecutor(1)
-
-
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        raise UnreadableFile(
+            f"{name}: {error.message}", code=error.code, **error.context
+        ) from error
+    except MemoryError:
+        raise
+    except Exception as error:  # a damaged file may raise any exception in a library
+        raise UnreadableFile(
+            f"{name}: the {selected.name} file is damaged ({type(error).__name__}: {error})."
+        ) from error
+    if not known:
+        raise UnreadableFile(f"{name}: the file holds no numeric or text array.")
 
 
 def load_packages(names: Sequence[str]) -> None:
@@ -152,21 +145,15 @@ def _find_format(name: str) -> _Format:
     return selected
 
 
-def _check_fields(content: Content, name: str) -> Iterator[Field]:
-    found = False
-    try:
-        for field in content.fields:
-            if np.asarray(field.samples).dtype.kind in "biufUS":
-                found = True
-                yield _check_field(field)
-    except UnreadableFile as error:
-        raise _add_name(error, name) from error
-    if not found:
-        raise UnreadableFile(f"{name}: the file holds no numeric or text array.")
-
-
-def _check_field(field: Field) -> Field:
-    """Reject a field whose name, clock or unit is not a valid text."""
+def _check_field(field: Field, known: set[str]) -> Field:
+    """Reject a field whose name is known, or whose name, clock or unit is not a valid text."""
+    if field.path in known:
+        raise UnreadableFile(
+            f"two fields are called '{field.path}'; names must be unique.",
+            code="duplicate-channel",
+            column=field.path,
+        )
+    known.add(field.path)
     try:
         return field._replace(
             path=check_line(field.path, LONGEST_FIELD),
@@ -180,7 +167,3 @@ def _check_field(field: Field) -> Field:
             code="bad-text",
             column=shown,
         ) from error
-
-
-def _add_name(error: UnreadableFile, name: str) -> UnreadableFile:
-    return UnreadableFile(f"{name}: {error.message}", code=error.code, **error.context)

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data.axes import parse_axes
-from flexsid.importers.modal_data.import_notes import list_unused_content
+from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import join_frames
+from flexsid.importers.modal_data.options import parse_axes
 from flexsid.importers.modal_data.units import resolve_length_unit
 from flexsid.importers.source import SourceFile, Sources
 
@@ -70,12 +70,12 @@ def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponse
         If the files hold no frequency responses, or too few for a full matrix, or a unit is not
         one of displacement, velocity or acceleration per force.
     """
-    files = [s for s in sources.items if "frf/frequency" in s.arrays]
+    files = sources.list_holders("frf/frequency")
     if not files:
         raise BadInput("the files hold no frequency responses", code="no-responses")
-    frequency = np.asarray(files[0].arrays["frf/frequency"], dtype=float)
+    frequency = files[0].arrays["frf/frequency"]
     for other in files[1:]:
-        own = np.asarray(other.arrays["frf/frequency"], dtype=float)
+        own = other.arrays["frf/frequency"]
         if own.shape != frequency.shape or not np.allclose(own, frequency, rtol=1e-6):
             raise BadInput(
                 f"the frequencies of {other.name} differ from those of {files[0].name}; import "
@@ -101,7 +101,7 @@ def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponse
             code="not-finite",
         )
     nodes = directions = None
-    if any("grid/id" in s.arrays for s in sources.items):
+    if sources.has("grid/id"):
         nodes, directions = _geometry(sources, options, outputs)
     return RawResponses(
         name=options.name,
@@ -133,7 +133,7 @@ def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptio
         ("quantity", expected, f"{QUANTITIES[dimension]}s ({options.response_unit})"),
         ("reference_quantity", _FORCE_CODES, f"forces ({options.force_unit})"),
     ):
-        codes = np.asarray(source.arrays.get(f"frf/{name}", ()))
+        codes = source.arrays[f"frf/{name}"]
         wrong = np.flatnonzero((codes > _GENERAL) & ~np.isin(codes, allowed))
         if wrong.size:
             code = int(codes[wrong[0]])
@@ -143,7 +143,7 @@ def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptio
                 "correct the unit, or export the functions to a separate file",
                 code="other-quantity",
             )
-    for label in sorted(set(map(str, source.arrays.get("frf/unit", ())))):
+    for label in sorted(set(source.arrays["frf/unit"].tolist())):
         try:
             known = units.lookup(label)
         except BadInput:
@@ -166,8 +166,8 @@ def _matrix(
     n_excluded = 0
     for source in files:
         found = source.arrays
-        data = np.asarray(found["frf/real"]) + 1j * np.asarray(found["frf/imaginary"])
-        ends = [np.asarray(found[f"frf/{name}"]).tolist() for name in _ENDS]
+        data = found["frf/real"] + 1j * found["frf/imaginary"]
+        ends = [found[f"frf/{name}"].tolist() for name in _ENDS]
         for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
             if abs(direction) not in _AXES or abs(towards) not in _AXES:
                 n_excluded += 1
@@ -216,8 +216,8 @@ def _geometry(
     length = resolve_length_unit(sources, options.length_unit)
     rows = [row_of[node] for node, _ in outputs]
     local = np.zeros((len(outputs), 1, 6))
-    for place, (_, axis) in enumerate(outputs):
-        local[place, 0, axis - 1] = 1.0
+    for index, (_, axis) in enumerate(outputs):
+        local[index, 0, axis - 1] = 1.0
     directions = np.array(
         [
             frames.turn(np.array([node]), one[None])[0, 0, :3]

@@ -12,6 +12,7 @@ import json
 import mmap
 import os
 import select
+import signal
 import subprocess
 import sys
 import threading
@@ -30,10 +31,11 @@ from flexsid.importers.source import SourceFile, Sources
 from flexsid.text import check_line, one_line
 
 SECONDS = 10.0
-"""Time to read files; plus one second for every 10 MB."""
+"""Processor time to read files; plus one second for every 10 MB. [s]"""
 
 _SECONDS_TO_START = 120.0
 _BYTES_PER_SECOND = 10e6
+_WAITING = 30.0  # largest ratio of elapsed to processor time, on a loaded computer
 
 
 def read_all(paths: Sequence[Path], names: Sequence[str] | None = None) -> Sources:
@@ -67,9 +69,10 @@ def decode(paths: Sequence[Path], names: Sequence[str] | None, folder: Path) -> 
         "folder": str(folder),
     }
     size = sum(path.stat().st_size for path in paths if path.exists())
+    request["seconds"] = SECONDS + size / _BYTES_PER_SECOND
     reader = _acquire_reader()
     try:
-        response = reader.ask(request, SECONDS + size / _BYTES_PER_SECOND)
+        response = reader.ask(request)
     except BaseException:
         reader.stop()
         raise
@@ -99,10 +102,10 @@ def load(folder: Path) -> Sources:
             SourceFile(
                 name=source["name"],
                 sha256=source["sha256"],
-                first_row=source["first_row"],
+                first_row=source["fields"][0]["first_row"],
                 arrays={entry["path"]: _array(entry, raw) for entry in source["fields"]},
-                units={e["path"]: e["unit"] for e in source["fields"] if "unit" in e},
-                clocks={e["path"]: e["clock"] for e in source["fields"] if "clock" in e},
+                units={e["path"]: e["unit"] for e in source["fields"] if e["unit"]},
+                clocks={e["path"]: e["clock"] for e in source["fields"] if e["clock"]},
             )
             for source in content
         )
@@ -137,19 +140,21 @@ class _Reader:
         )
         self._received = b""
 
-    def ask(self, request: dict[str, Any], seconds: float) -> dict[str, Any]:
+    def ask(self, request: dict[str, Any]) -> dict[str, Any]:
         """Send a request and return the response."""
+        seconds: float = request["seconds"]
         names = ", ".join(request["names"])
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(request).encode() + b"\n")
         if self._line(_SECONDS_TO_START) is None:
             raise UnreadableFile(f"{names}: the reader process does not start.", code="no-reader")
         began = time.monotonic()
-        line = self._line(seconds)
-        if line is None and time.monotonic() - began >= seconds:
+        line = self._line(_WAITING * seconds)
+        is_late = time.monotonic() - began >= _WAITING * seconds
+        if line is None and (is_late or self._has_used_its_time()):
             raise UnreadableFile(
-                f"{names}: reading takes more than {seconds:.0f} s and was stopped; "
-                "the file is damaged, or not of the format of its suffix.",
+                f"{names}: reading takes more than {seconds:.0f} s of processor time and was"
+                " stopped; the file is damaged, or not of the format of its suffix.",
                 code="too-slow",
             )
         if line is None:
@@ -174,6 +179,13 @@ class _Reader:
             self._received += piece
         line, _, self._received = self._received.partition(b"\n")
         return line
+
+    def _has_used_its_time(self) -> bool:
+        """Return whether the system ended the process at its limit of processor time."""
+        try:
+            return self._process.wait(timeout=1.0) == -signal.SIGXCPU
+        except subprocess.TimeoutExpired:
+            return False
 
     def is_alive(self) -> bool:
         """Return whether the process is running."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ import numpy as np
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.units import LARGEST
 
+MOST_FIELDS = 10_000  # of a file
 LARGEST_CONTENT = 2 * 1024**3
 """Bytes of samples of one file; a small file may claim, or unpack to, any size."""
 
@@ -27,13 +28,7 @@ class Field(NamedTuple):
     samples: np.ndarray
     unit: str = ""
     clock: str = ""  # the field that holds the time of its samples
-
-
-class Content(NamedTuple):
-    """The fields of a file in order; for ``first_row`` see ``SourceFile``."""
-
-    fields: Iterable[Field]
-    first_row: int = 1
+    first_row: int = 1  # see SourceFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +65,11 @@ class SourceFile:
             )
 
 
+def refuse_field(field: str, problem: str, code: str | None = None) -> BadInput:
+    """Build the error for a field of the files."""
+    return BadInput(f"Field '{field}' {problem}", code=code, column=field)
+
+
 @dataclass(frozen=True, slots=True)
 class Sources:
     """The files of one import, searched together."""
@@ -78,7 +78,11 @@ class Sources:
 
     def has(self, field: str) -> bool:
         """Return whether some file holds this field."""
-        return any(field in source.arrays for source in self.items)
+        return bool(self.list_holders(field))
+
+    def list_holders(self, field: str) -> list[SourceFile]:
+        """Return the files that hold this field."""
+        return [source for source in self.items if field in source.arrays]
 
     def find(self, path: str) -> tuple[SourceFile, np.ndarray]:
         """Find a field; ``file.mat:path`` selects the file where several hold it.
@@ -90,7 +94,7 @@ class Sources:
         BadInput
             If no file holds the field, or more than one does.
         """
-        holders = [source for source in self.items if path in source.arrays]
+        holders = self.list_holders(path)
         if not holders and ":" in path:
             file, _, inside = path.partition(":")
             holders = [
@@ -104,22 +108,17 @@ class Sources:
         if not holders and column is not None and self.has(column["array"]):
             source, matrix = self.find(column["array"])
             number = int(column["number"])
+            matrix = matrix[:, None] if matrix.ndim == 1 else matrix
             if matrix.ndim == 2 and 1 <= number <= matrix.shape[1]:
                 return source, matrix[:, number - 1]
-            raise BadInput(
-                f"Array '{column['array']}' has shape {matrix.shape}, the mapping selects column "
-                f"{number}.",
-                code="missing-column",
-                column=path,
-            )
+            extent = f"{matrix.shape[1]} columns" if matrix.ndim == 2 else f"shape {matrix.shape}"
+            problem = f"does not exist: '{column['array']}' has {extent}."
+            raise refuse_field(path, problem, "missing-column")
         names = ", ".join(source.name for source in self.items)
         if holders:
             several = " and ".join(source.name for source in holders)
-            raise BadInput(
-                f"Field '{path}' is in {several}; write '{holders[0].name}:{path}' to select one.",
-                code="ambiguous-field",
-                column=path,
-            )
+            problem = f"is in {several}; write '{holders[0].name}:{path}' to select one."
+            raise refuse_field(path, problem, "ambiguous-field")
         known = [name for source in self.items for name in source.arrays]
         close = difflib.get_close_matches(path, known, n=4, cutoff=0.5)
         hint = f"Similar: {', '.join(close)}." if close else f"Available: {_listing(known)}."
@@ -131,31 +130,23 @@ class Sources:
         """Find a numeric field and drop its axes of length one."""
         source, values = self.find(field)
         if values.dtype.kind not in "biuf":
-            raise BadInput(
-                f"Field '{field}' of {source.name} holds {_kind(values)}, numbers are expected.",
-                code="not-numeric",
-                column=field,
-            )
+            problem = f"of {source.name} holds {_kind(values)}, numbers are expected."
+            raise refuse_field(field, problem, "not-numeric")
         return np.squeeze(values)
 
     def scalar(self, field: str) -> float:
         """Find a field that holds one finite number."""
         values = self.numbers(field)
         if values.size != 1 or not np.isfinite(values).all():
-            raise BadInput(
-                f"Field '{field}' must hold one finite number, it has shape {values.shape}.",
-                code="not-numeric",
-                column=field,
-            )
+            problem = f"must hold one finite number, it has shape {values.shape}."
+            raise refuse_field(field, problem, "not-numeric")
         return float(values.reshape(-1)[0])
 
     def texts(self, field: str) -> tuple[str, ...]:
         """Find a field that holds names."""
         source, values = self.find(field)
         if values.dtype.kind not in "US":
-            raise BadInput(
-                f"Field '{field}' of {source.name} must hold names.", code="not-text", column=field
-            )
+            raise refuse_field(field, f"of {source.name} must hold names.", "not-text")
         return tuple(str(text) for text in values.reshape(-1))
 
 

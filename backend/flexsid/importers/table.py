@@ -1,21 +1,75 @@
-"""Table: a TOML table with checked keys; messages name the invalid key."""
+"""Table: base of the models of a mapping file, the types of its keys, and its errors.
+
+pydantic checks a mapping; what it cannot check raises ``InvalidValue``. ``read_table`` turns the
+first error of either kind into an error that names the key.
+"""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Annotated, Any, Self, TypeVar
 
-import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    Strict,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.quantity import MappedQuantity, refuse
-from flexsid.text import LONGEST_FIELD, LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
+from flexsid.text import LONGEST_FIELD, check_line, check_lines, one_line
 
 _LARGEST_INTEGER = 2**31 - 1
 """Largest integer of both databases."""
+
+_LARGEST_NUMBER = units.LARGEST["number"]
+_NUMBER = f"must be a finite number of at most {_LARGEST_NUMBER:g}"
+_PROBLEMS = {
+    "string_type": "must be a text",
+    "int_type": f"must be a whole number of at most {_LARGEST_INTEGER}",
+    "float_type": _NUMBER,
+    "float_parsing": _NUMBER,
+    "finite_number": _NUMBER,
+    "bool_type": "must be true or false",
+    "tuple_type": "must be a list",
+    "dict_type": "must be a table",
+    "enum": "must be {expected}",
+    "literal_error": "must be {expected}",
+    "union_tag_invalid": "must be {expected_tags}",
+    "greater_than": "must be greater than {gt:g}",
+    "greater_than_equal": "must be at least {ge:.10g}",
+    "less_than_equal": "must be at most {le:.10g}",
+    "too_short": "must have at least {min_length} entries",
+    "too_long": "must have at most {max_length} entries",
+}
+"""Text of the errors of pydantic by their type."""
+
+
+class InvalidValue(ValueError):
+    """A value that is not valid; ``key`` is its key in the table that raises it."""
+
+    def __init__(
+        self, problem: str, key: str = "", code: str = "bad-mapping", **context: object
+    ) -> None:
+        super().__init__(problem)
+        self.key, self.code, self.context = key, code, context
+
+
+def refuse(path: str, problem: str) -> BadInput:
+    """Build the error for one key of a mapping."""
+    return BadInput(f"Mapping: '{path}' {problem}", code="bad-mapping", key=path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,248 +80,184 @@ class Guessed:
     value: object
 
 
-class MappingTable:
-    """Checked access to the keys of a table; ``close`` rejects unknown keys.
+def key(meaning: str, default: Any = ..., **options: Any) -> Any:
+    """Define a key of a table: its meaning, its default unless required, options of ``Field``."""
+    return Field(default, description=meaning, **options)
 
-    Any table may list, as ``guessed = ["unit"]``, keys that a program proposed: they are
-    collected in ``guesses`` of the outermost table.
-    """
 
-    def __init__(
-        self, values: Mapping[str, object], path: str = "", guesses: list[Guessed] | None = None
-    ) -> None:
-        self._values = values
-        self._path = path
-        self._asked: set[str] = set()
-        self.guesses: list[Guessed] = [] if guesses is None else guesses
+class MappingTable(BaseModel):
+    """A table of a mapping file; an unknown key is an error, as it may be misspelt."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    proposed: tuple[str, ...] = key("keys that a program proposed, to confirm", (), alias="guessed")
+    _path: str = PrivateAttr("")
+    _guessed: tuple[Guessed, ...] = PrivateAttr(())
+
+    @property
+    def guessed(self) -> tuple[Guessed, ...]:
+        """Unconfirmed keys of the whole file, known to its outermost table."""
+        return self._guessed
 
     def path(self, key: str) -> str:
-        """Return the dotted path of a key."""
-        return f"{self._path}.{key}" if self._path else key
+        """Return the path of a key in the file, such as ``channels[2].unit``."""
+        return _join(self._path, key)
 
-    def __contains__(self, key: str) -> bool:
-        return key in self._values
+    def entries(self) -> dict[str, Any]:
+        """Return the values by their names."""
+        return {name: value for name, value in self if name != "proposed"}
 
-    def _get(self, key: str, expected: str) -> object:
-        self._asked.add(key)
-        if key not in self._values:
-            raise refuse(self.path(key), f"is missing; {expected} is expected.")
-        return self._values[key]
-
-    def text(self, key: str, default: str | None = None) -> str:
-        """Read a text."""
-        if default is not None and key not in self._values:
-            return default
-        value = self._get(key, "a text")
-        if not isinstance(value, str) or not value.strip():
-            raise refuse(self.path(key), f"must be a text, found {str(value)[:40]!r}.")
-        return self._checked(key, value, check_line, LONGEST_FIELD)
-
-    def label(self, key: str, default: str | None = None) -> str:
-        """Read a name that is stored."""
-        return self._checked(key, self.text(key, default), check_line, LONGEST_NAME)
-
-    def note(self, key: str) -> str:
-        """Read an optional text of several lines."""
-        value = self._values.get(key, "")
-        self._asked.add(key)
-        if not isinstance(value, str):
-            raise refuse(self.path(key), f"must be a text, found {str(value)[:40]!r}.")
-        return self._checked(key, value.strip(), check_lines, LONGEST_NOTE)
-
-    def optional_text(self, key: str) -> str | None:
-        """Read an optional text."""
-        return self.text(key) if key in self._values else None
-
-    def choice(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
-        """Read one of the allowed words."""
-        value = self.text(key, default)
-        if value not in allowed:
-            raise refuse(self.path(key), f"must be one of {', '.join(allowed)}; found '{value}'.")
-        return value
-
-    def integer(self, key: str, default: int | None = None) -> int:
-        """Read a whole number."""
-        if default is not None and key not in self._values:
-            return default
-        value = self._get(key, "a whole number")
-        if isinstance(value, bool) or not isinstance(value, int) or abs(value) > _LARGEST_INTEGER:
-            raise refuse(
-                self.path(key),
-                f"must be a whole number of at most {_LARGEST_INTEGER}, found {str(value)[:40]}.",
-            )
-        return value
-
-    def number(self, key: str, default: float | None = None) -> float:
-        """Read a finite number."""
-        if default is not None and key not in self._values:
-            return default
-        return _finite(self._get(key, "a number"), self.path(key))
-
-    def optional_number(self, key: str) -> float | None:
-        """Read an optional finite number."""
-        return self.number(key) if key in self._values else None
-
-    def numbers(self, key: str) -> tuple[float, ...]:
-        """Read a list of finite numbers."""
-        return tuple(
-            _finite(value, self.path(key)) for value in self._list(key, "a list of numbers")
-        )
-
-    def integers(self, key: str) -> tuple[int, ...]:
-        """Read a list of whole numbers."""
-        values = self._list(key, "a list of whole numbers")
-        if any(
-            isinstance(value, bool) or not isinstance(value, int) or abs(value) > _LARGEST_INTEGER
-            for value in values
-        ):
-            raise refuse(
-                self.path(key), f"must hold whole numbers of at most {_LARGEST_INTEGER} only."
-            )
-        return tuple(cast("list[int]", values))
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        """Read a list of texts."""
-        values = self._list(key, "a list of texts")
-        if any(not isinstance(value, str) for value in values):
-            raise refuse(self.path(key), "must hold texts only.")
-        texts = cast("list[str]", values)
-        return tuple(self._checked(key, text, check_line, LONGEST_FIELD) for text in texts)
-
-    def flags(self, key: str) -> tuple[bool, ...]:
-        """Read a list of true and false."""
-        values = self._list(key, "a list of true and false")
-        if any(not isinstance(value, bool) for value in values):
-            raise refuse(self.path(key), "must hold true and false only.")
-        return tuple(cast("list[bool]", values))
-
-    def table(self, key: str) -> MappingTable:
-        """Read a table below this one."""
-        value = self._get(key, "a table")
-        if not isinstance(value, dict):
-            raise refuse(self.path(key), f"must be a table, found {value!r}.")
-        return MappingTable(cast("dict[str, object]", value), self.path(key), self.guesses)
-
-    def tables(self, key: str) -> tuple[MappingTable, ...]:
-        """Read an optional array of tables."""
-        if key not in self._values:
-            return ()
-        values = self._list(key, "an array of tables")
-        if any(not isinstance(value, dict) for value in values):
-            raise refuse(self.path(key), "must be an array of tables, written [[...]].")
-        rows = cast("list[dict[str, object]]", values)
-        return tuple(
-            MappingTable(row, f"{self.path(key)}[{number}]", self.guesses)
-            for number, row in enumerate(rows, 1)
-        )
-
-    def names(self) -> tuple[str, ...]:
-        """Give all keys, for tables whose keys are names."""
-        self._asked.update(self._values)
-        return tuple(
-            self._checked(name[:40], name, check_line, LONGEST_FIELD) for name in self._values
-        )
-
-    def is_table(self, key: str) -> bool:
-        """Return whether the key holds a table."""
-        return isinstance(self._values.get(key), dict)
-
-    def quantity(self, key: str, dimension: str) -> MappedQuantity:
-        """Read ``{value, unit}``, ``{values, unit}`` or ``{field, unit}``."""
-        table = self.table(key)
-        unit = table.text("unit", "1" if dimension == "number" else None)
-        try:
-            found = units.dimension(unit)
-        except BadInput as error:
-            raise BadInput(
-                f"Mapping: '{table.path('unit')}': {error.message}",
-                code=error.code,
-                key=table.path("unit"),
-            ) from error
-        if found != dimension:
-            raise refuse(
-                table.path("unit"), f"measures {found}, but {dimension} is expected: '{unit}'."
-            )
-        if "field" in table:
-            quantity = MappedQuantity(
-                unit=unit, field=table.text("field"), path=table.path("field")
-            )
-        elif "values" in table:
-            quantity = MappedQuantity(
-                unit=unit, values=table.numbers("values"), path=table.path("values")
-            )
-        else:
-            quantity = MappedQuantity(
-                unit=unit, values=(table.number("value"),), path=table.path("value")
-            )
-        table.close()
-        for value in np.atleast_1d(units.to_si(quantity.values, unit)).tolist():
-            try:
-                units.check_size(value, dimension)
-            except BadInput as error:
-                raise refuse(quantity.path, f"holds {error.message}") from error
-        return quantity
-
-    def optional_quantity(self, key: str, dimension: str) -> MappedQuantity | None:
-        """Read an optional quantity."""
-        return self.quantity(key, dimension) if key in self._values else None
-
-    def si(self, key: str, dimension: str) -> tuple[float, ...]:
-        """Read literal numbers with a unit, converted to SI."""
-        quantity = self.quantity(key, dimension)
-        if quantity.field is not None:
-            raise refuse(
-                quantity.path, "cannot be a field of the file here; write value or values."
-            )
-        return tuple(float(value) for value in units.to_si(quantity.values, quantity.unit))
-
-    def si_scalar(self, key: str, dimension: str) -> float:
-        """Read one literal number with a unit, converted to SI."""
-        values = self.si(key, dimension)
-        if len(values) != 1:
-            raise refuse(self.path(key), f"must be one number, found {len(values)}.")
-        return values[0]
-
-    def close(self) -> None:
-        """Reject keys that were not read: a misspelt key must not be ignored."""
-        for name in self.texts("guessed") if "guessed" in self._values else ():
-            if name not in self._values or name == "guessed":
-                raise refuse(
-                    self.path("guessed"), f"names '{name}', which is not a key of its table."
-                )
-            self.guesses.append(Guessed(self.path(name), self._values[name]))
-        for key in self._values:
-            if key not in self._asked:
-                close = difflib.get_close_matches(key, sorted(self._asked), n=1)
-                hint = (
-                    f"did you mean '{close[0]}'?"
-                    if close
-                    else f"known: {', '.join(sorted(self._asked))}."
-                )
-                raise refuse(self.path(key), f"is not a key of this table; {hint}")
-
-    def _checked(self, key: str, value: str, check: Callable[[str, int], str], longest: int) -> str:
-        try:
-            return check(value, longest)
-        except ValueError as error:
-            raise BadInput(
-                f"Mapping: '{self.path(key)}' {error}.", code="bad-text", key=self.path(key)
-            ) from error
-
-    def _list(self, key: str, expected: str) -> list[object]:
-        value = self._get(key, expected)
-        if not isinstance(value, list):
-            raise refuse(self.path(key), f"must be {expected}, found {value!r}.")
-        return cast("list[object]", value)
+    @model_validator(mode="wrap")
+    @classmethod
+    def _check_keys(
+        cls, values: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
+    ) -> Self:
+        if not isinstance(values, dict):
+            raise InvalidValue(f"must be a table, found {values!r:.60}.")
+        fields = {field.alias or name: field for name, field in cls.model_fields.items()}
+        for name in values:
+            if name not in fields:
+                close = difflib.get_close_matches(name, fields, n=1)
+                known = f"known: {', '.join(sorted(fields.keys() - {'guessed'}))}."
+                hint = f"did you mean '{close[0]}'?" if close else known
+                raise InvalidValue(f"is not a key of this table; {hint}", name)
+        for name, field in fields.items():
+            if field.is_required() and name not in values:
+                raise InvalidValue(f"is missing; expected {field.description}.", name)
+        table = handler(values)
+        table._path = getattr(values, "path", "")
+        for name in table.proposed:
+            if name not in values or name == "guessed":
+                raise InvalidValue(f"names '{name}', which is not a key of its table.", "guessed")
+            if info.context is not None:
+                info.context.append(Guessed(table.path(name), values[name]))
+        return table
 
 
-def _finite(value: object, path: str) -> float:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, float))
-        or not abs(value) <= units.LARGEST["number"]
-    ):
-        largest = units.LARGEST["number"]
-        found = str(value)[:40]
-        raise refuse(path, f"must be a finite number of at most {largest:g}, found {found}.")
-    return float(value)
+_Table = TypeVar("_Table", bound=MappingTable)
+
+
+def read_table(model: type[_Table], content: dict[str, Any]) -> _Table:
+    """Check a mapping, or a table of it.
+
+    Raises
+    ------
+    BadInput
+        Naming the first key that is missing, misspelt or of the wrong kind.
+    """
+    guessed: list[Guessed] = []
+    try:
+        table = model.model_validate(_locate(content), context=guessed)
+    except ValidationError as error:
+        raise _translate(error.errors(include_url=False)[0]) from error
+    table._guessed = tuple(guessed)
+    return table
+
+
+class _LocatedTable(dict[str, Any]):
+    """A table as written in the file, with its path."""
+
+    path = ""
+
+
+def _locate(value: Any, path: str = "") -> Any:
+    if isinstance(value, dict):
+        table = _LocatedTable({key: _locate(own, _join(path, key)) for key, own in value.items()})
+        table.path = path
+        return table
+    if isinstance(value, list):
+        return [_locate(own, f"{path}[{place}]") for place, own in enumerate(value, start=1)]
+    return value
+
+
+def _join(*keys: str) -> str:
+    return ".".join(filter(None, keys))
+
+
+def _translate(found: ErrorDetails) -> BadInput:
+    """Return the error of the project for an error of pydantic."""
+    context = found.get("ctx", {})
+    cause = context.get("error")
+    path = ""
+    for part in found["loc"]:
+        if isinstance(part, int):
+            path += f"[{part + 1}]"
+        elif part != "[key]" and not part.startswith("<"):  # neither a name nor a form
+            path = _join(path, one_line(part)[:80])
+    if isinstance(cause, InvalidValue):
+        path = _join(path, cause.key)
+        return BadInput(f"Mapping: '{path}' {cause}", code=cause.code, key=path, **cause.context)
+    if cause is not None:  # of a text
+        return BadInput(f"Mapping: '{path}' {cause}.", code="bad-text", key=path)
+    problem = _PROBLEMS.get(found["type"], found["msg"]).format(**context)
+    if found["type"] == "tuple_type" and isinstance(found["input"], dict):
+        problem = f"must be an array of tables, written [[{path}]]"
+    problem = problem.replace(">', '<", " or ").replace("'<", "").replace(">'", "")
+    return refuse(path, f"{problem}, found {found['input']!r:.60}.")
+
+
+def _get_form(value: object) -> str:
+    forms = {str: "<a text>", int: "<a whole number>", list: "<a list>", _LocatedTable: "<a table>"}
+    return forms.get(type(value), "<another value>")
+
+
+BY_FORM = Discriminator(_get_form)
+"""Annotation of a key with values of several forms; each has one of these tags."""
+
+TEXT, WHOLE_NUMBER = Tag("<a text>"), Tag("<a whole number>")
+LIST, TABLE = Tag("<a list>"), Tag("<a table>")
+
+
+class FromTable:
+    """Annotation of a key whose table becomes the annotated type, by ``build`` of its model."""
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
+
+    def __get_pydantic_core_schema__(
+        self, record: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        build = getattr(self._model, "build", lambda table: record(**table.entries()))
+        schema = handler.generate_schema(self._model)
+        return core_schema.no_info_after_validator_function(build, schema)
+
+
+def _check_text(text: str) -> str:
+    if not text.strip():
+        raise InvalidValue(f"must be a text, found {text[:40]!r}.")
+    return check_line(text, LONGEST_FIELD)
+
+
+def check_unit(unit: str, dimensions: tuple[str, ...] = (), name: str = "") -> str:
+    """Return a known unit, of one of these dimensions if any is given.
+
+    Raises
+    ------
+    InvalidValue
+        At the key ``name`` of the table.
+    """
+    try:
+        found = units.dimension(_check_text(unit))
+    except BadInput as error:
+        problem = f"is not valid. {error.message}"
+        raise InvalidValue(problem, name, code=error.code, unit=unit[:40]) from error
+    if dimensions and found not in dimensions:
+        expected = " or ".join(dimensions)
+        raise InvalidValue(f"measures {found}, but {expected} is expected: '{unit}'.", name)
+    return unit
+
+
+Text = Annotated[str, AfterValidator(_check_text)]
+Line = Annotated[str, AfterValidator(lambda text: check_line(text, LONGEST_FIELD))]
+Name = Annotated[Text, AfterValidator(lambda text: check_line(text))]
+Note = Annotated[str, AfterValidator(lambda text: check_lines(text.strip()))]
+Unit = Annotated[str, AfterValidator(lambda unit: check_unit(unit))]
+LengthUnit = Annotated[str, AfterValidator(lambda unit: check_unit(unit, ("length",)))]
+TimeUnit = Annotated[str, AfterValidator(lambda unit: check_unit(unit, ("time",)))]
+Integer = Annotated[int, Strict(), Field(ge=-_LARGEST_INTEGER, le=_LARGEST_INTEGER)]
+Number = Annotated[
+    float, Strict(), Field(ge=-_LARGEST_NUMBER, le=_LARGEST_NUMBER, allow_inf_nan=False)
+]
+Texts = tuple[Line, ...]
+Numbers = tuple[Number, ...]
+Integers = tuple[Integer, ...]

@@ -10,7 +10,7 @@ import sys
 from typing import Any
 
 from flexsid.jobs.messages import WorkerDiedMessage, WorkerMessage, describe_unexpected_error
-from flexsid.jobs.worker import Compute
+from flexsid.jobs.worker import LoadKinds
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
@@ -77,14 +77,14 @@ class Program:
 class Child:
     """A worker process, which computes one task at a time."""
 
-    def __init__(self, compute: Compute) -> None:
+    def __init__(self, load_kinds: LoadKinds) -> None:
         self._program = Program("flexsid.jobs.worker")
         self.connection = self._program.connection
-        self.connection.send(compute)
+        self.connection.send(load_kinds)
 
-    def submit(self, task: Any, memory_mb: int | None) -> None:
+    def submit(self, kind: str, task: Any, memory_mb: int | None) -> None:
         """Send a task to the worker."""
-        self.connection.send_bytes(pickle.dumps((task, memory_mb), pickle.HIGHEST_PROTOCOL))
+        self.connection.send_bytes(pickle.dumps((kind, task, memory_mb), pickle.HIGHEST_PROTOCOL))
 
     def receive(self) -> WorkerMessage:
         """Return the next message of the worker; after ``WorkerDiedMessage`` none follows."""

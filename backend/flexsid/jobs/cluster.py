@@ -28,7 +28,7 @@ from flexsid.jobs.messages import (
     WorkerMessage,
     describe_unexpected_error,
 )
-from flexsid.jobs.worker import Compute
+from flexsid.jobs.worker import LoadKinds
 from flexsid.records.run import Progress
 
 _log = logging.getLogger(__name__)
@@ -48,8 +48,8 @@ class ClusterWorkers:
 
     Parameters
     ----------
-    compute
-        Function that computes a task; the workers of the cluster import it.
+    load_kinds
+        Function that returns the kinds of jobs; the workers of the cluster import it.
     address
         Address of the scheduler, e.g. ``tcp://127.0.0.1:8786``.
 
@@ -59,10 +59,10 @@ class ClusterWorkers:
         If Dask is not installed, or no scheduler responds.
     """
 
-    def __init__(self, compute: Compute, address: str) -> None:
+    def __init__(self, load_kinds: LoadKinds, address: str) -> None:
         self.location = f"Dask cluster {address}"
         self.count = 0
-        self._compute = compute
+        self._load_kinds = load_kinds
         self._address = address
         self._messages: queue.SimpleQueue[tuple[Key, WorkerMessage] | None] = queue.SimpleQueue()
         self._futures: dict[Key, Any] = {}  # None: lost, not yet reported
@@ -80,6 +80,11 @@ class ClusterWorkers:
         return self.count - len(self._futures)
 
     @property
+    def extra_slots(self) -> int:
+        """Zero: a thread of the cluster computes one task."""
+        return 0
+
+    @property
     def keys(self) -> set[Key]:
         """Keys of the running tasks."""
         return set(self._futures)
@@ -87,12 +92,12 @@ class ClusterWorkers:
     def warm_up(self) -> None:
         """Do nothing: the cluster manages its own processes."""
 
-    def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
+    def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
         """Start a task; requires ``free_slots`` above zero."""
         future = self._client.submit(
             execute_in_child,
-            self._compute,
-            pickle.dumps((task, memory_mb), pickle.HIGHEST_PROTOCOL),
+            self._load_kinds,
+            pickle.dumps((kind, task, memory_mb), pickle.HIGHEST_PROTOCOL),
             (self._topic, key),
             key=f"flexsid-{uuid.uuid4().hex}",
             pure=False,
@@ -207,9 +212,9 @@ class ClusterWorkers:
 
     def _receive_progress(self, event: Any) -> None:
         """Queue a progress message of a worker, on Dask's event thread."""
-        _, (run_id, attempt, progress) = event
+        _, (job_id, attempt, progress) = event
         message = StartedMessage() if progress is None else ProgressMessage(Progress(**progress))
-        self._messages.put(((run_id, attempt), message))
+        self._messages.put(((job_id, attempt), message))
 
 
 def _fetch_result(future: Any) -> WorkerMessage:
@@ -227,10 +232,10 @@ def _fetch_result(future: Any) -> WorkerMessage:
         return describe_unexpected_error(error)
 
 
-_idle: list[tuple[Compute, Child]] = []
+_idle: list[tuple[LoadKinds, Child]] = []
 
 
-def execute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) -> WorkerMessage:
+def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key]) -> WorkerMessage:
     """Compute one task in a child process of this Dask worker.
 
     Returns when the task has ended or was cancelled.
@@ -239,8 +244,8 @@ def execute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
 
     worker = get_worker()
     own = worker.get_current_task()
-    topic, (run_id, attempt) = name
-    child = _idle_child(compute)
+    topic, (job_id, attempt) = name
+    child = _idle_child(load_kinds)
     child.connection.send_bytes(content)
     while True:
         if not child.connection.poll(_CANCEL_CHECK_S):
@@ -252,12 +257,12 @@ def execute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
         message = child.receive()
         if isinstance(message, StartedMessage | ProgressMessage):
             progress = asdict(message.progress) if isinstance(message, ProgressMessage) else None
-            worker.log_event(topic, (run_id, attempt, progress))
+            worker.log_event(topic, (job_id, attempt, progress))
             continue
         if isinstance(message, WorkerDiedMessage):
             child.kill()
             return message
-        _idle.append((compute, child))
+        _idle.append((load_kinds, child))
         return (
             replace(message, worker=worker.address)
             if isinstance(message, ComputedMessage | FailedMessage)
@@ -265,10 +270,10 @@ def execute_in_child(compute: Compute, content: bytes, name: tuple[str, Key]) ->
         )
 
 
-def _idle_child(compute: Compute) -> Child:
+def _idle_child(load_kinds: LoadKinds) -> Child:
     while _idle:
         known, child = _idle.pop()
-        if known is compute and not child.connection.poll():
+        if known is load_kinds and not child.connection.poll():
             return child
         child.kill()
-    return Child(compute)
+    return Child(load_kinds)

@@ -1,8 +1,8 @@
-"""Dispatcher: sends queued runs to the workers and stores the results.
+"""Dispatcher: sends queued jobs to the workers and stores the results.
 
 Of all servers on a database, only the server with the lease dispatches. It alone changes
-the state of a run between queued and finished, in a thread. The state is in the run
-table, so that the runs of a server that dies are resumed.
+the state of a job between queued and finished, in a thread. The state is in the table of
+jobs, so that the jobs of a server that dies are resumed.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from flexsid.errors import FlexsidError
+from flexsid.jobs.kind import Kinds
 from flexsid.jobs.leadership import LEASE_TIMEOUT_S, Leadership
 from flexsid.jobs.messages import (
     ComputedMessage,
@@ -29,20 +30,21 @@ from flexsid.jobs.messages import (
     WorkerMessage,
     describe_unexpected_error,
 )
-from flexsid.jobs.pipeline import JobPipeline
 from flexsid.jobs.process_id import shorten_process_id
-from flexsid.records.run import EstimationRun, Limits, Progress
+from flexsid.records.job import Job
+from flexsid.records.run import Limits, Progress
 from flexsid.storage import queue
+from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)
 
-_POLL_S = 0.5  # runs may also be queued or cancelled by other processes
-_CHECK_S = 0.2  # between checks for cancelled runs
-_LOG_S = 2.0  # between progress messages in the log of one run
-_TIME_LIMIT_S = 3600.0  # unless the limits of a run differ
-_PREPARED_S = 2.0  # afterwards the data of a prepared task may have changed
+_POLL_S = 0.5  # jobs may also be queued or cancelled by other processes
+_CHECK_S = 0.2  # between checks for cancelled jobs
+_LOG_S = 2.0  # between progress messages in the log of one job
+_REUSED_S = 2.0  # afterwards the data of a task prepared to validate a request may have changed
+_PREPARED_S = 30.0  # the same for a task prepared while all workers compute
 _START_S = 60.0  # more than a worker process takes to start
 
 
@@ -58,6 +60,11 @@ class Workers(Protocol):
         ...
 
     @property
+    def extra_slots(self) -> int:
+        """Number of tasks that can start beyond, for analysts without a running job."""
+        ...
+
+    @property
     def keys(self) -> set[Key]:
         """Keys of the running tasks."""
         ...
@@ -65,8 +72,8 @@ class Workers(Protocol):
     def warm_up(self) -> None:
         """Prepare for the next task."""
 
-    def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
-        """Start a task; requires ``free_slots`` above zero."""
+    def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
+        """Start a task; requires a free or extra slot."""
 
     def cancel(self, key: Key) -> None:
         """Stop a task; no further message of it follows."""
@@ -84,26 +91,25 @@ class Workers(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _PreparedTask:
-    """A claimed run whose task waits for a worker."""
+    """Task of a queued job, or why it cannot be prepared, and until when it may be used."""
 
-    key: Key
     task: Any
-    limits: Limits
+    until: float
 
 
 class Dispatcher:
-    """Executes queued runs until it is stopped.
+    """Executes queued jobs until it is stopped.
 
     Parameters
     ----------
     store
         Store with the queue and the results.
-    pipeline
-        Functions that prepare, compute and save a run.
+    kinds
+        Kinds of jobs.
     workers
         Executor of the tasks.
     on_change
-        Called on the dispatcher's thread after runs have changed.
+        Called on the dispatcher's thread after jobs have changed.
     lease_timeout_s
         Time without renewal after which a server loses the lease. [s]
     """
@@ -111,21 +117,22 @@ class Dispatcher:
     def __init__(
         self,
         store: Store,
-        pipeline: JobPipeline,
+        kinds: Kinds,
         workers: Workers,
         on_change: Callable[[], None] = lambda: None,
         lease_timeout_s: float = LEASE_TIMEOUT_S,
     ) -> None:
         self._store = store
-        self._pipeline = pipeline
+        self._kinds = kinds
         self._workers = workers
         self._on_change = on_change
         self._leadership = Leadership(store, self._status, lease_timeout_s)
         self._idle_s = min(_POLL_S, lease_timeout_s / 4)
         self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
         self._stopping = threading.Event()
-        self._ready: deque[_PreparedTask] = deque()
-        self._prepared: dict[int, tuple[float, Any]] = {}
+        self._prepared: dict[int, _PreparedTask] = {}
+        self._served: dict[str, float] = {}  # last start of a job of each analyst
+        self._kind_of: dict[Key, str] = {}
         self._messages: deque[tuple[Key, WorkerMessage]] = deque()
         self._limits: dict[Key, float] = {}
         self._deadlines: dict[Key, float] = {}
@@ -135,29 +142,29 @@ class Dispatcher:
         self._idle_since: float | None = None  # without a worker
 
     def start(self) -> None:
-        """Start; runs are dispatched once this server has the lease."""
+        """Start; jobs are dispatched once this server has the lease."""
         self._thread.start()
 
     def wake(self) -> None:
-        """Check the queue now: a run was queued or cancelled."""
+        """Check the queue now: a job was queued or cancelled."""
         if not self._stopping.is_set():
             self._checked = 0.0
             self._workers.wake()
 
-    def reuse_task(self, run_id: int, task: Any) -> None:
-        """Reuse the task that was prepared to validate a run."""
+    def reuse_task(self, job_id: int, task: Any) -> None:
+        """Reuse the task that was prepared to validate a request."""
         if len(self._prepared) < self._workers.count:
-            self._prepared[run_id] = (time.monotonic(), task)
+            self._prepared[job_id] = _PreparedTask(task, time.monotonic() + _REUSED_S)
         self.wake()
 
     def stop(self) -> None:
-        """Kill the workers and queue their runs again, for the next server."""
+        """Kill the workers and queue their jobs again, for the next server."""
         if self._stopping.is_set():
             return
         self._stopping.set()
         self._workers.wake()
         self._thread.join()
-        active = self._under_way | {key for key, _ in self._messages}
+        active = self._workers.keys | {key for key, _ in self._messages}
         self._workers.close()
         self._put_back(active)
         try:
@@ -165,16 +172,12 @@ class Dispatcher:
         except DatabaseUnavailable as error:
             _log.warning("the lease was not released: %s", error.message)
 
-    @property
-    def _under_way(self) -> set[Key]:
-        return self._workers.keys | {ready.key for ready in self._ready}
-
     def _status(self) -> dict[str, Any]:
         return {
             "server": shorten_process_id(self._leadership.process_id),
-            "place": self._workers.location,
+            "location": self._workers.location,
             "workers": self._workers.count,
-            "running": sorted(run_id for run_id, _ in self._workers.keys),
+            "running": sorted(job_id for job_id, _ in self._workers.keys),
             "without_workers_s": self._without_workers_s(),
         }
 
@@ -199,23 +202,18 @@ class Dispatcher:
                 self._stopping.wait(_POLL_S)
             except Exception:
                 _log.exception("the dispatcher continues after an error")
-                self._interrupted = True  # a run may be marked as started without being computed
+                self._interrupted = True  # a job may be marked as started without being computed
                 self._stopping.wait(_POLL_S)
 
     def _dispatch(self) -> None:
         if self._interrupted:
-            known = {key[0] for key in self._under_way} | {key[0] for key, _ in self._messages}
+            known = {key[0] for key in self._workers.keys} | {key[0] for key, _ in self._messages}
             queue.requeue_unknown(self._store, self._leadership.process_id, known)
             self._interrupted = False
         busy = False
-        while self._workers.free_slots > 0 and (self._ready or self._prepare_next()):
-            self._submit()
+        while self._start_next():
             busy = True
-        if self._workers.count == 0:
-            self._put_back_ready()
-        # The next tasks are prepared while the workers compute.
-        if self._workers.free_slots <= 0 and len(self._ready) < self._workers.count:
-            busy = self._prepare_next() or busy
+        busy = self._prepare_next() or busy  # while the workers compute
         self._workers.warm_up()
         self._messages.extend(self._workers.wait(0.0 if busy else self._idle_s))
         changed = busy or bool(self._messages)
@@ -226,64 +224,85 @@ class Dispatcher:
             except DatabaseUnavailable:
                 self._messages.appendleft((key, message))  # handled once the database responds
                 raise
-        self._stop_overdue_runs()
-        self._stop_cancelled_runs()
+        self._stop_overdue_jobs()
+        self._stop_cancelled_jobs()
         if changed:
             self._on_change()
 
-    def _prepare_next(self) -> bool:
-        """Claim the next queued run and prepare its task; return False if none is queued."""
-        leadership = self._leadership
-        run = queue.claim(self._store, process_id=leadership.process_id, epoch=leadership.epoch)
-        if run is None or run.id is None:
+    def _start_next(self) -> bool:
+        """Start the next queued job; return False if there is no worker or no job for it."""
+        has_slot = self._workers.free_slots > 0
+        if not has_slot and self._workers.extra_slots <= 0:
             return False
-        key = (run.id, run.attempt)
+        number = queue.find_next(self._store, self._served, idle_authors_only=not has_slot)
+        if number is None:
+            return False
+        leadership = self._leadership
+        job = queue.claim(
+            self._store, number, process_id=leadership.process_id, epoch=leadership.epoch
+        )
+        if job is None:  # cancelled meanwhile, or the lease is lost
+            return False
+        self._served[job.author] = time.monotonic()
+        key = (number, job.attempt)
         try:
-            task = self._get_task(run)
+            task = self._get_task(job)
         except DatabaseUnavailable:
             # Queued as a message, it is handled once the database responds.
             self._messages.append((key, TaskLostMessage("the database did not respond")))
             raise
-        except FlexsidError as error:
-            self._messages.append((key, FailedMessage(error.code, error.message)))
-        except Exception as error:
-            self._messages.append((key, describe_unexpected_error(error)))
+        if isinstance(task, FailedMessage):
+            self._messages.append((key, task))
         else:
-            self._ready.append(_PreparedTask(key, task, run.limits or Limits()))
-            if self._workers.free_slots <= 0:
-                waiting = Progress(message="Waiting for a worker")
-                queue.note_progress(self._store, *key, waiting)
+            self._submit(key, job, task)
         return True
 
-    def _get_task(self, run: EstimationRun) -> Any:
+    def _prepare_next(self) -> bool:
+        """Prepare the task of the next queued job before a worker is free."""
         now = time.monotonic()
-        for number, (at, _) in list(self._prepared.items()):
-            if now - at > _PREPARED_S:
-                del self._prepared[number]
-        prepared = self._prepared.pop(run.id or 0, None)
-        return self._pipeline.prepare(self._store, run) if prepared is None else prepared[1]
+        # Copied, since ``reuse_task`` adds tasks from another thread.
+        self._prepared = {n: one for n, one in self._prepared.copy().items() if now < one.until}
+        if self._workers.count == 0 or len(self._prepared) >= self._workers.count:
+            return False
+        number = queue.find_next(self._store, self._served)
+        if number is None or number in self._prepared:
+            return False
+        task = self._prepare(self._store.jobs.get(number))
+        self._prepared[number] = _PreparedTask(task, time.monotonic() + _PREPARED_S)
+        return True
 
-    def _put_back_ready(self) -> None:
-        """Return prepared tasks to the queue, because no worker is left."""
-        for ready in self._ready:
-            self._messages.append((ready.key, TaskLostMessage("no worker is available")))
-        self._ready.clear()
+    def _get_task(self, job: Job) -> Any:
+        prepared = self._prepared.pop(job.id or 0, None)
+        if prepared is not None and time.monotonic() < prepared.until:
+            return prepared.task
+        return self._prepare(job)
 
-    def _submit(self) -> None:
-        if not self._ready:  # the preparation failed
-            return
-        ready = self._ready.popleft()
-        self._limits[ready.key] = ready.limits.time_s or _TIME_LIMIT_S
-        self._deadlines[ready.key] = time.monotonic() + self._limits[ready.key] + _START_S
+    def _prepare(self, job: Job) -> Any:
+        """Return the task of a job, or a ``FailedMessage``."""
         try:
-            self._workers.submit(ready.key, ready.task, ready.limits.memory_mb)
-        except OSError as error:  # the worker was killed before it received the task
-            self._messages.append((ready.key, WorkerDiedMessage(str(error))))
+            kind = self._kinds[job.kind]
+            return kind.prepare(self._store, job, kind.read_request(job))
+        except DatabaseUnavailable:
+            raise
+        except FlexsidError as error:
+            return FailedMessage(error.code, error.message)
         except Exception as error:
-            self._messages.append((ready.key, describe_unexpected_error(error)))
+            return describe_unexpected_error(error)
+
+    def _submit(self, key: Key, job: Job, task: Any) -> None:
+        limits = job.limits or Limits()
+        self._kind_of[key] = job.kind
+        self._limits[key] = limits.time_s or self._kinds[job.kind].time_limit_s
+        self._deadlines[key] = time.monotonic() + self._limits[key] + _START_S
+        try:
+            self._workers.submit(key, job.kind, task, limits.memory_mb)
+        except OSError as error:  # the worker was killed before it received the task
+            self._messages.append((key, WorkerDiedMessage(str(error))))
+        except Exception as error:
+            self._messages.append((key, describe_unexpected_error(error)))
 
     def _handle_message(self, key: Key, message: WorkerMessage) -> None:
-        run_id, attempt = key
+        job_id, attempt = key
         if isinstance(message, StartedMessage):
             if key in self._limits:
                 self._deadlines[key] = time.monotonic() + self._limits[key]
@@ -291,10 +310,10 @@ class Dispatcher:
         if isinstance(message, ProgressMessage):
             now = time.monotonic()
             queue.note_progress(
-                self._store, run_id, attempt, _remove_infinite_cost(message.progress)
+                self._store, job_id, attempt, _remove_infinite_cost(message.progress)
             )
             if now - self._last_logged.get(key, now - _LOG_S / 2) >= _LOG_S:
-                queue.log_message(self._store, run_id, attempt, message.progress.message)
+                queue.log_message(self._store, job_id, attempt, message.progress.message)
                 self._last_logged[key] = now
             self._last_logged.setdefault(key, now - _LOG_S / 2)
             return
@@ -302,27 +321,30 @@ class Dispatcher:
             message = self._save(key, message) or message
         if isinstance(message, FailedMessage):
             if message.trace:
-                _log.error("run %d, attempt %d:\n%s", run_id, attempt, message.trace)
+                _log.error("job %d, attempt %d:\n%s", job_id, attempt, message.trace)
             queue.fail(
-                self._store, run_id, attempt, message.code, message.message, message.worker or None
+                self._store, job_id, attempt, message.code, message.message, message.worker or None
             )
         elif isinstance(message, WorkerDiedMessage):
-            _log.warning("run %d, attempt %d: its worker died, %s", run_id, attempt, message.reason)
+            _log.warning("job %d, attempt %d: its worker died, %s", job_id, attempt, message.reason)
             queue.retry_or_fail(
                 self._store,
-                run_id,
+                job_id,
                 attempt,
                 f"the worker process died {{deaths}} times ({message.reason}),"
-                " possibly for lack of memory; use a smaller model",
+                " possibly for lack of memory; ask for less",
             )
         elif isinstance(message, TaskLostMessage):
-            queue.requeue(self._store, run_id, attempt, message.reason)
+            queue.requeue(self._store, job_id, attempt, message.reason)
         self._clear_timers(key)
 
     def _save(self, key: Key, message: ComputedMessage) -> FailedMessage | None:
-        run_id, attempt = key
+        job_id, attempt = key
         try:
-            self._pipeline.save(self._store, run_id, attempt, message.outcome, message.worker)
+            kind = self._kinds[self._kind_of[key]]
+            job = replace(self._store.jobs.get(job_id), attempt=attempt)
+            with storing_in_campaign(queue.find_campaign(self._store, job_id)):
+                kind.save(self._store, job, message.outcome, message.worker)
         except queue.StaleAttempt as error:
             _log.info(error.message)
         except DatabaseUnavailable:
@@ -333,19 +355,19 @@ class Dispatcher:
             return describe_unexpected_error(error)
         return None
 
-    def _stop_overdue_runs(self) -> None:
+    def _stop_overdue_jobs(self) -> None:
         now = time.monotonic()
         for key in [key for key, deadline in self._deadlines.items() if now >= deadline]:
             self._workers.cancel(key)
             limit = self._limits[key]
             message = (
-                f"the run took longer than {limit:g} s; use a smaller model or a higher time limit"
+                f"the job took longer than {limit:g} s; ask for less or set a higher time limit"
             )
             self._handle_message(key, FailedMessage("time-limit", message))
 
-    def _stop_cancelled_runs(self) -> None:
+    def _stop_cancelled_jobs(self) -> None:
         now = time.monotonic()
-        active = self._under_way
+        active = self._workers.keys
         if not active or now - self._checked < _CHECK_S:
             return
         self._checked = now
@@ -356,27 +378,27 @@ class Dispatcher:
 
     def _abandon(self) -> None:
         """Drop all tasks: another server has the lease and has queued them again."""
-        for key in self._under_way:
+        for key in self._workers.keys | {key for key, _ in self._messages}:
             self._drop(key)
         self._messages.clear()
 
     def _drop(self, key: Key) -> None:
         self._workers.cancel(key)
-        self._ready = deque(ready for ready in self._ready if ready.key != key)
         self._clear_timers(key)
 
     def _clear_timers(self, key: Key) -> None:
         self._last_logged.pop(key, None)
         self._deadlines.pop(key, None)
         self._limits.pop(key, None)
+        self._kind_of.pop(key, None)
 
     def _put_back(self, keys: set[Key]) -> None:
-        for run_id, attempt in keys:
+        for job_id, attempt in keys:
             try:
-                queue.requeue(self._store, run_id, attempt)
+                queue.requeue(self._store, job_id, attempt)
             except FlexsidError as error:
-                # The run stays marked as running; the next server takes it over.
-                _log.warning("run %d was not returned to the queue: %s", run_id, error.message)
+                # The job stays marked as running; the next server takes it over.
+                _log.warning("job %d was not returned to the queue: %s", job_id, error.message)
 
 
 def _remove_infinite_cost(progress: Progress) -> Progress:

@@ -23,26 +23,26 @@ from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.executors import make_workers
 from flexsid.jobs.interpreter import configure_interpreter
-from flexsid.jobs.pipeline import JobPipeline
+from flexsid.jobs.kind import LoadKinds
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)
 
 _SETTLE_S = 2.0  # the first pages have priority after the start of a server
 _RESTART_S = 1.0
-_STOP_S = 10.0  # longer than killing the workers and queueing their runs again
+_STOP_S = 10.0  # longer than killing the workers and queueing their jobs again
 _MAX_PENDING = 16  # further requests are dropped; the database holds all that is needed
 
 _Request = tuple[int, Any] | None
-"""Id of a run with its task, or None: a run was queued or cancelled."""
+"""Id of a job with its task, or None: a job was queued or cancelled."""
 
 
 @dataclass(frozen=True, slots=True)
 class DispatcherSettings:
-    """Database, pipeline and workers of a dispatcher (see ``make_workers``)."""
+    """Database, kinds of jobs and workers of a dispatcher (see ``make_workers``)."""
 
     database: str
-    load_pipeline: Callable[[], JobPipeline]
+    load_kinds: LoadKinds
     dask: str | None = None
     workers: int | None = None
 
@@ -53,9 +53,9 @@ class DispatcherProcess:
     Parameters
     ----------
     settings
-        Database, pipeline and workers.
+        Database, kinds of jobs and workers.
     on_change
-        Called on a separate thread after runs have changed.
+        Called on a separate thread after jobs have changed.
     """
 
     def __init__(
@@ -84,20 +84,20 @@ class DispatcherProcess:
             If the scheduler of the cluster does not respond.
         """
         if self._settings.dask is not None:
-            make_workers(self._settings.load_pipeline().compute, self._settings.dask).close()
+            make_workers(self._settings.load_kinds, self._settings.dask).close()
         for thread in self._threads:
             thread.start()
 
     def wake(self) -> None:
-        """Check the queue now: a run was queued or cancelled."""
+        """Check the queue now: a job was queued or cancelled."""
         self._put(None)
 
-    def reuse_task(self, run_id: int, task: Any) -> None:
-        """Reuse the task that was prepared to validate a run."""
-        self._put((run_id, task))
+    def reuse_task(self, job_id: int, task: Any) -> None:
+        """Reuse the task that was prepared to validate a request."""
+        self._put((job_id, task))
 
     def stop(self) -> None:
-        """Kill the workers and queue their runs again, for the next server."""
+        """Kill the workers and queue their jobs again, for the next server."""
         with self._starting:
             self._stopping.set()
             program = self._program
@@ -164,14 +164,14 @@ def main(arguments: list[str]) -> None:
     try:
         settings: DispatcherSettings = connection.recv()
         store = Store.open(settings.database)
-        pipeline = settings.load_pipeline()
-        workers = make_workers(pipeline.compute, settings.dask, settings.workers)
+        kinds = settings.load_kinds()
+        workers = make_workers(settings.load_kinds, settings.dask, settings.workers)
     except EOFError:
         return
     except FlexsidError as error:
         _log.warning("the dispatcher cannot start: %s", error.message)
         sys.exit(1)
-    dispatcher = Dispatcher(store, pipeline, workers, on_change=lambda: _notify(connection))
+    dispatcher = Dispatcher(store, kinds, workers, on_change=lambda: _notify(connection))
     configure_interpreter()
     _notify(connection)
     dispatcher.start()

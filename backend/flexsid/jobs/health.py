@@ -1,4 +1,4 @@
-"""Health of the job queue: whether queued runs will be computed."""
+"""Health of the job queue: whether queued jobs will be computed."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from enum import StrEnum
 
+from flexsid.errors import FlexsidError
 from flexsid.jobs.leadership import LEASE_TIMEOUT_S
 from flexsid.storage import leases
 from flexsid.storage.leases import Lease
@@ -30,6 +31,12 @@ class PartHealth:
     name: str
     state: PartState
     text: str
+
+
+class NotReady(FlexsidError):
+    """Requests cannot be processed completely."""
+
+    code = "not-ready"
 
 
 class QueueHealth:
@@ -57,30 +64,30 @@ class QueueHealth:
     def _dispatcher(self, lease: Lease, now: float) -> PartHealth:
         if lease.holder is None:
             text = (
-                "No server dispatches runs: they wait in the queue. Read the log of the"
+                "No server dispatches jobs: they wait in the queue. Read the log of the"
                 " server and restart it."
             )
             late = now - self._held_at >= _GRACE_S
         elif now - self._renewed_at >= _STALLED_S:
             text = (
-                f"The dispatcher has not responded for {now - self._renewed_at:.0f} s: runs wait."
+                f"The dispatcher has not responded for {now - self._renewed_at:.0f} s: jobs wait."
                 " Read the log of the server and restart it."
             )
             late = True
         else:
-            return _part("dispatcher", PartState.OK, "Dispatches runs.")
+            return _part("dispatcher", PartState.OK, "Dispatches jobs.")
         return _part("dispatcher", PartState.DEGRADED if late else PartState.STARTING, text)
 
 
 def _workers(status: dict[str, object]) -> PartHealth:
-    count, place = status["workers"], status["place"]
+    count, location = status["workers"], status["location"]
     if count != 0:
-        return _part("workers", PartState.OK, f"{count} on {place}.")
+        return _part("workers", PartState.OK, f"{count} on {location}.")
     away_s = status.get("without_workers_s", 0.0)
     assert isinstance(away_s, float | int)
     text = (
-        f"No worker has been available for {away_s:.0f} s ({place}): runs wait in the queue. Start"
-        " the scheduler if it is not running, and at least one dask worker."
+        f"No worker has been available for {away_s:.0f} s ({location}): jobs wait in the queue."
+        " Start the scheduler if it is not running, and at least one dask worker."
     )
     return _part("workers", PartState.DEGRADED if away_s >= _GRACE_S else PartState.STARTING, text)
 

@@ -1,55 +1,86 @@
-"""Execution of one run in this process, without server and workers."""
+"""Execution of one job in this process, without server and workers."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from typing import Any, TypeVar
 
 from flexsid.errors import FlexsidError
+from flexsid.jobs.kind import Kind, build_job
 from flexsid.jobs.messages import describe_unexpected_error
-from flexsid.jobs.pipeline import JobPipeline
 from flexsid.jobs.process_id import get_process_id, shorten_process_id
-from flexsid.records.run import EstimationRun, Progress
+from flexsid.jobs.worker import Report
+from flexsid.records.job import Job
+from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue
+from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_identity import add_hashes
 
 _log = logging.getLogger(__name__)
 
+Request = TypeVar("Request")
+
 
 def execute_run(
-    store: Store,
-    requested: EstimationRun,
-    pipeline: JobPipeline,
-    report: Callable[[Progress], None],
+    store: Store, requested: EstimationRun, kind: Kind[Any, Any], report: Report
 ) -> EstimationRun:
-    """Store a run, execute it at once and return it, succeeded or failed.
+    """Store a run, execute it at once and return it, succeeded or failed; see ``execute_job``."""
+
+    def add() -> int:
+        return queue.add(store, add_hashes(store, requested)).id or 0
+
+    return store.runs.get(execute_job(store, kind, add, report).id or 0)
+
+
+def execute_request(
+    store: Store, kind: Kind[Request, Any], request: Request, report: Report
+) -> Job:
+    """Return the job of an equal request that succeeded, or execute it; see ``execute_job``."""
+    job = build_job(store, kind, request)
+    known = None if job.request_hash is None else queue.find_equal(store, job.request_hash)
+    if known is not None and known.state is RunState.SUCCEEDED:
+        return known
+    return execute_job(store, kind, lambda: queue.add_job(store, job).id or 0, report)
+
+
+def execute_job(store: Store, kind: Kind[Any, Any], add: Callable[[], int], report: Report) -> Job:
+    """Queue a job, execute it at once and return it, succeeded or failed.
+
+    Parameters
+    ----------
+    store
+        Store of the jobs.
+    kind
+        Kind of the job.
+    add
+        Queues the job and returns its id.
+    report
+        Called with the progress.
 
     Raises
     ------
     StaleAttempt
-        If the run was cancelled, or taken over by a server that started meanwhile.
+        If the job was cancelled, or taken over by a server that started meanwhile.
     """
     with store.transaction():  # no server claims it
-        stored = queue.add(store, add_hashes(store, requested))
-        run = queue.claim(store, stored.id, process_id=get_process_id())
-    assert run is not None
-    assert run.id is not None
-    run_id = run.id
+        job_id = add()
+        job = queue.claim(store, job_id, process_id=get_process_id())
+    assert job is not None
     try:
-        outcome = pipeline.compute(pipeline.prepare(store, run), report)
-        return pipeline.save(
-            store, run_id, run.attempt, outcome, shorten_process_id(get_process_id())
-        )
+        outcome = kind.compute(kind.prepare(store, job, kind.read_request(job)), report)
+        with storing_in_campaign(queue.find_campaign(store, job_id)):
+            kind.save(store, job, outcome, shorten_process_id(get_process_id()))
     except queue.StaleAttempt:
         raise
     except FlexsidError as error:
-        queue.fail(store, run_id, run.attempt, error.code, error.message)
+        queue.fail(store, job_id, job.attempt, error.code, error.message)
     except KeyboardInterrupt:
-        queue.request_cancel(store, run_id)
+        queue.request_cancel(store, job_id)
         raise
     except Exception as error:
-        _log.exception("run %d", run_id)
+        _log.exception("job %d", job_id)
         failed = describe_unexpected_error(error)
-        queue.fail(store, run_id, run.attempt, failed.code, failed.message)
-    return store.runs.get(run_id)
+        queue.fail(store, job_id, job.attempt, failed.code, failed.message)
+    return store.jobs.get(job_id)

@@ -1,4 +1,4 @@
-"""Leadership: of several servers on one database, one dispatches runs."""
+"""Leadership: of several servers on one database, one dispatches jobs."""
 
 from __future__ import annotations
 
@@ -82,5 +82,5 @@ class Leadership:
             )
         self._observed_at = now
         if left:
-            _log.info("%d runs of a stopped server are restarted", left)
+            _log.info("%d jobs of a stopped server are restarted", left)
         return True

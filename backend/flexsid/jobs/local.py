@@ -17,7 +17,7 @@ from flexsid.jobs.messages import (
     WorkerDiedMessage,
     WorkerMessage,
 )
-from flexsid.jobs.worker import Compute
+from flexsid.jobs.worker import LoadKinds
 
 _MOST_WORKERS = 8
 
@@ -37,10 +37,10 @@ class LocalWorkers:
     from one thread.
     """
 
-    def __init__(self, compute: Compute, count: int | None = None) -> None:
+    def __init__(self, load_kinds: LoadKinds, count: int | None = None) -> None:
         self.count = count or default_count()
         self.location = "processes of this computer"
-        self._compute = compute
+        self._load_kinds = load_kinds
         self._workers: list[_Worker] = []
         self._wake_receiver, self._wake_sender = multiprocessing.Pipe(duplex=False)
         self._is_woken = threading.Event()
@@ -51,27 +51,32 @@ class LocalWorkers:
         return self.count - len(self.keys)
 
     @property
+    def extra_slots(self) -> int:
+        """Number of tasks that can start beyond; the processes then share the cores."""
+        return 2 * self.count - len(self.keys)
+
+    @property
     def keys(self) -> set[Key]:
         """Keys of the running tasks."""
         return {worker.key for worker in self._workers if worker.key is not None}
 
     def warm_up(self) -> None:
         """Start a spare worker: loading the numerical libraries takes a second."""
-        if self.free_slots and all(worker.key is not None for worker in self._workers):
+        if self.free_slots > 0 and all(worker.key is not None for worker in self._workers):
             self._start()
 
-    def submit(self, key: Key, task: Any, memory_mb: int | None) -> None:
-        """Start a task on an idle worker; requires ``free_slots`` above zero."""
+    def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
+        """Start a task on an idle worker, or on a further one."""
         for worker in [w for w in self._workers if w.key is None]:
             try:
-                worker.child.submit(task, memory_mb)
+                worker.child.submit(kind, task, memory_mb)
             except (BrokenPipeError, ConnectionResetError):  # it died while idle
                 self._remove(worker)
             else:
                 worker.key = key
                 return
         worker = self._start()
-        worker.child.submit(task, memory_mb)
+        worker.child.submit(kind, task, memory_mb)
         worker.key = key
 
     def cancel(self, key: Key) -> None:
@@ -97,6 +102,8 @@ class LocalWorkers:
                 self._remove(worker)
             elif not isinstance(message, StartedMessage | ProgressMessage):
                 worker.key = None
+                if len(self._workers) > self.count:
+                    self._remove(worker)
             if key is not None:
                 messages.append((key, message))
         return messages
@@ -115,7 +122,7 @@ class LocalWorkers:
         self._wake_sender.close()
 
     def _start(self) -> _Worker:
-        worker = _Worker(Child(self._compute))
+        worker = _Worker(Child(self._load_kinds))
         self._workers.append(worker)
         return worker
 

@@ -9,7 +9,7 @@ from typing import Any
 from flexsid.records.run import Progress
 
 Key = tuple[int, int]
-"""Id of a run and number of its attempt."""
+"""Id of a job and number of its attempt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ def describe_unexpected_error(error: BaseException) -> FailedMessage:
     """Return the message for an internal error; the trace is for the log."""
     return FailedMessage(
         "internal-error",
-        f"the estimation stopped on an internal error ({type(error).__name__});"
+        f"the job stopped on an internal error ({type(error).__name__});"
         " the log of the server has the details",
         "".join(traceback.format_exception(error)),
     )

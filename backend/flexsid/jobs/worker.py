@@ -14,11 +14,11 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.messages import (
@@ -34,7 +34,20 @@ from flexsid.records.run import Progress
 _NICE = 5  # requests of pages have priority over computation in the background
 _PROGRESS_S = 0.2  # iterations may take a millisecond
 
-Compute = Callable[[Any, Callable[[Progress], None]], Any]
+Report = Callable[[Progress], None]
+Compute = Callable[[Any, Report], Any]
+
+
+class Computable(Protocol):
+    """A kind of job, as far as a worker uses it."""
+
+    @property
+    def compute(self) -> Compute:
+        """Pure function of a task."""
+        ...
+
+
+LoadKinds = Callable[[], Mapping[str, Computable]]
 
 
 def main(arguments: list[str]) -> None:
@@ -52,19 +65,22 @@ def work(connection: Connection) -> None:
     """Compute tasks until the connection closes."""
     worker = f"{socket.gethostname()}/{os.getpid()}"
     try:
-        compute: Compute = connection.recv()
+        load_kinds: LoadKinds = connection.recv()
+        kinds = load_kinds()
         while True:
             # In two steps: a task that cannot be unpickled must not end the worker.
             content = connection.recv_bytes()
             try:
-                task, memory_mb = pickle.loads(content)
+                kind, task, memory_mb = pickle.loads(content)
                 del content
             except Exception as error:
                 connection.send(describe_unexpected_error(error))
                 continue
             connection.send(StartedMessage())
             with _limit_memory(memory_mb):
-                message = execute_task(compute, task, _make_reporter(connection), worker)
+                message = execute_task(
+                    kinds[kind].compute, task, _make_reporter(connection), worker
+                )
                 del task
             try:
                 connection.send(message)
@@ -74,9 +90,7 @@ def work(connection: Connection) -> None:
         return
 
 
-def execute_task(
-    compute: Compute, task: Any, report: Callable[[Progress], None], worker: str = ""
-) -> WorkerMessage:
+def execute_task(compute: Compute, task: Any, report: Report, worker: str = "") -> WorkerMessage:
     """Compute a task; exceptions become messages."""
     try:
         return ComputedMessage(compute(task, report), worker)
@@ -85,7 +99,7 @@ def execute_task(
     except MemoryError:
         return FailedMessage(
             "out-of-memory",
-            "the estimation needs more memory than its limit; use a smaller model or band,"
+            "the job needs more memory than its limit; use a smaller model or band,"
             " or raise the memory limit",
             worker=worker,
         )
@@ -93,7 +107,7 @@ def execute_task(
         return describe_unexpected_error(error)
 
 
-def _make_reporter(connection: Connection) -> Callable[[Progress], None]:
+def _make_reporter(connection: Connection) -> Report:
     """Return a function that sends progress, at most every ``_PROGRESS_S``."""
     sent_at = -_PROGRESS_S
 

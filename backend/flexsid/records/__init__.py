@@ -1,1 +1,10 @@
 """Records: frozen dataclasses stored as rows and used in JSON and notebooks."""
+
+from __future__ import annotations
+
+import math
+
+
+def finite_or_none(value: float) -> float | None:
+    """Return a finite number as float, else None, since JSON has neither NaN nor infinity."""
+    return float(value) if math.isfinite(value) else None

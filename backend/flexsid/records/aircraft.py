@@ -1,12 +1,14 @@
-"""Aircraft: geometry, mass against fuel, surfaces, sensors and their instruments."""
+"""Aircraft: geometry, mass, surfaces, sensors and their axes, instruments, predictions."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
 from flexsid.sysid.model.instruments import Instrument
+from flexsid.sysid.preparation.symmetry import find_pairs
 
 
 class SensorKind(StrEnum):
@@ -30,13 +32,20 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MassTable:
-    """Mass properties against fuel fraction; centre of gravity in structural axes."""
+    """Mass properties against fuel fraction; centre of gravity in structural axes.
+
+    Inertia in roll and yaw, and the product of inertia (integral of x z dm in body axes), are
+    those of the lateral-directional model.
+    """
 
     fuel: tuple[float, ...]
     mass_kg: tuple[float, ...]
     pitch_inertia_kg_m2: tuple[float, ...]
     x_cg_m: tuple[float, ...]
     z_cg_m: tuple[float, ...]
+    roll_inertia_kg_m2: tuple[float, ...] | None = None
+    yaw_inertia_kg_m2: tuple[float, ...] | None = None
+    product_of_inertia_kg_m2: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,4 +145,123 @@ class Aircraft:
     flutter: FlutterTable | None = None
     thrust: ThrustTable | None = None
     description: str = ""
+    id: int | None = None
+
+
+PITCH_AXIS = "y"
+"""Axis about which gyros, attitudes and vanes take part in a longitudinal motion."""
+
+_NAMED: dict[SensorKind, tuple[tuple[str, str], ...]] = {
+    SensorKind.GYRO: (
+        ("x", r"p|rollrate|roll|gyrox|wx"),
+        ("y", r"q|pitchrate|pitch|gyroy|wy"),
+        ("z", r"r|yawrate|yaw|gyroz|wz"),
+    ),
+    SensorKind.ATTITUDE: (
+        ("x", r"phi|roll|rollangle|bank|bankangle"),
+        ("y", r"the|theta|pitch|pitchangle"),
+        ("z", r"psi|yaw|yawangle|heading"),
+    ),
+    SensorKind.VANE: (("y", r"alpha|alfa|aoa"), ("z", r"beta|aos|sideslip")),
+    SensorKind.ACCELEROMETER: tuple((axis, rf"(?:acc|accel|a|n){axis}") for axis in "xyz"),
+}
+"""Axis by common names of sensors of each kind."""
+
+_ANTISYMMETRIC = re.compile(
+    r"ail|ailerons?|da|rdr|rud|rudders?|dr|asym|antisym|antisymmetric|anti|diff|differential"
+)
+_SIDE = re.compile(r"l|r|lh|rh|left|right")
+_STRIP = re.compile(r"(?:bf|wf\d?)(?P<part>[alrs])")  # names of this software; see nomenclature
+_PARTS: dict[str, SurfaceSymmetry] = {
+    "a": "antisymmetric",
+    "s": "symmetric",
+    "l": "single",
+    "r": "single",
+}
+
+
+def find_axis_in_name(kind: SensorKind, name: str) -> str | None:
+    """Find the axis in the name of a sensor: x for ``p_egi``, z for ``beta``; else None.
+
+    The first part of a name decides, or two together (``roll_rate_2``), else the last
+    (``egi_p``).
+    """
+    parts = name.lower().split("_")
+    for written in ("".join(parts[:2]), parts[0], "".join(parts[-2:]), parts[-1]):
+        for axis, pattern in _NAMED.get(kind, ()):
+            if re.fullmatch(pattern, written):
+                return axis
+    return None
+
+
+def find_contradicting_axis(sensor: Sensor) -> str | None:
+    """Find an axis in the name of a sensor that contradicts its record."""
+    named = find_axis_in_name(sensor.kind, sensor.name)
+    return None if named == sensor.axis else named
+
+
+def get_symmetry(aircraft: Aircraft, name: str) -> SurfaceSymmetry:
+    """Return the symmetry of a surface: declared, else from its name, else a symmetric pair.
+
+    Single surfaces are those called left or right (``elevator_l``, ``wf1r``), antisymmetric
+    ones ailerons, rudders and half differences (``wf1a``).
+    """
+    declared: SurfaceSymmetry | None = next(
+        (s.symmetry for s in aircraft.surfaces if s.name == name), None
+    )
+    return declared or _symmetry_in_name(name, [surface.name for surface in aircraft.surfaces])
+
+
+def _symmetry_in_name(name: str, others: list[str]) -> SurfaceSymmetry:
+    lower = name.lower()
+    own = _STRIP.fullmatch(lower)
+    if own is not None:
+        return _PARTS[own["part"]]
+    words = lower.split("_")
+    if any(_SIDE.fullmatch(word) for word in words[1:]) or words[0] in ("left", "right"):
+        return "single"
+    if any(name in pair[:2] for pair in find_pairs(others)):
+        return "single"
+    if any(_ANTISYMMETRIC.fullmatch(word) for word in words):
+        return "antisymmetric"
+    if lower.endswith("a") and f"{lower[:-1]}s" in [other.lower() for other in others]:
+        return "antisymmetric"
+    return "symmetric"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnsteadyPrediction:
+    """Derivatives of a prediction over reduced frequency k = omega cbar/2V, and their provenance.
+
+    ``coefficients`` is the hash of a complex (F, len(k), len(names)) array: the responses to real
+    normal washes. The values of the prediction are their real parts at ``reference_k``.
+    ``geometry`` is the hash of panels, surfaces and divisions.
+    """
+
+    k: tuple[float, ...]
+    reference_k: float
+    coefficients: str
+    mach: float
+    n_boxes: int
+    geometry: str
+    modal_table_id: int | None = None
+    surfaces: tuple[str, ...] = ()  # with hinge and span after snapping to boxes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivativePrediction:
+    """Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array.
+
+    ``unsteady`` are those of a computed prediction by reduced frequency, None for others.
+    """
+
+    aircraft_id: int
+    source: str
+    kind: str  # "panel code", "wind tunnel", "simulation", "flight"
+    fuel: tuple[float, ...]
+    names: tuple[str, ...]
+    values: str
+    std_errors: str | None = None
+    note: str = ""
+    unsteady: UnsteadyPrediction | None = None
     id: int | None = None

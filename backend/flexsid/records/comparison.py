@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from flexsid.records.run import AdequacyState
+
 PREDICTED = "prediction"  # kind of the sources that were not estimated from flight
 
 
@@ -12,7 +14,8 @@ PREDICTED = "prediction"  # kind of the sources that were not estimated from fli
 class ComparedSource:
     """One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
 
-    ``changed_since`` names data of a run that were corrected after it was computed.
+    ``changed_since`` names data of a run that were corrected after it was computed, ``adequacy``
+    is the result of its tests for remaining model error.
     """
 
     key: str
@@ -21,6 +24,7 @@ class ComparedSource:
     run_id: int | None = None
     prediction_id: int | None = None
     changed_since: tuple[str, ...] = ()
+    adequacy: AdequacyState | None = None
 
     @property
     def is_prediction(self) -> bool:
@@ -32,6 +36,8 @@ class ComparedSource:
 class SourceValue:
     """Value of a derivative by one source; ``std_error`` is None if unknown.
 
+    ``modal_std`` is the part of it due to the modal table, None of a prediction.
+
     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
     combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
     where one of the two has no standard error.
@@ -40,6 +46,7 @@ class SourceValue:
     key: str
     value: float
     std_error: float | None = None
+    modal_std: float | None = None
     difference_sigma: float | None = None
     consistent: bool | None = None
 
@@ -48,11 +55,11 @@ class SourceValue:
 class Row:
     """One derivative; ``values`` follow the order of the sources, None without a value.
 
-    ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2) over
-    pairs of runs with a standard error; ``consistent`` is whether it is at most 2.
-    ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
-    scatter about it and ``probability`` that of a scatter at least as large. Predictions
-    take no part: each is judged against the runs in its own value.
+    ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2), errors of the
+    modal table excluded, over pairs of runs with a standard error; ``consistent`` is whether it
+    is at most 2. ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
+    scatter about it and ``probability`` that of a scatter at least as large. Predictions take no
+    part: each is judged against the runs in its own value.
     """
 
     name: str

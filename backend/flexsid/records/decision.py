@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from itertools import chain
 
 
 class LimitedQuantity(StrEnum):
@@ -53,6 +54,12 @@ class StructureProposal:
     run_ids: tuple[int, ...] = ()
     comparisons: tuple[LinkedComparison, ...] = ()
     figure_ids: tuple[int, ...] = ()
+
+    @property
+    def all_run_ids(self) -> tuple[int, ...]:
+        """Linked runs and those of comparisons, each once."""
+        compared = chain.from_iterable(one.run_ids for one in self.comparisons)
+        return tuple(dict.fromkeys((*self.run_ids, *compared)))
 
 
 class Vote(StrEnum):

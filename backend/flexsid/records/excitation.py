@@ -1,4 +1,4 @@
-"""ExcitationDesign: specification of a multisine and its optimised phases."""
+"""Excitation: designed multisines and their pre-flight simulations."""
 
 from __future__ import annotations
 
@@ -21,5 +21,19 @@ class ExcitationDesign:
     peak_factors: dict[str, float]
     fta: int | None = None
     note: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreflightSimulation:
+    """Design, amplitude, model and controller of a pre-flight simulation, with its run."""
+
+    design_id: int
+    level: int
+    model_run_id: int
+    controller_id: int | None
+    maneuver_id: int
+    run_id: int
     created_at: datetime | None = None
     id: int | None = None

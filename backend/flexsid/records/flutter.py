@@ -1,11 +1,14 @@
-"""Flutter prediction from identified models: results and data of figures."""
+"""Flutter prediction from identified models, controllers and closed-loop stability."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from enum import StrEnum
 
 import numpy as np
+
+from flexsid.records.run import AdequacyState, DerivedRun
 
 
 class Along(StrEnum):
@@ -20,6 +23,7 @@ class Along(StrEnum):
 class StructureForecast:
     """Flutter speed of all runs of one model structure, fused.
 
+    ``nuisance_modes`` were retained by the runs with a prior of their derivatives.
     ``held_modes`` have predicted derivatives only, and ``source`` is the prediction if they were
     included in a second fit; ``unmodelled_modes`` are known to a prediction but not to the
     model, whose derivatives include their static response. ``check`` is a second fit with one mode
@@ -38,6 +42,7 @@ class StructureForecast:
     sentence: str
     preferred: bool
     check: bool = False
+    nuisance_modes: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +51,7 @@ class RunForecast:
 
     ``sentence`` is the reason without a flutter speed. ``separation`` is the lowest elastic over
     the short-period frequency there; None where the short period does not oscillate.
+    ``adequacy`` is the result of the tests for remaining model error.
     """
 
     run_id: int
@@ -55,6 +61,7 @@ class RunForecast:
     airspeed_std_m_s: float | None
     sentence: str
     separation: float | None
+    adequacy: AdequacyState = AdequacyState.NOT_TESTED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,6 +142,8 @@ class Flutter:
     ``refusal`` is the reason without a flutter speed: a model that flight contradicts, or an
     unstable root that the data do not determine; empty otherwise. The
     search was from ``searched_from_m_s`` to ``searched_to_m_s``.
+    ``derived_runs`` are the refits that the prediction rests on; where one of them failed,
+    ``spread_m_s`` and the interval are unknown.
     """
 
     sentence: str
@@ -150,7 +159,7 @@ class Flutter:
     next_m_s: float
     airspeed_m_s: float | None
     airspeed_std_m_s: float | None
-    spread_m_s: float
+    spread_m_s: float | None
     modal_std_m_s: float
     low_m_s: float | None
     high_m_s: float | None
@@ -164,6 +173,7 @@ class Flutter:
     trackers: tuple[TrackerForecast, ...]
     equivalents: tuple[EquivalentLine, ...]
     equivalent_points: tuple[EquivalentPoint, ...]
+    derived_runs: tuple[DerivedRun, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -201,8 +211,8 @@ class TestedRoot:
 class FlutterRoots:
     """Roots of the preferred model along airspeed [m/s], dynamic pressure [Pa] or fuel [1].
 
-    ``by_draws`` is where first order is inaccurate and standard errors are by Monte Carlo draws,
-    ``note`` describes it. Over fuel the airspeed is one. ``flutter``, ``interval`` and
+    ``by_monte_carlo`` is where first order is inaccurate and standard errors are by Monte Carlo
+    draws, ``note`` describes it. Over fuel the airspeed is one. ``flutter``, ``interval`` and
     ``tested_to`` are positions on the same axis; over fuel the first is where stability ends.
     """
 
@@ -214,7 +224,7 @@ class FlutterRoots:
     flutter: float | None
     interval: tuple[float, float] | None
     tested_to: float | None
-    by_draws: np.ndarray
+    by_monte_carlo: np.ndarray
     note: str
 
 
@@ -225,3 +235,86 @@ class FlutterMap:
     fuel: np.ndarray
     altitude_m: np.ndarray
     airspeed_m_s: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlutterResult:
+    """Result of a flutter prediction: numbers, roots over each variable, and map."""
+
+    flutter: Flutter
+    roots: dict[Along, FlutterRoots]
+    map: FlutterMap
+
+
+Matrix = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlLaw:
+    """u = K y with the sign in K, in state-space form; SI and rad."""
+
+    airspeed_m_s: float
+    A: Matrix
+    B: Matrix
+    C: Matrix
+    D: Matrix
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Controller:
+    """A law reads outputs and drives surfaces by their names; linear between airspeeds."""
+
+    aircraft_id: int
+    name: str
+    reads: tuple[str, ...]
+    drives: tuple[str, ...]
+    laws: tuple[ControlLaw, ...]
+    delay_s: float = 0.0
+    note: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopMargin:
+    """Margins of one surface's loop over airspeed; NaN where the closed loop is unstable.
+
+    ``gain`` is the upward gain margin as a factor, infinite without a phase crossover, and
+    ``gain_std`` the standard deviation of its logarithm. Phase margins are in rad.
+    """
+
+    surface: str
+    gain: np.ndarray
+    gain_std: np.ndarray
+    phase_rad: np.ndarray
+    phase_std_rad: np.ndarray
+    disk: np.ndarray
+    disk_std: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedLoop:
+    """Roots [rad/s] and margins over airspeed [m/s], open loop beside closed loop.
+
+    ``closed_roots`` and ``open_roots`` hold one array per airspeed; ``growth`` is the largest
+    real part of the closed loop's. ``low_m_s`` to ``high_m_s`` holds where stability is lost
+    with 95 % probability, the standard deviation ``spread_m_s`` between structures included.
+    ``derived_runs`` are the refits that it rests on.
+    """
+
+    sentence: str
+    controller: str
+    fuel_fraction: float
+    density_kg_m3: float
+    tested_m_s: float
+    airspeed_m_s: np.ndarray
+    growth: np.ndarray
+    growth_std: np.ndarray
+    closed_roots: tuple[np.ndarray, ...]
+    open_roots: tuple[np.ndarray, ...]
+    margins: tuple[LoopMargin, ...]
+    lost_m_s: float | None
+    spread_m_s: float
+    low_m_s: float | None
+    high_m_s: float | None
+    derived_runs: tuple[DerivedRun, ...] = ()

@@ -1,9 +1,9 @@
-"""Maneuver: one excitation flown at one condition, with its channels."""
+"""Flights and maneuvers: channels, condition, excitation, corrections, cutting."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime
 from enum import StrEnum
 
 GROUND = "ground"
@@ -20,8 +20,8 @@ class Role(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Channel:
-    """One recorded channel at its native rate, unit and precision."""
+class RecordedChannel:
+    """One channel at its native rate, unit and precision; the field and file it came from."""
 
     name: str
     unit: str
@@ -34,6 +34,34 @@ class Channel:
     source_file: str | None = None
     source_hash: str | None = None
     source_field: str | None = None
+
+    @property
+    def stop_s(self) -> float:
+        """End of the last sample on the clock of the recorder. [s]"""
+        return self.start_s + self.n_samples / self.rate_hz
+
+    @property
+    def clock(self) -> tuple[float, float, int]:
+        """Rate, start and number of samples: equal for channels sampled together."""
+        return self.rate_hz, self.start_s, self.n_samples
+
+    def get_time(self, sample: int) -> float:
+        """Return the time of a sample on the clock of the recorder. [s]"""
+        return self.start_s + sample / self.rate_hz
+
+    def slice_samples(self, interval_s: tuple[float, float]) -> slice:
+        """Return the samples from the first time up to, not including, the second."""
+        first, last = (
+            round(min(max((time_s - self.start_s) * self.rate_hz, 0), self.n_samples))
+            for time_s in interval_s
+        )
+        return slice(first, last)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel(RecordedChannel):
+    """One channel of a maneuver."""
+
     maneuver_id: int | None = None
     id: int | None = None
 
@@ -53,6 +81,9 @@ class Condition:
     gamma_rad: float = 0.0
     thrust_n: float = 0.0
     flutter_speed_m_s: float | None = None
+    roll_inertia_kg_m2: float | None = None
+    yaw_inertia_kg_m2: float | None = None
+    product_of_inertia_kg_m2: float | None = None
 
     @property
     def dynamic_pressure_pa(self) -> float:
@@ -68,6 +99,11 @@ class Excitation:
     harmonics: dict[str, tuple[int, ...]]
     start_s: float = 0.0
     n_periods: int = 1
+
+    @property
+    def interval_s(self) -> tuple[float, float]:
+        """Start and stop on the clock of the recorder. [s]"""
+        return self.start_s, self.start_s + self.n_periods * self.period_s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,4 +126,113 @@ class Maneuver:
     note: str = ""
     created_at: datetime | None = None
     deleted_at: datetime | None = None
+    id: int | None = None
+
+    @property
+    def transformed_s(self) -> float:
+        """Duration that is transformed: the record, or the periods after the first. [s]"""
+        if self.excitation is None or self.excitation.n_periods < 2:
+            return self.duration_s
+        return (self.excitation.n_periods - 1) * self.excitation.period_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flight:
+    """One flight; its maneuvers point back to it."""
+
+    aircraft_id: int
+    number: int
+    flown_on: date | None = None
+    description: str = ""
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightChannel(RecordedChannel):
+    """One channel of a whole recording, from which maneuvers are cut."""
+
+    flight_id: int
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManeuverProposal:
+    """A stretch of a flight that looks like a maneuver, with trim before and after.
+
+    ``basis`` is the source of the interval; ``maneuver_id`` an existing maneuver there.
+    """
+
+    label: str
+    start_s: float
+    stop_s: float
+    excitation: Excitation | None
+    n_periods: int
+    fta: int | None
+    basis: str
+    maneuver_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cut:
+    """Window to cut out of a flight.
+
+    ``axis`` of None: longitudinal, and refused where surfaces or gyros contradict that.
+    """
+
+    label: str
+    start_s: float
+    stop_s: float
+    fta: int | None = None
+    axis: str | None = None
+    note: str = ""
+
+
+class StepKind(StrEnum):
+    """Kind of correction."""
+
+    DELAY = "delay"  # undone as a phase at every frequency; no sample is shifted
+    CALIBRATION = "calibration"  # true = (recorded - bias) / scale
+    REPAIR = "repair"  # samples that a spline replaces
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Correction:
+    """One correction of one channel; fields of other kinds have defaults.
+
+    ``stretches`` are the first sample and the sample after the last of each repair.
+    ``std`` is the standard error of the delay [s] or of the scale factor [1].
+    """
+
+    channel: str
+    kind: StepKind
+    delay_s: float = 0.0
+    scale: float = 1.0
+    bias: float = 0.0  # SI unit of the channel
+    stretches: tuple[tuple[int, int], ...] = ()
+    std: float | None = None
+    basis: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditioningStep:
+    """A correction that was taken; a step that is undone stays in the record."""
+
+    maneuver_id: int
+    correction: Correction
+    channel: str
+    author: str = ""
+    created_at: datetime | None = None
+    undone_by: str | None = None
+    undone_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredMapping:
+    """A mapping under a name; ``text`` is the TOML as it was written."""
+
+    name: str
+    text: str
+    note: str = ""
+    created_at: datetime | None = None
     id: int | None = None

@@ -1,4 +1,4 @@
-"""Data quality of one maneuver, by channel, with warnings and a verdict."""
+"""Data quality of one maneuver, and ground records before and after a flight (mini-GVT)."""
 
 from __future__ import annotations
 
@@ -109,6 +109,34 @@ class InputPair:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SurfaceQuality:
+    """A surface as flown against its command; None where undetermined.
+
+    ``response`` is the median of deflection over command at the surface's harmonics. Gain, delay
+    [s], natural frequency [Hz] and damping ratio are those of a servo of second order; with a
+    negative gain the surface moves against its command. ``fed_back`` are the outputs that
+    the controller moves the surface with. ``motion`` is the amplitude of an oscillation without
+    command [rad] at ``motion_hz``, ``rate_limit`` a rate that the surface does not exceed [rad/s]
+    in the share ``rate_limited`` of the time, ``lost`` the harmonics that did not arrive.
+    ``not_checked`` is the reason why nothing was compared.
+    """
+
+    name: str
+    response: float | None = None
+    gain: float | None = None
+    delay_s: float | None = None
+    natural_frequency_hz: float | None = None
+    damping: float | None = None
+    fed_back: tuple[str, ...] = ()
+    motion: float | None = None
+    motion_hz: float | None = None
+    rate_limit: float | None = None
+    rate_limited: float = 0.0  # share of the time
+    lost: tuple[int, ...] = ()
+    not_checked: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Figures:
     """The numbers that a campaign is sorted by."""
 
@@ -134,6 +162,7 @@ class QualityReport:
     skew_reference: str | None
     skew_band_hz: tuple[float, float] | None
     not_checked: tuple[str, ...]
+    surfaces: tuple[SurfaceQuality, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,7 +181,7 @@ class ManeuverQuality:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SignalToNoise:
-    """Signal-to-noise ratio of every channel at every harmonic, ``decibel`` (n_lines, n_channels).
+    """Signal-to-noise ratio of every channel at every harmonic, ``decibel`` (n_omega, n_channels).
 
     NaN above the Nyquist frequency of a channel.
     """
@@ -162,3 +191,50 @@ class SignalToNoise:
     frequency_hz: np.ndarray
     assigned_inputs: tuple[str, ...]
     decibel: np.ndarray
+
+
+class GroundTestVerdict(StrEnum):
+    """Result of a pair of ground records."""
+
+    HEALTHY = "healthy"  # what changed is what the fuel burnt explains
+    WATCH = "watch"  # an amplitude changed, the frequency did not
+    ALARM = "alarm"  # a frequency changed as fuel cannot change it, or a peak is gone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PeakChange:
+    """One peak before and after a flight.
+
+    Changes are relative. ``explained`` is the change by fuel burnt in the modal table,
+    ``unexplained`` the remainder with its standard error.
+    """
+
+    mode: int
+    name: str
+    before_hz: float
+    before_std_hz: float
+    after_hz: float | None
+    after_std_hz: float | None
+    change: float | None
+    explained: float
+    unexplained: float | None
+    unexplained_std: float | None
+    amplitude_change: float | None
+    amplitude_explained: float
+    amplitude_std: float | None
+    verdict: GroundTestVerdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroundTest:
+    """Pre-flight and post-flight record of one flight, compared."""
+
+    flight_id: int
+    flight_number: int
+    before_id: int
+    after_id: int
+    fuel_before: float
+    fuel_after: float
+    peaks: tuple[PeakChange, ...]
+    verdict: GroundTestVerdict
+    message: str

@@ -1,4 +1,4 @@
-"""EstimationRun: request, progress and result of an estimation."""
+"""Runs: request, proposal, progress and result of an estimation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,31 @@ from datetime import datetime
 from enum import StrEnum
 
 from flexsid.records.model_structure import Structure
-from flexsid.records.proposal_basis import ProposalBasis
+
+
+class ProposalSource(StrEnum):
+    """Basis of a proposal, the strongest first."""
+
+    BASELINE = "approved-baseline"
+    SAVED_STRUCTURE = "saved-structure"
+    BAND = "band"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProposalBasis:
+    """Reasons for a proposed model structure; stored with the run.
+
+    ``decision_id`` names the approval of a baseline, ``run_id`` the run of the same FTA that
+    used a saved structure.
+    """
+
+    source: ProposalSource
+    reasons: tuple[str, ...]
+    band_hz: tuple[float, float]
+    decision_id: int | None = None
+    structure_id: int | None = None
+    structure_version: int | None = None
+    run_id: int | None = None
 
 
 class Method(StrEnum):
@@ -38,6 +62,28 @@ class Start(StrEnum):
     RUN = "run"
 
 
+class OutOfBandModes(StrEnum):
+    """Treatment of the modes that are known but not estimated.
+
+    ``retained``: their derivatives are nuisance parameters with a prior; their uncertainty is
+    part of every standard error. ``omitted``: the model does not have them.
+    """
+
+    RETAINED = "retained"
+    OMITTED = "omitted"
+
+
+class Aerodynamics(StrEnum):
+    """Dependence of the derivatives on frequency.
+
+    ``shaped``: each derivative has the frequency shape of a computed prediction, and its value at
+    the reference frequency is estimated.
+    """
+
+    QUASI_STEADY = "quasi-steady"
+    SHAPED = "shaped"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSettings:
     """Choices of the analyst that are not model structure.
@@ -45,7 +91,9 @@ class RunSettings:
     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
     deviation by parameter, ``prior_spread`` gives every free derivative a prior at
     the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
-    ``additional_maneuver_ids`` names further maneuvers fitted with the same derivatives.
+    ``additional_maneuver_ids`` names further maneuvers fitted with the same derivatives;
+    ``out_of_band_modes`` is the treatment of known modes outside the model structure;
+    ``aerodynamics`` the dependence of the derivatives on frequency.
     """
 
     start: Start = Start.BEST
@@ -56,6 +104,8 @@ class RunSettings:
     prior_spread: float | None = None
     start_run_id: int | None = None
     additional_maneuver_ids: tuple[int, ...] = ()
+    out_of_band_modes: OutOfBandModes = OutOfBandModes.OMITTED  # as runs of earlier releases
+    aerodynamics: Aerodynamics = Aerodynamics.QUASI_STEADY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,15 +120,20 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterEstimate:
-    """One estimated derivative or delay; ``no_error`` is the reason without ``std_error``."""
+    """One estimated derivative or delay; ``no_error`` is the reason without ``std_error``.
+
+    ``modal_std`` is the part of ``std_error`` due to the modal table: the covariance of a run
+    holds its frequencies and damping, and poles and flutter do not depend on this part.
+    """
 
     name: str
     value: float
     std_error: float | None
     start: float | None = None
-    cramer_rao: float | None = None  # bound for white residuals
+    cramer_rao: float | None = None  # bound for the noise that the fit estimated
     insensitivity: float | None = None  # standard error were all others known
     no_error: str | None = None  # "not converged", "at its limit", "not identifiable"
+    modal_std: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +167,7 @@ class FitBlock:
 class Iteration:
     """One step of the maximisation; the first one of a stage is where it starts.
 
-    Stages after the first fit lines that were corrected anew for the ends of the record: costs
+    Stages after the first fit spectra that were corrected anew for leakage: costs
     of different stages are of different data and cannot be compared.
     """
 
@@ -135,7 +190,11 @@ class OutputQuality:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
-    """How the maximisation ended and how well the model fits."""
+    """How the maximisation ended and how well the model fits.
+
+    ``noise`` is the noise estimate behind the weights (empty: not recorded, or equation error),
+    ``noise_degrees_of_freedom`` the number of complex data points in each of its estimates.
+    """
 
     outcome: str  # converged, iteration limit, singular information, diverged
     message: str
@@ -148,6 +207,76 @@ class Fit:
     start: str
     warnings: tuple[str, ...] = ()
     quality: tuple[OutputQuality, ...] = ()
+    noise: str = ""
+    noise_degrees_of_freedom: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NuisanceParameter:
+    """Derivative of a retained out-of-band mode: prior and posterior."""
+
+    name: str
+    value: float
+    std_error: float | None
+    prior: float
+    prior_std: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RetainedModes:
+    """Out-of-band modes of a model and their nuisance parameters.
+
+    ``spread`` is the standard deviation of a predicted derivative over its size, estimated from
+    the data. ``covariance`` is the hash of the covariance of the run's parameters followed by
+    these. ``noise_share`` is the share of the variance of each parameter of the run that noise
+    causes; the rest is due to the retained modes.
+    """
+
+    modes: tuple[int, ...]
+    spread: float
+    parameters: tuple[NuisanceParameter, ...]
+    covariance: str
+    noise_share: dict[str, float] = field(default_factory=dict[str, float])
+
+
+class AdequacyState(StrEnum):
+    """Result of the tests for remaining model error."""
+
+    CONSISTENT = "consistent"
+    SUSPECT = "suspect"
+    NOT_TESTED = "not tested"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AdequacyTest:
+    """One test for remaining model error; see ``sysid.estimation.model_tests.ModelTest``.
+
+    ``statistic`` is chi-square with ``degrees_of_freedom`` if the model is correct; that of a
+    residual response is in standard deviations and has no degrees of freedom.
+    ``adjusted_p`` is the p-value in view of the number of tests (Holm); ``meaning`` states the
+    result in a sentence.
+    """
+
+    hypothesis: str  # output delay, scale factor, input delay, aerodynamic lag, ...
+    subject: str
+    statistic: float
+    degrees_of_freedom: int
+    p: float
+    adjusted_p: float
+    rejects: bool
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelAdequacy:
+    """Whether the model is consistent with its data; ``reason`` is a sentence.
+
+    ``tests`` are sorted by p, smallest first.
+    """
+
+    state: AdequacyState = AdequacyState.NOT_TESTED
+    reason: str = "The release that computed this run did not test for remaining model error."
+    tests: tuple[AdequacyTest, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,7 +284,8 @@ class RunResult:
     """Result of a run; ``covariance`` is a hash, ordered as ``parameters``.
 
     ``prediction_id`` is the prediction that was used, selected or found; ``held`` are
-    the derivatives that were not free, at the values they were held at.
+    the derivatives that were not free, at the values they were held at. ``adequacy`` are the
+    tests for remaining model error.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -166,6 +296,8 @@ class RunResult:
     residualized_prediction: dict[str, float] | None = None
     prediction_id: int | None = None
     held: dict[str, float] = field(default_factory=dict[str, float])
+    retained: RetainedModes | None = None
+    adequacy: ModelAdequacy = ModelAdequacy()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,6 +311,28 @@ class Provenance:
     rests_on: dict[str, str]
     data_hash: str | None
     input_hash: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Derivation:
+    """What a derived run is for: a refit of another run on which a prediction rests.
+
+    ``purpose`` completes "to ..."; ``job_id`` and ``job_kind`` are of the job that computed it.
+    """
+
+    purpose: str
+    job_kind: str = ""
+    job_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivedRun:
+    """A derived run in the result that rests on it; ``failure`` is why it has no optimum."""
+
+    run_id: int
+    derived_run_id: int
+    purpose: str
+    failure: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -199,7 +353,7 @@ class EstimationRun:
     ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
     earlier release). ``result_hash`` was stored with the result; ``altered`` is whether the
     result or the request was changed since. ``proposal`` is set if the model structure was
-    proposed.
+    proposed, ``derivation`` if the run was derived from ``derived_from_run_id``.
     """
 
     maneuver_id: int
@@ -232,4 +386,56 @@ class EstimationRun:
     result_hash: str | None = None
     altered: bool = False
     proposal: ProposalBasis | None = None
+    derived_from_run_id: int | None = None
+    derivation: Derivation | None = None
     id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch:
+    """Runs requested together."""
+
+    name: str
+    author: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeInBand:
+    """A symmetric mode in the excited band or just above it.
+
+    ``air_frequency_hz`` and ``half_power_hz`` (full width at half power) are predicted at the
+    condition of the maneuver; without a prediction the width is that in vacuo.
+    """
+
+    number: int
+    name: str
+    frequency_hz: float
+    air_frequency_hz: float | None
+    half_power_hz: float
+    in_band: bool
+    proposed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunProposal:
+    """Modes, inputs, outputs, band and options of a run, and its requirements on the data.
+
+    ``inputs`` and ``outputs`` are what the empty ones of the structure stand for;
+    ``lines_per_parameter`` counts excited frequencies for each parameter of one equation.
+    """
+
+    maneuver_id: int
+    basis: ProposalBasis
+    structure: Structure
+    settings: RunSettings
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    modes: tuple[ModeInBand, ...]
+    n_parameters: int
+    n_lines: int
+    lines_per_input: dict[str, int]
+    lines_per_parameter: float
+    resolution_hz: float
+    warnings: tuple[str, ...]

@@ -17,7 +17,7 @@ class Algorithm(StrEnum):
     ORTHOGONAL_FUNCTIONS = "orthogonal functions"
 
 
-class SearchStart(StrEnum):
+class InitialTerms(StrEnum):
     """Initial model of output error and frequency-response error."""
 
     ALL = "all"
@@ -29,16 +29,17 @@ class SearchSettings:
     """Criteria of the selection of terms.
 
     ``f_in`` and ``f_out`` bound the partial F to enter and to stay; ``pse_noise`` is how
-    many noise variances the predicted squared error charges for a term; ``draws`` is how
-    often lines are drawn anew; ``validate_on`` names maneuvers that are only predicted.
+    many noise variances the predicted squared error charges for a term; ``resamplings``
+    is the number of bootstrap samples of the frequencies; ``validate_on`` names maneuvers that
+    are only predicted.
     """
 
     algorithm: Algorithm = Algorithm.STEPWISE
-    begin: SearchStart = SearchStart.ALL
+    initial_terms: InitialTerms = InitialTerms.ALL
     f_in: float = 20.0
     f_out: float = 20.0
     pse_noise: float = 25.0
-    draws: int = 30
+    resamplings: int = 30
     validate_on: tuple[int, ...] = ()
     band_hz: tuple[float, float] | None = None
     max_iterations: int = 100
@@ -64,7 +65,7 @@ class SearchTerm:
 
     ``value`` is its estimate, or that as the next to enter; None if linearly dependent.
     ``support`` is the fraction of single maneuvers that select it, ``stability`` the fraction of
-    bootstrap draws that select it, ``inflation`` its variance inflation among
+    bootstrap samples that select it, ``inflation`` its variance inflation among
     all candidates (None: infinite).
     """
 
@@ -100,8 +101,8 @@ class TermGroup:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PredictedLines:
-    """Lines that a candidate was not fitted to: negative log likelihood, and R2."""
+class ValidationFit:
+    """Prediction of data that a candidate was not fitted to: negative log likelihood, and R2."""
 
     name: str
     cost: float | None
@@ -112,7 +113,7 @@ class PredictedLines:
 class SearchCandidate:
     """A structure on the way, fitted.
 
-    ``predictive_cost`` is the negative log likelihood of all lines it did not see, None
+    ``predictive_cost`` is the negative log likelihood of all data it was not fitted to, None
     where it predicts nothing finite; ``run_id`` is the run that opened it.
     """
 
@@ -126,7 +127,7 @@ class SearchCandidate:
     bic: float | None
     likelihood_ratio: float | None
     predicted_ratio: float | None
-    predicted: tuple[PredictedLines, ...]
+    predicted: tuple[ValidationFit, ...]
     predictive_cost: float | None
     flutter_m_s: float | None
     flutter_std_m_s: float | None
@@ -154,7 +155,8 @@ class SearchResult:
 class StructureSearch:
     """A search that was asked for and, once done, its result.
 
-    What ``structure`` frees are the candidates; what it fixes or leaves out stays so.
+    What ``structure`` frees are the candidates; what it fixes or leaves out stays so. The state
+    is that of its job.
     """
 
     aircraft_id: int
@@ -173,4 +175,5 @@ class StructureSearch:
     author: str = ""
     created_at: datetime | None = None
     finished_at: datetime | None = None
+    job_id: int | None = None
     id: int | None = None

@@ -162,7 +162,7 @@ class FitTrace:
 
     output: str
     unit: str
-    input: str | None  # FRE: the lines are output over this input
+    input: str | None  # FRE: output over this input
     measured_magnitude: np.ndarray
     measured_phase_rad: np.ndarray
     fitted_magnitude: np.ndarray
@@ -172,13 +172,14 @@ class FitTrace:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitPlot:
-    """Fit of one block of a run."""
+    """Fit of one block of a run; ``curve`` names the model's data, by default as the fit."""
 
     run_id: int
     method: Method
     block: str
     frequency_hz: np.ndarray
     traces: tuple[FitTrace, ...]
+    curve: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -269,7 +270,7 @@ class GroundSpectra:
 class DesignedExcitation:
     """One period of a design: ``command`` (n, n_inputs) [rad], and its harmonics by input.
 
-    ``frequency_hz`` and ``amplitude`` [rad] are (n_lines,) of each input.
+    ``frequency_hz`` and ``amplitude`` [rad] are (n_harmonics,) of each input.
     """
 
     names: tuple[str, ...]
@@ -283,15 +284,15 @@ class DesignedExcitation:
 class ExpectedMode:
     """How well a design shows a mode: the best output around its frequency.
 
-    ``lines`` are those within the mode's half-power band; ``signal_to_noise`` is the amplitude
-    ratio of ``output`` there or at the nearest lines. Both are None where no line excites the
-    mode. [Hz], [1], [1]
+    ``n_harmonics`` lie within the mode's half-power band; ``signal_to_noise`` is the amplitude
+    ratio of ``output`` there or at the nearest harmonics. Both are None where no harmonic excites
+    the mode. [Hz], [1], [1]
     """
 
     name: str
     frequency_hz: float
     damping: float
-    lines: int
+    n_harmonics: int
     output: str | None
     signal_to_noise: float | None
 
@@ -325,14 +326,15 @@ class TargetModes:
 class ExpectedResponse:
     """Predicted response to a design: harmonics, information and signal-to-noise ratios.
 
-    ``worth`` is the information per harmonic in parameters, ``signal_to_noise`` (n_lines,
-    n_outputs) is an amplitude ratio, ``correlation`` that of true deflections over a period. [1]
+    ``information`` is the information per harmonic in parameters, ``signal_to_noise``
+    (n_harmonics, n_outputs) is an amplitude ratio, ``correlation`` that of true deflections over
+    a period. [1]
     """
 
     names: tuple[str, ...]
     outputs: tuple[str, ...]
     frequency_hz: dict[str, np.ndarray]
-    worth: dict[str, np.ndarray]
+    information: dict[str, np.ndarray]
     signal_to_noise: dict[str, np.ndarray]
     modes: tuple[ExpectedMode, ...]
     surfaces: tuple[str, ...]
@@ -363,3 +365,42 @@ class LoopPlot:
 
     maneuver_id: int
     curves: tuple[LoopCurve, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReconstructedTrace:
+    """One quantity in time, (n_samples,), and its spectrum, (n_omega,), with standard errors.
+
+    ``spectrum_std`` is that of the magnitude. The spectrum has the unit times seconds.
+    """
+
+    name: str
+    unit: str
+    values: np.ndarray
+    std: np.ndarray
+    spectrum_magnitude: np.ndarray
+    spectrum_std: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Reconstruction:
+    """Motion of a maneuver from all its sensors.
+
+    ``rank`` and ``condition`` (n_omega,) are rank and condition number of the sensor equations at
+    each frequency; ``noise_excess`` is the rms difference of each sensor to the others over its
+    defined noise, None where unknown.
+    """
+
+    maneuver_id: int
+    modes: tuple[int, ...]
+    mode_names: tuple[str, ...]
+    time_s: np.ndarray
+    frequency_hz: np.ndarray
+    traces: tuple[ReconstructedTrace, ...]
+    offered: tuple[str, ...]
+    n_motions: int
+    rank: np.ndarray
+    condition: np.ndarray
+    sensors: tuple[str, ...]
+    noise_excess: tuple[float | None, ...]
+    excluded: dict[str, str]

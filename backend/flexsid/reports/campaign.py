@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Unpack
 
-from flexsid import figures
 from flexsid.errors import Conflict
-from flexsid.records.ground_test import GroundTestVerdict
+from flexsid.records.quality import GroundTestVerdict
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Facts, Part, Report, ReportTable, Section, Words, drawn, listed
+from flexsid.reports.content import Facts, Part, Report, ReportTable, Section, Words, draw, listed
 from flexsid.reports.estimated import list_latest_runs, report_estimates
 from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
 from flexsid.storage.store import Store
-from flexsid.workflow import views
 from flexsid.workflow.quality.ground_records import compare_all_ground_records
 from flexsid.workflow.review.evidence import list_software_versions
 
@@ -44,10 +42,7 @@ def campaign_report(store: Store, **filters: Unpack[ManeuverFilters]) -> Report:
                 "Summary",
                 (
                     Facts(_summarise(flown)),
-                    drawn(
-                        "Flight envelope of the maneuvers",
-                        lambda: figures.envelope(views.envelope(store, **filters)),
-                    ),
+                    draw("Flight envelope of the maneuvers", store, "envelope", **filters),
                 ),
             ),
             Section("Flights", (_list_flights(store, flown),)),

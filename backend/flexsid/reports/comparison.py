@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from flexsid import figures
 from flexsid.records.comparison import AgreementCount, Comparison, Row, SourceValue
+from flexsid.records.run import AdequacyState
 from flexsid.reports.content import (
-    Part,
     Report,
     ReportTable,
     Section,
     Words,
-    drawn,
+    draw,
     estimate,
     listed,
     moment,
@@ -20,9 +19,10 @@ from flexsid.reports.content import (
 )
 from flexsid.reports.flown import source_facts
 from flexsid.reports.run import METHOD_NAMES
+from flexsid.reports.validation import report_cross_predictions
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison.agreement import CONSISTENT_SIGMA
 from flexsid.workflow.comparison.derivative_comparison import (
+    CONSISTENT_SIGMA,
     compare,
     list_coefficients,
     select_coefficient,
@@ -60,9 +60,23 @@ def comparison_report(
                 ),
             ),
             *(
-                Section(name, _report_coefficient(compared, name))
+                Section(
+                    name,
+                    (
+                        draw(
+                            f"Derivatives of {name} with ±2 standard errors",
+                            store,
+                            "derivatives",
+                            run_ids=run_ids,
+                            prediction_ids=prediction_ids,
+                            coefficient=name,
+                        ),
+                        *_tabulate_coefficient(compared, name),
+                    ),
+                )
                 for name in list_coefficients(compared)
             ),
+            *report_cross_predictions(store, run_ids),
         ),
         provenance=(
             *(_describe_run(store, run_id) for run_id in dict.fromkeys(run_ids)),
@@ -78,10 +92,15 @@ def _describe_run(store: Store, run_id: int) -> tuple[str, str]:
 
 
 def _warn_of_changes(compared: Comparison) -> tuple[Words, ...]:
-    """Warn of runs whose data were corrected after the estimation."""
-    texts = (
+    """Warn of runs whose data were corrected afterwards, and of those with model error."""
+    texts = [
         describe_data_changes(source.run_id, source.changed_since) for source in compared.sources
-    )
+    ]
+    texts += [
+        f"{source.label} is suspect: tests found remaining model error."
+        for source in compared.sources
+        if source.adequacy is AdequacyState.SUSPECT
+    ]
     return tuple(Words(text, warns=True) for text in texts if text is not None)
 
 
@@ -155,15 +174,10 @@ def _list_sources(store: Store, compared: Comparison) -> ReportTable:
     )
 
 
-def _report_coefficient(compared: Comparison, name: str) -> tuple[Part, ...]:
+def _tabulate_coefficient(compared: Comparison, name: str) -> Iterator[ReportTable]:
     part = select_coefficient(compared, name)
-    return (
-        drawn(f"Derivatives of {name} with ±2 standard errors", lambda: figures.derivatives(part)),
-        *(
-            _tabulate(part, range(start, min(start + _ABREAST, len(part.sources))))
-            for start in range(0, len(part.sources), _ABREAST)
-        ),
-    )
+    for start in range(0, len(part.sources), _ABREAST):
+        yield _tabulate(part, range(start, min(start + _ABREAST, len(part.sources))))
 
 
 def _tabulate(part: Comparison, sources: range) -> ReportTable:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
 from flexsid.errors import FlexsidError
+from flexsid.figure_table import draw_figure
 from flexsid.figures.spec import Spec
+from flexsid.storage.store import Store
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +68,10 @@ class Report:
     provenance: tuple[tuple[str, str], ...]
 
 
-def drawn(caption: str, draw: Callable[[], Spec]) -> Part:
-    """Draw a figure; an error is reported as a paragraph."""
+def draw(caption: str, store: Store, figure: str, /, **arguments: Any) -> Part:
+    """Draw a figure of the table; an error is reported as a paragraph."""
     try:
-        return Drawing(draw(), caption)
+        return Drawing(draw_figure(store, figure, **arguments), caption)
     except FlexsidError as error:
         return Words(f"{caption}: not available ({error.message}).")
 

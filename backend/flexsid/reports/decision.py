@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from flexsid import figures
 from flexsid.records.decision import DecisionEvent, LinkedComparison, StructureReference
 from flexsid.records.model_structure import StructureVersion
 from flexsid.reports.content import (
@@ -15,17 +14,16 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
-    drawn,
+    draw,
     listed,
     moment,
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow import views
-from flexsid.workflow.comparison.derivative_comparison import list_coefficients, select_coefficient
-from flexsid.workflow.model_structures.structure_difference import describe_derivative_state
-from flexsid.workflow.review.audit import AuditedDecision, audit_decision
-from flexsid.workflow.review.audit_report import describe_limits
+from flexsid.workflow.aircraft.axes import find_body
+from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
+from flexsid.workflow.model_structures.model_structures import describe_derivative_state
+from flexsid.workflow.review.audit import AuditedDecision, audit_decision, describe_limits
 
 
 def decision_report(store: Store, decision_id: int) -> Report:
@@ -99,7 +97,9 @@ def _summarise(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
 def _describe_structure(version: StructureVersion, surfaces: tuple[str, ...]) -> tuple[Part, ...]:
     structure = version.structure
     groups: dict[str, list[str]] = {}
-    for name in list_derivative_names(structure.modes, structure.inputs or surfaces):
+    for name in list_derivative_names(
+        structure.modes, structure.inputs or surfaces, find_body(structure.axis)
+    ):
         groups.setdefault(describe_derivative_state(structure, name), []).append(name)
     facts = (
         ("Name", f"{version.name}, version {version.version}"),
@@ -147,21 +147,25 @@ def _draw_derivatives(store: Store, audited: AuditedDecision) -> Iterator[Part]:
     finished = [run.id for run in audited.runs if run.r_squared]
     if not finished:
         return
-    compared = views.derivatives(store, finished)
-    for name in list_coefficients(compared):
-        yield drawn(
+    for name in list_coefficients(compare(store, finished, ())):
+        yield draw(
             f"Derivatives of {name} with ±2 standard errors, of the runs {listed(finished)}",
-            lambda name=name: figures.derivatives(select_coefficient(compared, name)),
+            store,
+            "derivatives",
+            run_ids=finished,
+            coefficient=name,
         )
 
 
 def _draw_comparison(store: Store, linked: LinkedComparison) -> Part:
     what = linked.coefficient or "all coefficients"
-    return drawn(
+    return draw(
         f"Comparison of runs {listed(linked.run_ids)}, {what}",
-        lambda: figures.derivatives(
-            views.derivatives(store, linked.run_ids, linked.prediction_ids, linked.coefficient)
-        ),
+        store,
+        "derivatives",
+        run_ids=linked.run_ids,
+        prediction_ids=linked.prediction_ids,
+        coefficient=linked.coefficient,
     )
 
 

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from flexsid import figures
 from flexsid.errors import FlexsidError
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import FLUTTER
 from flexsid.records.comparison import Against
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Drawing, Part, ReportTable, Section, Words, drawn
+from flexsid.reports.content import Part, ReportTable, Section, Words, draw
 from flexsid.storage.maneuver_list import LatestRun, ManeuverItem
 from flexsid.storage.store import Store
-from flexsid.workflow.comparison.trends import fit_derivative_trend
-from flexsid.workflow.flutter.flutter_analysis import (
-    FlutterQuery,
-    analyse_flutter,
-    trace_flutter_roots,
-)
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 
-_RIGID = ("CZ_alpha", "Cm_alpha", "Cm_q")
+_RIGID = {"longitudinal": ("CZ_alpha", "Cm_alpha", "Cm_q"), "lateral": ("Cl_p", "Cn_beta", "Cn_r")}
 _MOST_FOR_FLUTTER = 12  # fastest maneuvers, which determine the flutter speed
 
 
@@ -32,18 +28,27 @@ def report_estimates(store: Store, flown: Sequence[ManeuverItem]) -> Iterator[Se
     estimated = [item for item in flown if list_latest_runs(item)]
     if not estimated:
         return
-    runs = [run.id for item in estimated for run in list_latest_runs(item)]
-    if len(estimated) > 1:
-        modes = store.runs.get(runs[-1]).structure.modes
-        names = (*_RIGID, *(f"CQ{mode}_etadot{mode}" for mode in modes))
-        yield Section("Estimates", tuple(_draw_trend(store, runs, name) for name in names))
-    yield Section("Flutter", tuple(_report_flutter(store, estimated)))
+    axes = [axis for axis in _RIGID if any(item.axis == axis for item in estimated)]
+    for axis in axes:
+        own = [item for item in estimated if item.axis == axis]
+        of_axis = f", {axis}" if len(axes) > 1 else ""
+        runs = [run.id for item in own for run in list_latest_runs(item)]
+        if len(own) > 1:
+            modes = store.runs.get(runs[-1]).structure.modes
+            names = (*_RIGID[axis], *(f"CQ{mode}_etadot{mode}" for mode in modes))
+            trends = tuple(_draw_trend(store, runs, name) for name in names)
+            yield Section(f"Estimates{of_axis}", trends)
+        yield Section(f"Flutter{of_axis}", tuple(_report_flutter(store, own)))
 
 
 def _draw_trend(store: Store, runs: Sequence[int], name: str) -> Part:
-    return drawn(
+    return draw(
         f"{name} over dynamic pressure with ±2 standard errors, by method",
-        lambda: figures.trend(fit_derivative_trend(store, runs, name, Against.DYNAMIC_PRESSURE)),
+        store,
+        "trend",
+        run_ids=runs,
+        name=name,
+        against=Against.DYNAMIC_PRESSURE,
     )
 
 
@@ -51,17 +56,21 @@ def _report_flutter(store: Store, estimated: Sequence[ManeuverItem]) -> Iterator
     method = max(
         Method, key=lambda method: sum(_find_run(item, method) is not None for item in estimated)
     )
-    found = [(item.airspeed_m_s, run) for item in estimated if (run := _find_run(item, method))]
-    fastest = sorted(found, reverse=True)[:_MOST_FOR_FLUTTER]
-    query = FlutterQuery(run_ids=tuple(run for _, run in fastest))
+    speeds = [(item.airspeed_m_s, run) for item in estimated if (run := _find_run(item, method))]
+    fastest = sorted(speeds, reverse=True)[:_MOST_FOR_FLUTTER]
+    run_ids = tuple(run for _, run in fastest)
     try:
-        prediction = analyse_flutter(store, query)
+        prediction = get_result(store, FLUTTER, FlutterQuery(run_ids=run_ids)).flutter
     except FlexsidError as error:
-        yield Words(f"No flutter prediction from the {method.value} runs: {error.message}.")
+        runs = ",".join(map(str, run_ids))
+        yield Words(
+            f"No flutter prediction from the {method.value} runs {runs} is stored"
+            f" ({error.code}); predict flutter from them, then write this report again."
+        )
         return
     yield Words(f"From {len(fastest)} runs of {method.value}: {prediction.sentence}")
     yield Words(prediction.test_point_margin)
-    yield Drawing(figures.v_omega_zeta(trace_flutter_roots(store, query)), "Roots over airspeed")
+    yield draw("Roots over airspeed", store, "v-omega-zeta", run_ids=run_ids)
     yield ReportTable(
         ("run", "maneuver", "airspeed [m/s]", "flutter speed [m/s]", "σ [m/s]"),
         tuple(

@@ -121,7 +121,7 @@ def _part(part: Part) -> str:
 
 def _table(table: ReportTable) -> str:
     def row(cells: tuple[str, ...], tag: str) -> str:
-        kinds = [_NAME if place == 0 else "" for place in range(table.numbers_from)]
+        kinds = [_NAME if index == 0 else "" for index in range(table.numbers_from)]
         kinds += [_NUMBER] * (len(cells) - table.numbers_from)
         written = (
             f"<{tag}{kind}>{escape(cell)}</{tag}>" for kind, cell in zip(kinds, cells, strict=True)

@@ -48,7 +48,7 @@ def to_pdf(html: str) -> bytes:
             # The figures are drawn before this much of the page's own time has passed.
             "--virtual-time-budget=20000",
             f"--print-to-pdf={out}",
-            page.as_uri(),
+            f"{page.as_uri()}#print",
         ]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             command.insert(1, "--no-sandbox")  # not available for root; the page is our own

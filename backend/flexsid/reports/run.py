@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from math import tau
 
-from flexsid import figures
 from flexsid.nomenclature import describe
-from flexsid.records.run import EstimationRun, Method, RunResult
+from flexsid.records.run import AdequacyState, EstimationRun, Method, RunResult
 from flexsid.reports.content import (
     Facts,
     Part,
@@ -14,25 +13,22 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
-    drawn,
+    draw,
     estimate,
     listed,
     moment,
     number,
 )
 from flexsid.reports.flown import condition_facts, source_facts
+from flexsid.reports.validation import report_cross_validation
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
-from flexsid.workflow import views
-from flexsid.workflow.comparison.derivative_comparison import (
-    compare,
-    list_coefficients,
-    select_coefficient,
-)
+from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
 from flexsid.workflow.model_structures.run_results import describe_data_changes
 from flexsid.workflow.views.run import read_finished_run
 
+_MOST_TESTS = 20  # of a table in a report
 METHOD_NAMES = {
     Method.OE: "Output error",
     Method.FRE: "Frequency-response error",
@@ -66,6 +62,8 @@ def run_report(store: Store, run_id: int) -> Report:
                 (*_draw_derivatives(store, run, result), _tabulate_parameters(result)),
             ),
             Section("Fit", _report_fit(store, run_id, result)),
+            *report_cross_validation(store, run_id),
+            Section("Model adequacy", _report_adequacy(result)),
             Section("Uncertainty", _report_uncertainty(store, run_id)),
             Section("Poles", _report_poles(store, run_id, result)),
         ),
@@ -86,6 +84,7 @@ def _summarise(run: EstimationRun, result: RunResult) -> tuple[tuple[str, str], 
     worst = min(fit.r_squared.items(), key=lambda pair: pair[1], default=None)
     return (
         ("Outcome", _describe_outcome(result)),
+        ("Model adequacy", f"{result.adequacy.state.value}. {result.adequacy.reason}"),
         ("Modes", listed(structure.modes, "none: rigid body")),
         ("Inputs", listed(structure.inputs, "all excited")),
         ("Outputs", listed(dict.fromkeys(o for b in result.blocks for o in b.outputs))),
@@ -109,15 +108,17 @@ def _format_band(band: tuple[float, float]) -> str:
 
 def _draw_derivatives(store: Store, run: EstimationRun, result: RunResult) -> tuple[Part, ...]:
     assert run.id is not None
-    compared = compare(
-        store, [run.id], [] if result.prediction_id is None else [result.prediction_id]
-    )
+    predictions = [] if result.prediction_id is None else [result.prediction_id]
     return tuple(
-        drawn(
+        draw(
             f"Derivatives of {name} with ±2 standard errors, with the prediction",
-            lambda name=name: figures.derivatives(select_coefficient(compared, name)),
+            store,
+            "derivatives",
+            run_ids=[run.id],
+            prediction_ids=predictions,
+            coefficient=name,
         )
-        for name in list_coefficients(compared)
+        for name in list_coefficients(compare(store, [run.id], predictions))
     )
 
 
@@ -145,22 +146,23 @@ def _report_fit(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...
     return (
         *_tabulate_fit(result),
         *(
-            drawn(
+            draw(
                 f"Measured and fitted data, {block.name}",
-                lambda block=block, outputs=outputs: figures.fit(
-                    views.fit(store, run_id, outputs, block.name)
-                ),
+                store,
+                "fit",
+                run_id=run_id,
+                outputs=outputs,
+                block=block.name,
             )
             for block in result.blocks
             for outputs in _divide(block.outputs)
         ),
-        drawn(
-            "Residuals over frequency",
-            lambda: figures.residual(views.residual(store, run_id)),
-        ),
-        drawn(
+        draw("Residuals over frequency", store, "residual", run_id=run_id),
+        draw(
             "Measured and simulated outputs in time, with recorded inputs",
-            lambda: figures.time_check(views.time_check(store, run_id)),
+            store,
+            "time-check",
+            run_id=run_id,
         ),
     )
 
@@ -180,6 +182,32 @@ def _tabulate_fit(result: RunResult) -> tuple[Part, ...]:
     return (table,)
 
 
+def _report_adequacy(result: RunResult) -> tuple[Part, ...]:
+    adequacy = result.adequacy
+    reason = Words(adequacy.reason, warns=adequacy.state is AdequacyState.SUSPECT)
+    if not adequacy.tests:
+        return (reason,)
+    table = ReportTable(
+        ("model error", "of", "meaning", "statistic", "degrees of freedom", "p", "p of all tests"),
+        tuple(
+            (
+                test.hypothesis,
+                test.subject,
+                test.meaning,
+                f"{test.statistic:.1f}",
+                str(test.degrees_of_freedom or "–"),
+                f"{test.p:.2g}",
+                f"{test.adjusted_p:.2g}",
+            )
+            for test in adequacy.tests[:_MOST_TESTS]
+        ),
+        f"Tests for remaining model error, the {min(len(adequacy.tests), _MOST_TESTS)} of "
+        f"{len(adequacy.tests)} with the smallest p",
+        numbers_from=3,
+    )
+    return (reason, table)
+
+
 def _divide(names: tuple[str, ...]) -> list[tuple[str, ...]]:
     """Divide names into groups of four, by page height."""
     return [names[start : start + 4] for start in range(0, len(names), 4)]
@@ -187,11 +215,8 @@ def _divide(names: tuple[str, ...]) -> list[tuple[str, ...]]:
 
 def _report_uncertainty(store: Store, run_id: int) -> tuple[Part, ...]:
     return (
-        drawn(
-            "Correlation matrix of the estimates",
-            lambda: figures.parameter_correlation(views.parameter_correlation(store, run_id)),
-        ),
-        drawn("Cost by iteration", lambda: figures.iterations(views.iterations(store, run_id))),
+        draw("Correlation matrix of the estimates", store, "parameter-correlation", run_id=run_id),
+        draw("Cost by iteration", store, "iterations", run_id=run_id),
     )
 
 
@@ -212,9 +237,11 @@ def _report_poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, .
         )
         rows.append((pole.name or "–", frequency, its_error, damping, error))
     return (
-        drawn(
+        draw(
             "Poles of the identified model, with in-vacuo poles of its modes",
-            lambda: figures.poles(views.poles(store, [run_id])),
+            store,
+            "poles",
+            run_ids=[run_id],
         ),
         ReportTable(
             ("mode", "frequency [Hz]", "σ", "damping ratio", "σ"),

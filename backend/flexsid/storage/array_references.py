@@ -17,6 +17,7 @@ _NESTED = (
     ("flutter summary", tables.flutter_summaries.c.arrays),
     ("set of measured responses", tables.measured_responses.c.arrays),
     ("run", tables.runs.c.result),
+    ("prediction", tables.predictions.c.unsteady),
 )
 
 

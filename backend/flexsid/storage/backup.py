@@ -198,7 +198,7 @@ def _make_ready(ready: Path, target: Path) -> None:
             (epoch,),
         )
         # Processes of the time of the backup do not continue their runs.
-        restored.execute("UPDATE runs SET process_id = NULL WHERE state = 'running'")
+        restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")

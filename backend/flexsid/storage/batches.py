@@ -9,8 +9,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from flexsid.records.batch import Batch
-from flexsid.records.run import EstimationRun, RunState
+from flexsid.records.run import Batch, EstimationRun, RunState
 from flexsid.storage import queue
 from flexsid.storage.job_list import count_states
 from flexsid.storage.paging import Page, read_cursor

@@ -9,8 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from flexsid.records.flight import FlightChannel
-from flexsid.records.maneuver import Channel, Role
+from flexsid.records.maneuver import Channel, FlightChannel, Role
 from flexsid.storage.arrays import build_damage_error, hash_array
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable

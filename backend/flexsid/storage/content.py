@@ -15,6 +15,7 @@ from flexsid.storage.tables import (
     channels,
     conditioning_steps,
     maneuvers,
+    metadata,
     modal_tables,
     predictions,
 )
@@ -104,7 +105,7 @@ def find_changes(
 
 def hash_record(database: Database, table: str, ids: Iterable[int]) -> str:
     """Return the hash of an aircraft, modal tables or predictions."""
-    source = {"aircraft": aircraft, "modal_tables": modal_tables, "predictions": predictions}[table]
+    source = metadata.tables[table]
     query = sa.select(source).where(source.c.id.in_(list(ids))).order_by(source.c.id)
     with database.reading() as connection:
         return hash_content([list(row) for row in connection.execute(query)])

@@ -11,7 +11,7 @@ import re
 import sqlite3
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,11 @@ from sqlalchemy.exc import (
     NoSuchModuleError,
     OperationalError,
 )
+from sqlalchemy.pool import StaticPool
 
 from flexsid.errors import BadInput
+from flexsid.storage.access import add_access_control
+from flexsid.storage.audit_recording import add_recording, recording_changes
 from flexsid.storage.files import DatabaseUnavailable
 
 _WRITES = "flexsid_writes"
@@ -139,6 +142,12 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     return engine
 
 
+def make_memory_engine(connection: sqlite3.Connection) -> Engine:
+    """Return an engine on a database in memory, whose one connection all threads share."""
+    connection.isolation_level = None
+    return sa.create_engine("sqlite://", creator=lambda: connection, poolclass=StaticPool, **_JSON)
+
+
 def _make_postgresql_engine(url: URL) -> Engine:
     try:
         # Pinged before use: the server may have been restarted.
@@ -168,11 +177,21 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
 
 class Database:
-    """One engine, and the current transaction or reading of each thread."""
+    """One engine, and the current transaction or reading of each thread.
 
-    def __init__(self, url: str) -> None:
+    Parameters
+    ----------
+    url
+        Address of the database.
+    engine
+        Engine of a database in memory; by default one of the address.
+    """
+
+    def __init__(self, url: str, engine: Engine | None = None) -> None:
         self.url = parse_url(url)
-        self.engine = make_engine(self.url)
+        self.engine = make_engine(self.url) if engine is None else engine
+        add_access_control(self.engine)
+        add_recording(self.engine)
         self._writing_engine = self.engine.execution_options(**{_WRITES: True})
         self._lax_engine = self._writing_engine.execution_options(**{_LAX: True})
         self._reading_engine = self.engine
@@ -208,7 +227,8 @@ class Database:
         with translate_errors(), engine.begin() as connection:
             self._of_thread.writing, self._of_thread.lax = connection, lax
             try:
-                yield connection
+                with nullcontext() if lax else recording_changes(connection):
+                    yield connection
             finally:
                 self._of_thread.writing = None
 

@@ -1,10 +1,11 @@
-"""The list of jobs, newest first, and the throughput of the queue."""
+"""The list of jobs of all kinds, newest first, and the throughput of the queue."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
+from statistics import median
 from typing import Any
 
 import sqlalchemy as sa
@@ -14,30 +15,41 @@ from flexsid.errors import UnknownRecord
 from flexsid.records.run import Method, Progress, RunState
 from flexsid.storage.paging import Page, read_cursor
 from flexsid.storage.store import Store
-from flexsid.storage.tables import batch_runs, maneuvers, runs
+from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
+
+_RECENT = 300  # ended jobs from which typical times are computed
+_DESIGN = "excitation-design"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobError:
-    """Why a run failed."""
+    """Why a job failed."""
 
     code: str
     message: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Job:
-    """Progress of a run; a job has the id of its run."""
+class JobItem:
+    """Progress of a job; the job of a run has its id, maneuver and method.
+
+    ``position`` is the number of queued jobs that start before, without the fairness between
+    analysts. ``request`` is omitted for designs; ``result_id`` is the stored design.
+    """
 
     id: int
-    run_id: int
-    maneuver_id: int
-    maneuver_label: str
-    method: Method
+    kind: str
+    title: str
+    run_id: int | None
+    maneuver_id: int | None
+    method: Method | None
+    request: dict[str, Any] | None
+    result_id: int | None
     state: RunState
     attempt: int
     priority: int
-    after_run_id: int | None
+    position: int | None
+    after_job_id: int | None
     progress: Progress | None
     error: JobError | None
     worker: str | None
@@ -47,64 +59,79 @@ class Job:
     finished_at: datetime | None
 
 
+_is_design = jobs.c.kind == _DESIGN
 _shown = (
-    *(runs.c.id, runs.c.maneuver_id, maneuvers.c.label.label("maneuver_label"), runs.c.method),
-    *(runs.c.state, runs.c.attempt, runs.c.priority, runs.c.after_run_id, runs.c.progress),
-    *(runs.c.error, runs.c.worker, runs.c.author),
-    *(runs.c.created_at, runs.c.started_at, runs.c.finished_at),
+    *(jobs.c.id, jobs.c.kind, jobs.c.title, maneuvers.c.label, runs.c.maneuver_id, runs.c.method),
+    *(jobs.c.state, jobs.c.attempt, jobs.c.priority, jobs.c.after_job_id, jobs.c.progress),
+    *(jobs.c.error, jobs.c.worker, jobs.c.author, runs.c.id.label("run_id")),
+    *(jobs.c.created_at, jobs.c.started_at, jobs.c.finished_at),
+    # Specifications of designs and results of predictions are large.
+    sa.case((_is_design, None), else_=jobs.c.request).label("request"),
+    sa.case((_is_design, jobs.c.result["design_id"].as_integer())).label("result_id"),
 )
-_jobs = sa.select(*_shown).join(maneuvers, maneuvers.c.id == runs.c.maneuver_id)
+_jobs = sa.select(*_shown).select_from(
+    jobs.outerjoin(runs, runs.c.id == jobs.c.id).outerjoin(
+        maneuvers, maneuvers.c.id == runs.c.maneuver_id
+    )
+)
 
 
 def read_page(
     store: Store,
     *,
     state: RunState | None = None,
+    kind: str | None = None,
     batch_id: int | None = None,
     ids: Sequence[int] | None = None,
     limit: int = 100,
     after: str | None = None,
-) -> Page[Job]:
+) -> Page[JobItem]:
     """Return jobs, newest first."""
-    query = _jobs.order_by(runs.c.id.desc()).limit(limit + 1)
+    query = _jobs.order_by(jobs.c.id.desc()).limit(limit + 1)
     if state is not None:
-        query = query.where(runs.c.state == state.value)
+        query = query.where(jobs.c.state == state.value)
+    if kind is not None:
+        query = query.where(jobs.c.kind == kind)
     if batch_id is not None:
         members = sa.select(batch_runs.c.run_id).where(batch_runs.c.batch_id == batch_id)
-        query = query.where(runs.c.id.in_(members))
+        query = query.where(jobs.c.id.in_(members))
     if ids is not None:
-        query = query.where(runs.c.id.in_(ids))
+        query = query.where(jobs.c.id.in_(ids))
     if after is not None:
-        query = query.where(runs.c.id < read_cursor(after))
+        query = query.where(jobs.c.id < read_cursor(after))
     found = _read(store, query)
     shown = found[:limit]
     return Page(items=shown, next=str(shown[-1].id) if len(found) > limit else None)
 
 
-def get(store: Store, run_id: int) -> Job:
+def get(store: Store, job_id: int) -> JobItem:
     """Return one job."""
-    found = _read(store, _jobs.where(runs.c.id == run_id))
+    found = _read(store, _jobs.where(jobs.c.id == job_id))
     if not found:
-        raise UnknownRecord(f"there is no run {run_id}")
+        raise UnknownRecord(f"there is no job {job_id}")
     return found[0]
 
 
-def list_running(store: Store) -> list[Job]:
+def list_running(store: Store) -> list[JobItem]:
     """Return the running jobs."""
-    return _read(store, _jobs.where(runs.c.state == RunState.RUNNING.value))
+    return _read(store, _jobs.where(jobs.c.state == RunState.RUNNING.value))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Throughput:
-    """Number of runs by state, and of those that ended in the last ``window_s`` seconds."""
+    """Number of jobs by state, and of those that ended in the last ``window_s`` seconds.
+
+    ``typical_s`` is the median computing time of recent jobs of each kind. [s]
+    """
 
     states: dict[RunState, int]
     ended: int
     window_s: float
+    typical_s: dict[str, float]
 
     @property
     def remaining_s(self) -> float | None:
-        """Time until the queue is empty at this rate; None if no run ended in the window. [s]"""
+        """Time until the queue is empty at this rate; None if no job ended in the window. [s]"""
         left = self.states[RunState.QUEUED] + self.states[RunState.RUNNING]
         if left == 0:
             return 0.0
@@ -112,38 +139,101 @@ class Throughput:
 
 
 def count_throughput(store: Store, window_s: float = 60.0) -> Throughput:
-    """Count runs by state, and those that ended in the window."""
+    """Count jobs by state, and those that ended in the window."""
     now = datetime.now(UTC)
-    lately = runs.c.finished_at >= now - timedelta(seconds=window_s)
-    query = sa.select(sa.func.count(), sa.func.min(runs.c.started_at)).where(lately)
+    lately = jobs.c.finished_at >= now - timedelta(seconds=window_s)
+    query = sa.select(sa.func.count(), sa.func.min(jobs.c.started_at)).where(lately)
+    recent = (
+        sa.select(jobs.c.kind, jobs.c.started_at, jobs.c.finished_at)
+        .where(jobs.c.state == RunState.SUCCEEDED.value, jobs.c.started_at.is_not(None))
+        .order_by(jobs.c.finished_at.desc())
+        .limit(_RECENT)
+    )
+    times: dict[str, list[float]] = {}
     with store.database.reading() as connection:
         states = connection.execute(
-            sa.select(runs.c.state, sa.func.count()).group_by(runs.c.state)
+            sa.select(jobs.c.state, sa.func.count()).group_by(jobs.c.state)
         ).all()
         ended, first = connection.execute(query).one()
-    if first is not None:  # the first run may have started within the window
+        for kind, started, finished in connection.execute(recent):
+            times.setdefault(kind, []).append((finished - started).total_seconds())
+    if first is not None:  # the first job may have started within the window
         window_s = max(1.0, min(window_s, (now - first).total_seconds()))
-    return Throughput(states=count_states(states), ended=ended, window_s=window_s)
+    return Throughput(
+        states=count_states(states),
+        ended=ended,
+        window_s=window_s,
+        typical_s={kind: median(each) for kind, each in times.items()},
+    )
 
 
 def count_states(rows: Iterable[Any]) -> dict[RunState, int]:
-    """Return counts by state, zero for states without runs."""
+    """Return counts by state, zero for states without jobs."""
     found = {state: count for state, count in rows}
     return {state: found.get(state.value, 0) for state in RunState}
 
 
-def _read(store: Store, query: sa.Executable) -> list[Job]:
+def count_latest(store: Store, kind: str) -> dict[RunState, int]:
+    """Count by state the jobs of a kind since the request of the oldest that has not ended.
+
+    If all have ended, those of the last request are counted.
+    """
+    of_kind = jobs.c.kind == kind
+    active = jobs.c.state.in_((RunState.QUEUED.value, RunState.RUNNING.value))
     with store.database.reading() as connection:
-        return [_job(row) for row in connection.execute(query).mappings()]
+        since = connection.scalar(sa.select(sa.func.min(jobs.c.created_at)).where(of_kind, active))
+        if since is None:
+            since = connection.scalar(sa.select(sa.func.max(jobs.c.created_at)).where(of_kind))
+        if since is None:
+            return count_states(())
+        query = sa.select(jobs.c.state, sa.func.count()).where(of_kind, jobs.c.created_at >= since)
+        return count_states(connection.execute(query.group_by(jobs.c.state)).all())
 
 
-def _job(row: RowMapping) -> Job:
-    progress, error = row["progress"], row["error"]
-    values = dict(row) | {
-        "run_id": row["id"],
-        "method": Method(row["method"]),
-        "state": RunState(row["state"]),
+def find_newest(store: Store, kind: str, **request: int) -> JobItem | None:
+    """Return the newest job of a kind whose request has these numbers."""
+    equal = [jobs.c.request[name].as_integer() == value for name, value in request.items()]
+    found = _read(
+        store, _jobs.where(jobs.c.kind == kind, *equal).order_by(jobs.c.id.desc()).limit(1)
+    )
+    return found[0] if found else None
+
+
+def find_active(store: Store, kind: str) -> list[tuple[int, dict[str, Any]]]:
+    """Return id and request of the queued and running jobs of a kind."""
+    query = sa.select(jobs.c.id, jobs.c.request).where(
+        jobs.c.kind == kind, jobs.c.state.in_((RunState.QUEUED.value, RunState.RUNNING.value))
+    )
+    with store.database.reading() as connection:
+        return [(number, request) for number, request in connection.execute(query)]
+
+
+def _read(store: Store, query: sa.Executable) -> list[JobItem]:
+    with store.database.reading() as connection:
+        rows = connection.execute(query).mappings().all()
+        positions: dict[int, int] = {}
+        queued = [row["id"] for row in rows if row["state"] == RunState.QUEUED.value]
+        if queued:
+            order = sa.func.row_number().over(order_by=(jobs.c.priority.desc(), jobs.c.id))
+            waiting = (
+                sa.select(jobs.c.id, order.label("number"))
+                .where(jobs.c.state == RunState.QUEUED.value)
+                .subquery()
+            )
+            found = sa.select(waiting.c.id, waiting.c.number).where(waiting.c.id.in_(queued))
+            positions = {job_id: number - 1 for job_id, number in connection.execute(found)}
+    return [_build_item(row, positions.get(row["id"])) for row in rows]
+
+
+def _build_item(row: RowMapping, position: int | None) -> JobItem:
+    values = dict(row)
+    label, progress, error = values.pop("label"), values["progress"], values["error"]
+    values |= {
+        "title": label or values["title"],
+        "method": None if values["method"] is None else Method(values["method"]),
+        "state": RunState(values["state"]),
+        "position": position,
         "progress": None if progress is None else Progress(**progress),
         "error": None if error is None else JobError(**error),
     }
-    return Job(**values)
+    return JobItem(**values)

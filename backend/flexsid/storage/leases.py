@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import sqlalchemy as sa
+from sqlalchemy.engine import Connection
 
 from flexsid.storage.store import Store
 from flexsid.storage.tables import leases
@@ -50,6 +51,14 @@ def renew(store: Store, lease: Lease, status: dict[str, Any]) -> Lease | None:
 def release(store: Store, lease: Lease) -> None:
     """Release the lease, so that the next holder need not wait."""
     _change(store, lease, holder=None, status=None)
+
+
+def lock(connection: Connection) -> None:
+    """Block a change of the lease until the transaction ends, as the one writer of SQLite does.
+
+    Otherwise a new holder would not find a job that the former one starts at the same time.
+    """
+    connection.execute(sa.select(leases.c.epoch).where(_DISPATCHER).with_for_update(read=True))
 
 
 def is_held(epoch: int) -> sa.ColumnElement[bool]:

@@ -6,18 +6,35 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, TypedDict, cast
+from typing import Annotated, Any, TypedDict
 
 import sqlalchemy as sa
+from pydantic import Field
 from sqlalchemy.engine import Connection
 
-from flexsid.errors import BadInput
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
-from flexsid.storage.facets import Choice, Facet, Facets, count_facets
-from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.list_query import Choice, Conditions, Facets, ListQuery
+from flexsid.storage.paging import Page
+from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
-from flexsid.storage.tags import has_tag, read_tags
+from flexsid.storage.tags import read_tags
+
+IdFilter = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
+NumberFilter = Annotated[float | None, Field(allow_inf_nan=False)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlownItem:
+    """Flight, aircraft and condition of the maneuver of an item."""
+
+    flight_id: int
+    flight_number: int
+    aircraft_id: int
+    aircraft_name: str
+    fta: int | None
+    airspeed_ratio: float | None
+    fuel_fraction: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,22 +46,15 @@ class LatestRun:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ManeuverItem:
+class ManeuverItem(FlownItem):
     """One item of the list."""
 
     id: int
     label: str
-    flight_id: int
-    flight_number: int
-    aircraft_id: int
-    aircraft_name: str
-    fta: int | None
     axis: str
     duration_s: float
     airspeed_m_s: float
     dynamic_pressure_pa: float
-    airspeed_ratio: float | None
-    fuel_fraction: float
     max_input_correlation: float | None
     n_runs: int
     runs: dict[Method, LatestRun | None]
@@ -53,28 +63,35 @@ class ManeuverItem:
     deleted_at: datetime | None
 
 
-class ManeuverFilters(TypedDict, total=False):
-    """Filters of the list; None is no filter.
+class FlownFilters(TypedDict, total=False):
+    """Filters by aircraft, flight and condition; None is no filter."""
 
-    Ground records are not maneuvers of a flight and are listed only with
-    ``ground``. ``method`` alone selects maneuvers with a run of this method; ``state``
-    is that of the newest run, of that method or of any. ``deleted`` selects deleted
-    maneuvers.
-    """
+    aircraft_id: IdFilter
+    flight_id: IdFilter
+    fta: Annotated[int | None, Field(ge=0, le=10**9, description="Number of the flight-test aid.")]
+    min_airspeed_ratio: Annotated[NumberFilter, Field(description="Least V/V_f.")]
+    max_airspeed_ratio: Annotated[NumberFilter, Field(description="Largest V/V_f.")]
+    min_fuel: NumberFilter
+    max_fuel: NumberFilter
 
-    aircraft_id: int | None
-    flight_id: int | None
-    fta: int | None
-    min_airspeed_ratio: float | None
-    max_airspeed_ratio: float | None
-    min_fuel: float | None
-    max_fuel: float | None
-    search: str | None
-    method: Method | None
-    state: RunState | None
-    ground: bool | None
-    tag: str | None
-    deleted: bool | None
+
+class ManeuverFilters(FlownFilters, total=False):
+    """Filters of the list; None is no filter."""
+
+    search: Annotated[
+        str | None,
+        Field(max_length=200, description="Text contained in label, note, file or aircraft."),
+    ]
+    method: Annotated[Method | None, Field(description="Only maneuvers with a run of this method.")]
+    state: Annotated[
+        RunState | None, Field(description="State of the newest run, of `method` or of any.")
+    ]
+    ground: Annotated[
+        bool | None,
+        Field(description="Mini-GVT records on the runway instead of flown maneuvers."),
+    ]
+    tag: Annotated[str | None, Field(max_length=64, description="Only maneuvers with this tag.")]
+    deleted: Annotated[bool | None, Field(description="Deleted maneuvers instead.")]
 
 
 def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
@@ -85,6 +102,7 @@ def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
             runs.c.maneuver_id == maneuvers.c.id,
             runs.c.method == method.value,
             runs.c.deleted_at.is_(None),
+            runs.c.derived_from_run_id.is_(None),
         )
         .order_by(runs.c.id.desc())
         .limit(1)
@@ -95,52 +113,84 @@ def _newest(method: Method, column: sa.Column[Any]) -> sa.ScalarSelect[Any]:
 
 _newest_id = {method: _newest(method, runs.c.id) for method in Method}
 _newest_state = {method: _newest(method, runs.c.state) for method in Method}
+_newest_columns = tuple(
+    found[method].label(f"{method}_{name}")
+    for method in Method
+    for name, found in (("id", _newest_id), ("state", _newest_state))
+)
 _n_runs = (
     sa.select(sa.func.count())
     .where(runs.c.maneuver_id == maneuvers.c.id, runs.c.deleted_at.is_(None))
     .scalar_subquery()
     .label("n_runs")
 )
-_shown = (
-    maneuvers.c.id,
-    maneuvers.c.label,
-    maneuvers.c.flight_id,
-    flights.c.number.label("flight_number"),
-    maneuvers.c.aircraft_id,
-    aircraft.c.name.label("aircraft_name"),
-    maneuvers.c.fta,
-    maneuvers.c.axis,
-    maneuvers.c.duration_s,
-    maneuvers.c.airspeed_m_s,
-    maneuvers.c.dynamic_pressure_pa,
-    maneuvers.c.airspeed_ratio,
-    maneuvers.c.fuel_fraction,
-    maneuvers.c.max_input_correlation,
-    _n_runs,
-    maneuvers.c.created_at,
-    maneuvers.c.deleted_at,
+FLOWN_COLUMNS = (
+    *(maneuvers.c.flight_id, flights.c.number.label("flight_number")),
+    *(maneuvers.c.aircraft_id, aircraft.c.name.label("aircraft_name")),
+    *(maneuvers.c.fta, maneuvers.c.airspeed_ratio, maneuvers.c.fuel_fraction),
 )
-_newest_columns = tuple(
-    found[method].label(f"{method}_{name}")
-    for method in Method
-    for name, found in (("id", _newest_id), ("state", _newest_state))
-)
-_joined = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
+FLOWN_FILTERS = {
+    "aircraft_id": maneuvers.c.aircraft_id.__eq__,
+    "flight_id": maneuvers.c.flight_id.__eq__,
+    "fta": maneuvers.c.fta.__eq__,
+    "min_airspeed_ratio": maneuvers.c.airspeed_ratio.__ge__,
+    "max_airspeed_ratio": maneuvers.c.airspeed_ratio.__le__,
+    "min_fuel": maneuvers.c.fuel_fraction.__ge__,
+    "max_fuel": maneuvers.c.fuel_fraction.__le__,
+}
+FLOWN_FACETS = {
+    "aircraft_id": (maneuvers.c.aircraft_id, aircraft.c.name),
+    "flight_id": (maneuvers.c.flight_id, flights.c.number),
+    "fta": (maneuvers.c.fta, maneuvers.c.fta),
+}
+_on_ground = maneuvers.c.axis == GROUND
+_is_deleted = maneuvers.c.deleted_at.is_not(None)
+FLOWN_SWITCHES = {"ground": (_on_ground, ~_on_ground), "deleted": (_is_deleted, ~_is_deleted)}
+FLOWN = maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id).join(
     aircraft, aircraft.c.id == maneuvers.c.aircraft_id
 )
-_sortable: dict[str, sa.ColumnElement[Any]] = {
-    **{
-        name: maneuvers.c[name]
-        for name in (
-            *("id", "label", "fta", "axis", "duration_s", "airspeed_m_s", "dynamic_pressure_pa"),
-            *("airspeed_ratio", "fuel_fraction", "max_input_correlation", "created_at"),
-        )
+_shown = (
+    *FLOWN_COLUMNS,
+    *(maneuvers.c.id, maneuvers.c.label, maneuvers.c.axis, maneuvers.c.duration_s),
+    *(maneuvers.c.airspeed_m_s, maneuvers.c.dynamic_pressure_pa),
+    *(maneuvers.c.max_input_correlation, _n_runs),
+    *(maneuvers.c.created_at, maneuvers.c.deleted_at),
+)
+
+
+def contains_text(text: str, *columns: sa.Column[Any]) -> sa.ColumnElement[bool]:
+    """Return the condition that one of the columns contains a text, in upper or lower case."""
+    return sa.or_(*(column.icontains(text, autoescape=True) for column in columns))
+
+
+def _mentions(text: str) -> sa.ColumnElement[bool]:
+    columns = maneuvers.c
+    return contains_text(text, columns.label, columns.note, columns.source_file, aircraft.c.name)
+
+
+def _select_by_runs(filters: Mapping[str, Any]) -> Conditions:
+    method, state = filters.get("method"), filters.get("state")
+    states = list(_newest_state.values()) if method is None else [_newest_state[method]]
+    if state is not None:
+        return [sa.or_(*(found == state for found in states))]
+    return [] if method is None else [_newest_id[method].is_not(None)]
+
+
+_list = ListQuery(
+    source=FLOWN,
+    key=maneuvers.c.id,
+    filters={**FLOWN_FILTERS, "search": _mentions},
+    switches=FLOWN_SWITCHES,
+    combined=_select_by_runs,
+    sortable={
+        column.name: column
+        for column in _shown
+        if column.name not in ("flight_id", "aircraft_id", "deleted_at")
     },
-    "flight_number": flights.c.number,
-    "aircraft_name": aircraft.c.name,
-    "n_runs": _n_runs,
-}
-SORT_FIELDS = tuple(sorted(_sortable))
+    facets=FLOWN_FACETS,
+    tags=maneuver_tags,
+)
+SORT_FIELDS = _list.sort_fields
 
 
 def select_maneuvers(
@@ -150,135 +200,46 @@ def select_maneuvers(
     limit: int | None,
     after: str | None,
 ) -> Page[ManeuverItem]:
-    """Read one page of the list.
-
-    Parameters
-    ----------
-    connection
-        A transaction to read in.
-    filters
-        Filters of the list.
-    sort
-        A field of ``SORT_FIELDS``, with ``-`` in front for falling order;
-        maneuvers that lack the value come last.
-    limit
-        Most items to return; None for all.
-    after
-        ``next`` of the page before.
-    """
-    offset = 0 if after is None else read_cursor(after)
-    query = sa.select(*_shown, *_newest_columns).select_from(_joined)
-    query = query.where(*_conditions(filters)).order_by(*_order(sort)).offset(offset)
-    if limit is not None:
-        query = query.limit(limit + 1)  # one more item shows that there is a next page
-    rows = connection.execute(query).mappings().all()
-    shown = rows if limit is None else rows[:limit]
-    tags = read_tags(connection, maneuver_tags, [row["id"] for row in shown])
-    items = [_item(row, tags[row["id"]]) for row in shown]
-    more = limit is not None and len(rows) > limit
-    return Page(items=items, next=str(offset + len(items)) if more else None)
+    """Read one page of the list; see ``ListQuery.read_page``."""
+    page = _list.read_page(connection, (*_shown, *_newest_columns), filters, sort, limit, after)
+    tags = read_tags(connection, maneuver_tags, [row["id"] for row in page.items])
+    return Page(items=[_make_item(row, tags[row["id"]]) for row in page.items], next=page.next)
 
 
-def maneuver_facets(connection: Connection, filters: ManeuverFilters) -> Facets:
+def count_maneuvers(connection: Connection, filters: ManeuverFilters) -> Facets:
     """Return the number of items, and that of each choice of a filter."""
-    facets = {
-        "aircraft_id": Facet(maneuvers.c.aircraft_id, aircraft.c.name, filters.get("aircraft_id")),
-        "flight_id": Facet(maneuvers.c.flight_id, flights.c.number, filters.get("flight_id")),
-        "fta": Facet(maneuvers.c.fta, maneuvers.c.fta, filters.get("fta")),
-    }
-    others = cast("ManeuverFilters", {**filters, **dict.fromkeys(facets)})
-    found = count_facets(connection, _joined, _conditions(others), facets)
-    tagged = _joined.join(maneuver_tags, maneuver_tags.c.maneuver_id == maneuvers.c.id)
-    tag = {"tag": Facet(maneuver_tags.c.tag, maneuver_tags.c.tag)}
-    untagged = cast("ManeuverFilters", {**filters, "tag": None})
-    tags = count_facets(connection, tagged, _conditions(untagged), tag)
-    of_runs = _run_choices(connection, filters)
-    return Facets(total=found.total, choices={**found.choices, **tags.choices, **of_runs})
+    found = _list.count(connection, filters)
+    return Facets(
+        total=found.total, choices={**found.choices, **_count_by_runs(connection, filters)}
+    )
 
 
-def _run_choices(connection: Connection, filters: ManeuverFilters) -> dict[str, list[Choice]]:
+def _count_by_runs(connection: Connection, filters: ManeuverFilters) -> dict[str, list[Choice]]:
     """Count by newest runs: a maneuver counts for the method and the state of each."""
-    asked = cast("ManeuverFilters", {**filters, "method": None, "state": None})
     query = (
         sa.select(*_newest_state.values(), sa.func.count())
-        .select_from(_joined)
-        .where(*_conditions(asked))
+        .select_from(FLOWN)
+        .where(*_list.where({**filters, "method": None, "state": None}))
         .group_by(*_newest_state.values())
     )
-    requested = (filters.get("method"), filters.get("state"))
+    method, state = filters.get("method"), filters.get("state")
     methods: Counter[Method] = Counter()
     states: Counter[RunState] = Counter()
     for *newest, count in connection.execute(query):
         by_method = dict(zip(Method, newest, strict=True))
-        for method, state in by_method.items():
-            if state is not None and requested[1] in (None, state):
-                methods[method] += count
-        of_method = newest if requested[0] is None else [by_method[requested[0]]]
-        for state in {one for one in of_method if one is not None}:
-            states[RunState(state)] += count
-    return {"method": _counted(Method, methods), "state": _counted(RunState, states)}
+        for one, found in by_method.items():
+            if found is not None and state in (None, found):
+                methods[one] += count
+        for found in set(newest if method is None else [by_method[method]]) - {None}:
+            states[found] += count
+    return {"method": _list_choices(Method, methods), "state": _list_choices(RunState, states)}
 
 
-def _counted(kinds: Iterable[str], counts: Mapping[Any, int]) -> list[Choice]:
+def _list_choices(kinds: Iterable[str], counts: Mapping[Any, int]) -> list[Choice]:
     return [Choice(value=kind, label=kind, count=counts[kind]) for kind in kinds if counts[kind]]
 
 
-def _conditions(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
-    candidates = (
-        ("aircraft_id", lambda value: maneuvers.c.aircraft_id == value),
-        ("flight_id", lambda value: maneuvers.c.flight_id == value),
-        ("fta", lambda value: maneuvers.c.fta == value),
-        ("min_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio >= value),
-        ("max_airspeed_ratio", lambda value: maneuvers.c.airspeed_ratio <= value),
-        ("min_fuel", lambda value: maneuvers.c.fuel_fraction >= value),
-        ("max_fuel", lambda value: maneuvers.c.fuel_fraction <= value),
-        ("tag", lambda value: has_tag(maneuver_tags, maneuvers.c.id, value)),
-        ("search", _mentions),
-    )
-    conditions = [
-        condition(filters[name]) for name, condition in candidates if filters.get(name) is not None
-    ]
-    on_ground = maneuvers.c.axis == GROUND
-    conditions.append(on_ground if filters.get("ground") else ~on_ground)
-    deleted = maneuvers.c.deleted_at.is_not(None)
-    conditions.append(deleted if filters.get("deleted") else ~deleted)
-    return conditions + _of_runs(filters)
-
-
-def _of_runs(filters: ManeuverFilters) -> list[sa.ColumnElement[bool]]:
-    method, state = filters.get("method"), filters.get("state")
-    states = list(_newest_state.values()) if method is None else [_newest_state[method]]
-    if state is not None:
-        return [sa.or_(*(found == state.value for found in states))]
-    return [] if method is None else [_newest_id[method].is_not(None)]
-
-
-def _mentions(text: str) -> sa.ColumnElement[bool]:
-    return sa.or_(
-        maneuvers.c.label.icontains(text, autoescape=True),
-        maneuvers.c.note.icontains(text, autoescape=True),
-        maneuvers.c.source_file.icontains(text, autoescape=True),
-        aircraft.c.name.icontains(text, autoescape=True),
-    )
-
-
-def _order(sort: str) -> list[sa.ColumnElement[Any]]:
-    name = sort.removeprefix("-")
-    if name not in _sortable:
-        raise BadInput(
-            f"the list cannot be sorted by {name!r}; expected one of {', '.join(SORT_FIELDS)}",
-            code="bad-sort",
-        )
-    column = _sortable[name]
-    falling = sort.startswith("-")
-    return [
-        column.is_(None),
-        column.desc() if falling else column.asc(),
-        maneuvers.c.id.desc() if falling else maneuvers.c.id.asc(),
-    ]
-
-
-def _item(row: sa.RowMapping, tags: list[str]) -> ManeuverItem:
+def _make_item(row: sa.RowMapping, tags: list[str]) -> ManeuverItem:
     return ManeuverItem(
         **{column.name: row[column.name] for column in _shown},
         runs={

@@ -20,7 +20,7 @@ import flexsid
 from flexsid.errors import FlexsidError
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
-from flexsid.storage.tables.columns import metadata
+from flexsid.storage.tables import metadata
 
 _log = logging.getLogger(__name__)
 _MIGRATING = 0x666C6D67  # any number not used by other advisory locks
@@ -69,6 +69,7 @@ def migrate_to(url: str, target: str) -> str:
         create_database(file)
     engine = make_engine(parsed, foreign_keys=False)
     writing = engine.execution_options(flexsid_writes=True)
+    copy: Path | None = None
     try:
         # One write transaction: of two servers that start at the same time
         # the second waits here and then finds the newest schema.
@@ -82,7 +83,7 @@ def migrate_to(url: str, target: str) -> str:
             if present is None:
                 _reject_foreign(connection)
             else:
-                _copy_database(file, present)
+                copy = _copy_database(file, present)
             config.attributes["connection"] = connection
             going_down = target == "base" or (
                 present is not None
@@ -90,6 +91,10 @@ def migrate_to(url: str, target: str) -> str:
             )
             (command.downgrade if going_down else command.upgrade)(config, target)
             return _present_revision(connection, scripts) or "base"
+    except BaseException:
+        if copy is not None:  # the transaction has left the database as it was
+            copy.unlink(missing_ok=True)
+        raise
     finally:
         engine.dispose()
 
@@ -134,10 +139,10 @@ def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str |
     return revision
 
 
-def _copy_database(file: Path | None, revision: str) -> None:
+def _copy_database(file: Path | None, revision: str) -> Path | None:
     """Copy an SQLite file with its log, which a copy by the file system would miss."""
     if file is None:
-        return
+        return None
     copy = file.with_name(f"{file.name}.backup-{revision}")
     number = 1
     while copy.exists():
@@ -150,3 +155,4 @@ def _copy_database(file: Path | None, revision: str) -> None:
     ):
         source.backup(target, pages=-1)
     _log.info("copied the database to %s before its schema changes", copy)
+    return copy

@@ -36,6 +36,21 @@ class ModalShapes:
                 ]
                 connection.execute(sa.insert(modal_shapes), rows)
 
+    def copy(self, modal_table_id: int, new_id: int) -> None:
+        """Refer from a new table to the stored shapes of another."""
+        columns = modal_shapes.c
+        query = sa.select(columns.fuel, columns.mode, columns.array).where(
+            columns.modal_table_id == modal_table_id
+        )
+        with self._database.transaction() as connection:
+            # Rows, since access and audit log cannot see those of INSERT ... SELECT.
+            rows = [
+                {"modal_table_id": new_id, **shape}
+                for shape in connection.execute(query).mappings()
+            ]
+            if rows:
+                connection.execute(sa.insert(modal_shapes), rows)
+
     def has(self, modal_table_id: int) -> bool:
         """Return whether a table has stored shapes."""
         query = sa.select(modal_shapes.c.mode).where(

@@ -1,4 +1,4 @@
-"""Page: some items of a list, and the cursor of the next page."""
+"""Lists: all items, or a page of them with the cursor of the next page."""
 
 from __future__ import annotations
 
@@ -11,11 +11,17 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Page(Generic[T]):
-    """Some items of a list; ``next`` is None at its end."""
+class Items(Generic[T]):
+    """All items of a list."""
 
     items: list[T]
-    next: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Page(Items[T]):
+    """Some items of a list; ``next`` is None at its end."""
+
+    next: str | None = None
 
 
 def read_cursor(after: str) -> int:

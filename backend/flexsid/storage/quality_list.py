@@ -3,35 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import Annotated, Literal, TypedDict
 
 import sqlalchemy as sa
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 from sqlalchemy.engine import Connection
 
-from flexsid.errors import BadInput
-from flexsid.records.maneuver import GROUND
 from flexsid.records.quality import Figures, QualityVerdict
-from flexsid.storage.paging import Page, read_cursor
-from flexsid.storage.tables import aircraft, flights, maneuver_quality, maneuvers
+from flexsid.storage.list_query import ListQuery
+from flexsid.storage.maneuver_list import (
+    FLOWN,
+    FLOWN_COLUMNS,
+    FLOWN_FILTERS,
+    FLOWN_SWITCHES,
+    FlownItem,
+    IdFilter,
+    contains_text,
+)
+from flexsid.storage.paging import Page
+from flexsid.storage.tables import flights, maneuver_quality, maneuvers
 
 MISSING = "missing"
 """Verdict of a maneuver that is not checked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class QualityItem:
+class QualityItem(FlownItem):
     """One item of the list; verdict, summary and figures are None until it is checked."""
 
     maneuver_id: int
     label: str
-    flight_id: int
-    flight_number: int
-    aircraft_id: int
-    aircraft_name: str
-    fta: int | None
-    airspeed_ratio: float | None
-    fuel_fraction: float
     verdict: QualityVerdict | None
     summary: str | None
     figures: Figures | None
@@ -40,28 +41,17 @@ class QualityItem:
 class QualityFilters(TypedDict, total=False):
     """Filters of the list; None is no filter."""
 
-    aircraft_id: int | None
-    flight_id: int | None
-    verdict: str | None
-    search: str | None
+    aircraft_id: IdFilter
+    flight_id: IdFilter
+    verdict: Annotated[
+        Literal["good", "questionable", "bad", "unchecked", "missing"] | None,
+        Field(description="`missing`: maneuvers not assessed yet."),
+    ]
+    search: Annotated[str | None, Field(max_length=200)]
 
 
-_joined = (
-    maneuvers.join(flights, flights.c.id == maneuvers.c.flight_id)
-    .join(aircraft, aircraft.c.id == maneuvers.c.aircraft_id)
-    .outerjoin(maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id)
-)
-_shown = (
-    maneuvers.c.id.label("maneuver_id"),
-    maneuvers.c.label,
-    maneuvers.c.flight_id,
-    flights.c.number.label("flight_number"),
-    maneuvers.c.aircraft_id,
-    aircraft.c.name.label("aircraft_name"),
-    maneuvers.c.fta,
-    maneuvers.c.airspeed_ratio,
-    maneuvers.c.fuel_fraction,
-)
+_shown = (*FLOWN_COLUMNS, maneuvers.c.id.label("maneuver_id"), maneuvers.c.label)
+_assessed = (maneuver_quality.c.verdict, maneuver_quality.c.summary, maneuver_quality.c.figures)
 _severity = sa.case(
     (maneuver_quality.c.verdict == QualityVerdict.BAD.value, 0),
     (maneuver_quality.c.verdict == QualityVerdict.QUESTIONABLE.value, 1),
@@ -76,16 +66,35 @@ _figure = {
         *("max_input_correlation", "fuel_change", "airspeed_drift"),
     )
 }
-_sortable: dict[str, sa.ColumnElement[Any]] = {
-    "verdict": _severity,
-    "label": maneuvers.c.label,
-    "flight_number": flights.c.number,
-    "airspeed_ratio": maneuvers.c.airspeed_ratio,
-    **_figure,
-    "largest_skew_s": sa.func.abs(_figure["largest_skew_s"]),
-}
-SORT_FIELDS = tuple(sorted(_sortable))
 _read_figures = TypeAdapter(Figures)
+
+
+def _has_verdict(verdict: str) -> sa.ColumnElement[bool]:
+    if verdict == MISSING:
+        return maneuver_quality.c.id.is_(None)
+    return maneuver_quality.c.verdict == verdict
+
+
+_list = ListQuery(
+    source=FLOWN.outerjoin(maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id),
+    key=maneuvers.c.id,
+    filters={
+        **FLOWN_FILTERS,
+        "verdict": _has_verdict,
+        "search": lambda text: contains_text(text, maneuvers.c.label, maneuver_quality.c.summary),
+    },
+    switches=FLOWN_SWITCHES,
+    sortable={
+        "verdict": _severity,
+        "label": maneuvers.c.label,
+        "flight_number": flights.c.number,
+        "airspeed_ratio": maneuvers.c.airspeed_ratio,
+        **_figure,
+        "largest_skew_s": sa.func.abs(_figure["largest_skew_s"]),
+    },
+    ties=(_severity, maneuvers.c.id),
+)
+SORT_FIELDS = _list.sort_fields
 
 
 def select_qualities(
@@ -95,60 +104,17 @@ def select_qualities(
     limit: int,
     after: str | None,
 ) -> Page[QualityItem]:
-    """Read one page of the list.
-
-    Parameters
-    ----------
-    connection
-        A transaction to read in.
-    filters
-        Filters of the list.
-    sort
-        A field of ``SORT_FIELDS``, with ``-`` in front for falling order; maneuvers that
-        lack the value come last.
-    limit
-        Most items to return.
-    after
-        ``next`` of the page before.
-    """
-    name = sort.removeprefix("-")
-    if name not in _sortable:
-        raise BadInput(
-            f"the list cannot be sorted by {name!r}; expected one of {', '.join(SORT_FIELDS)}",
-            code="bad-sort",
-        )
-    offset = 0 if after is None else read_cursor(after)
-    column = _sortable[name]
-    query = (
-        sa.select(
-            *_shown,
-            maneuver_quality.c.verdict,
-            maneuver_quality.c.summary,
-            maneuver_quality.c.figures,
-        )
-        .select_from(_joined)
-        .where(*_conditions(filters))
-        .order_by(
-            column.is_(None),
-            column.desc() if sort.startswith("-") else column.asc(),
-            _severity,
-            maneuvers.c.id,
-        )
-        .offset(offset)
-        .limit(limit + 1)
-    )
-    rows = connection.execute(query).mappings().all()
-    items = [_item(row) for row in rows[:limit]]
-    return Page(items=items, next=str(offset + limit) if len(rows) > limit else None)
+    """Read one page of the list; see ``ListQuery.read_page``."""
+    page = _list.read_page(connection, (*_shown, *_assessed), filters, sort, limit, after)
+    return Page(items=[_make_item(row) for row in page.items], next=page.next)
 
 
 def count_verdicts(connection: Connection, filters: QualityFilters) -> dict[str, int]:
     """Return the number of maneuvers by verdict, and without one."""
-    rest: QualityFilters = {**filters, "verdict": None}
     query = (
         sa.select(maneuver_quality.c.verdict, sa.func.count())
-        .select_from(_joined)
-        .where(*_conditions(rest))
+        .select_from(_list.source)
+        .where(*_list.where({**filters, "verdict": None}))
         .group_by(maneuver_quality.c.verdict)
     )
     found = {row[0] or MISSING: row[1] for row in connection.execute(query)}
@@ -157,40 +123,12 @@ def count_verdicts(connection: Connection, filters: QualityFilters) -> dict[str,
 
 def list_unassessed(connection: Connection) -> list[int]:
     """Return the maneuvers that are not checked, in the order of the campaign."""
-    query = (
-        sa.select(maneuvers.c.id)
-        .select_from(_joined)
-        .where(*_conditions({"verdict": MISSING}))
-        .order_by(maneuvers.c.id)
-    )
-    return list(connection.scalars(query))
+    missing = _list.where({"verdict": MISSING})
+    query = sa.select(maneuvers.c.id).select_from(_list.source).where(*missing)
+    return list(connection.scalars(query.order_by(maneuvers.c.id)))
 
 
-def _conditions(filters: QualityFilters) -> list[sa.ColumnElement[bool]]:
-    conditions = [maneuvers.c.axis != GROUND, maneuvers.c.deleted_at.is_(None)]
-    for name, value in (
-        ("aircraft_id", filters.get("aircraft_id")),
-        ("flight_id", filters.get("flight_id")),
-    ):
-        if value is not None:
-            conditions.append(maneuvers.c[name] == value)
-    search = filters.get("search")
-    if search is not None:
-        conditions.append(
-            sa.or_(
-                maneuvers.c.label.icontains(search, autoescape=True),
-                maneuver_quality.c.summary.icontains(search, autoescape=True),
-            )
-        )
-    verdict = filters.get("verdict")
-    if verdict == MISSING:
-        conditions.append(maneuver_quality.c.id.is_(None))
-    elif verdict is not None:
-        conditions.append(maneuver_quality.c.verdict == verdict)
-    return conditions
-
-
-def _item(row: sa.RowMapping) -> QualityItem:
+def _make_item(row: sa.RowMapping) -> QualityItem:
     verdict, figures = row["verdict"], row["figures"]
     return QualityItem(
         **{column.name: row[column.name] for column in _shown},

@@ -1,13 +1,13 @@
-"""The run table is the job queue: state transitions of runs.
+"""The table of jobs is the queue: state transitions of jobs.
 
 Every transition is a conditional update, written to the log in the same
-transaction. ``attempt`` counts the starts of a run and fences it: messages of an
-earlier attempt, or of a cancelled run, have no effect.
+transaction. ``attempt`` counts the starts of a job and fences it: messages of an
+earlier attempt, or of a cancelled job, have no effect.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
@@ -15,26 +15,37 @@ from typing import Any
 import sqlalchemy as sa
 
 from flexsid.errors import Conflict
+from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
-from flexsid.storage import leases, run_log, run_results
+from flexsid.storage import job_log, leases, run_results
+from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
-from flexsid.storage.tables import runs
+from flexsid.storage.tables import jobs, runs, searches
 
 MOST_DEATHS = 3
-"""Number of worker deaths after which a run fails."""
+"""Number of worker deaths after which a job fails."""
 
-_QUEUED = runs.c.state == RunState.QUEUED.value
-_first = runs.alias("first")
+SEARCH = "structure-search"
+"""Kind of the jobs that are model structure searches."""
+
+ENDED = (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
+
+# Records that repeat the state of their job, and their column with its id.
+_RECORDS = {ESTIMATION: (runs, runs.c.id), SEARCH: (searches, searches.c.job_id)}
+_QUEUED = jobs.c.state == RunState.QUEUED.value
+_RUNNING = jobs.c.state == RunState.RUNNING.value
+_UNSUCCESSFUL = (RunState.FAILED.value, RunState.CANCELLED.value)
+_first = jobs.alias("first")
 _may_start = sa.or_(
-    runs.c.after_run_id.is_(None),
+    jobs.c.after_job_id.is_(None),
     sa.exists().where(
-        _first.c.id == runs.c.after_run_id, _first.c.state == RunState.SUCCEEDED.value
+        _first.c.id == jobs.c.after_job_id, _first.c.state == RunState.SUCCEEDED.value
     ),
 )
 
 
 class StaleAttempt(Conflict):
-    """The run was cancelled or started again before this result."""
+    """The job was cancelled or started again before this result."""
 
     code = "stale-attempt"
 
@@ -44,67 +55,147 @@ def add(store: Store, run: EstimationRun) -> EstimationRun:
     with store.database.transaction() as connection:
         added = store.runs.add(run)
         assert added.id is not None
-        run_log.write(connection, [added.id], "queued", message=_describe_request(run.author))
+        job_log.write(connection, [added.id], "queued", message=_describe_request(run.author))
         return added
 
 
-def claim(
-    store: Store,
-    run_id: int | None = None,
-    *,
-    process_id: str | None = None,
-    epoch: int | None = None,
-) -> EstimationRun | None:
-    """Start a queued run: the given one, else that of highest priority; None if none may start.
+def add_job(store: Store, job: Job) -> Job:
+    """Queue a job."""
+    with store.database.transaction() as connection:
+        added = store.jobs.add(job)
+        assert added.id is not None
+        job_log.write(connection, [added.id], "queued", message=_describe_request(job.author))
+        return added
+
+
+def find_campaign(store: Store, job_id: int) -> int | None:
+    """Return the aircraft whose campaign a job belongs to; None if it belongs to none."""
+    with store.database.reading() as connection:
+        return connection.scalar(sa.select(jobs.c.aircraft_id).where(jobs.c.id == job_id))
+
+
+def find_next(
+    store: Store, served: Mapping[str, float], *, idle_authors_only: bool = False
+) -> int | None:
+    """Return the id of the job that should start next; None if none may start.
+
+    Of the highest priority, analysts with the fewest running jobs come first, then those who
+    have waited longest since their last start, then the earliest request.
 
     Parameters
     ----------
     store
-        Store of the runs.
-    run_id
-        Id of the run.
+        Store of the jobs.
+    served
+        Time of the last start of a job of each analyst.
+    idle_authors_only
+        Only jobs of analysts without a running job.
+    """
+    earliest = (
+        sa.select(jobs.c.priority, jobs.c.author, sa.func.min(jobs.c.id))
+        .where(_QUEUED, _may_start)
+        .group_by(jobs.c.priority, jobs.c.author)
+    )
+    counts = sa.select(jobs.c.author, sa.func.count()).where(_RUNNING).group_by(jobs.c.author)
+    with store.database.reading() as connection:
+        running: dict[str, int] = {author: n for author, n in connection.execute(counts)}
+        candidates = [
+            (-priority, running.get(author, 0), served.get(author, 0.0), number)
+            for priority, author, number in connection.execute(earliest)
+            if not (idle_authors_only and running.get(author))
+        ]
+    return min(candidates)[-1] if candidates else None
+
+
+def claim(
+    store: Store,
+    job_id: int | None = None,
+    *,
+    process_id: str | None = None,
+    epoch: int | None = None,
+) -> Job | None:
+    """Start a queued job: the given one, else the next; None if it may not start.
+
+    Parameters
+    ----------
+    store
+        Store of the jobs.
+    job_id
+        Id of the job.
     process_id
         The process that executes it.
     epoch
-        Epoch of the lease; without the lease no run is started.
+        Epoch of the lease; without the lease no job is started.
     """
     with store.database.transaction() as connection:
-        query = sa.select(runs.c.id).where(_QUEUED, _may_start)
-        if run_id is not None:
-            query = query.where(runs.c.id == run_id)
-        query = query.order_by(runs.c.priority.desc(), runs.c.id).limit(1)
-        found = connection.scalar(query)
+        found = find_next(store, {}) if job_id is None else job_id
         if found is None:
             return None
-        condition = sa.and_(runs.c.id == found, _QUEUED)
+        condition = sa.and_(jobs.c.id == found, _QUEUED, _may_start)
         if epoch is not None:
+            leases.lock(connection)
             condition = sa.and_(condition, leases.is_held(epoch))
         claimed = _change(
             store,
             condition,
             state=RunState.RUNNING,
-            attempt=runs.c.attempt + 1,
+            attempt=jobs.c.attempt + 1,
             started_at=_now(),
             progress=None,
             process_id=process_id,
         )
         if not claimed:
             return None
-        run = store.runs.get(found)
-        run_log.write(connection, [found], "started", run.attempt)
-        return run
+        job = store.jobs.get(found)
+        job_log.write(connection, [found], "started", job.attempt)
+        return job
 
 
-def note_progress(store: Store, run_id: int, attempt: int, progress: Progress) -> bool:
-    """Store the progress of a run; False if this attempt is outdated."""
-    return _change(store, _is_attempt(run_id, attempt), lax=True, progress=progress)
+def note_progress(store: Store, job_id: int, attempt: int, progress: Progress) -> bool:
+    """Store the progress of a job; False if this attempt is outdated."""
+    return bool(_change(store, _is_attempt(job_id, attempt), lax=True, progress=progress))
 
 
-def log_message(store: Store, run_id: int, attempt: int, message: str) -> None:
-    """Add a message to the log of a run."""
+def log_message(store: Store, job_id: int, attempt: int, message: str) -> None:
+    """Add a message to the log of a job."""
     with store.database.transaction(lax=True) as connection:
-        if connection.scalar(sa.select(sa.exists().where(runs.c.id == run_id))):
-            run_log.write(connection, [run_id], "logged", attempt, message)
+        if connection.scalar(sa.select(sa.exists().where(jobs.c.id == job_id))):
+            job_log.write(connection, [job_id], "logged", attempt, message)
+
+
+def finish_job(
+    store: Store,
+    job_id: int,
+    attempt: int,
+    result: dict[str, Any] | None,
+    versions: Mapping[str, str],
+    worker: str | None = None,
+) -> None:
+    """Store the result of a job.
+
+    Raises
+    ------
+    StaleAttempt
+        If the job was cancelled or started again.
+    """
+    with store.database.transaction() as connection:
+        is_stored = _change(
+            store,
+            _is_attempt(job_id, attempt),
+            state=RunState.SUCCEEDED,
+            result=result,
+            versions=dict(versions),
+            finished_at=_now(),
+            error=None,
+            worker=worker,
+        )
+        if not is_stored:
+            job = store.jobs.get(job_id)
+            raise StaleAttempt(
+                f"attempt {attempt} of job {job_id} is outdated: the job is {job.state.value}"
+                f" in attempt {job.attempt}"
+            )
+        job_log.write(connection, [job_id], "succeeded", attempt, worker or "")
 
 
 def finish(
@@ -123,167 +214,139 @@ def finish(
     StaleAttempt
         If the run was cancelled or started again.
     """
+    values = {"result": result, "versions": dict(versions)}
+    values |= {} if provenance is None else asdict(provenance)
+    row = {name: store.runs.encode_field(name, value) for name, value in values.items()}
     with store.database.transaction() as connection:
-        is_stored = _change(
-            store,
-            _is_attempt(run_id, attempt),
-            state=RunState.SUCCEEDED,
-            result=result,
-            versions=dict(versions),
-            finished_at=_now(),
-            error=None,
-            worker=worker,
-            **({} if provenance is None else asdict(provenance)),
-        )
-        if not is_stored:
-            run = store.runs.get(run_id)
-            raise StaleAttempt(
-                f"attempt {attempt} of run {run_id} is outdated: the run is {run.state.value}"
-                f" in attempt {run.attempt}"
-            )
+        finish_job(store, run_id, attempt, None, versions, worker)
+        connection.execute(sa.update(runs).where(runs.c.id == run_id).values(row))
         run_results.store_hash(connection, run_id)
-        run_log.write(connection, [run_id], "succeeded", attempt, worker or "")
         return store.runs.get(run_id)
 
 
 def fail(
-    store: Store, run_id: int, attempt: int, code: str, message: str, worker: str | None = None
+    store: Store, job_id: int, attempt: int, code: str, message: str, worker: str | None = None
 ) -> bool:
-    """Mark a run and those that wait for it as failed; False if the attempt is outdated."""
+    """Mark a job and those that wait for it as failed; False if the attempt is outdated."""
     with store.database.transaction() as connection:
         failed = _change(
             store,
-            _is_attempt(run_id, attempt),
+            _is_attempt(job_id, attempt),
             state=RunState.FAILED,
             error={"code": code, "message": message},
             finished_at=_now(),
             worker=worker,
         )
         if failed:
-            run_log.write(connection, [run_id], "failed", attempt, message)
-            _end_those_waiting(store, [run_id], RunState.FAILED)
-        return failed
+            job_log.write(connection, failed, "failed", attempt, message)
+            _end_those_waiting(store, failed, RunState.FAILED)
+        return bool(failed)
 
 
-def requeue(store: Store, run_id: int, attempt: int, why: str = "the server stopped") -> bool:
-    """Queue a started run again, e.g. when the server stops."""
+def requeue(store: Store, job_id: int, attempt: int, why: str = "the server stopped") -> bool:
+    """Queue a started job again, e.g. when the server stops."""
     with store.database.transaction() as connection:
         done = _change(
             store,
-            _is_attempt(run_id, attempt),
+            _is_attempt(job_id, attempt),
             state=RunState.QUEUED,
             started_at=None,
             progress=None,
             process_id=None,
         )
-        if done:
-            run_log.write(connection, [run_id], "queued", attempt, why)
-        return done
+        job_log.write(connection, done, "queued", attempt, why)
+        return bool(done)
 
 
-def retry_or_fail(store: Store, run_id: int, attempt: int, message: str) -> bool:
-    """Queue a run again after its worker died, or fail it after ``MOST_DEATHS``.
+def retry_or_fail(store: Store, job_id: int, attempt: int, message: str) -> bool:
+    """Queue a job again after its worker died, or fail it after ``MOST_DEATHS``.
 
     ``message`` is the reason; ``{deaths}`` in it is replaced by the number of deaths.
     """
     with store.database.transaction() as connection:
-        died = _change(store, _is_attempt(run_id, attempt), deaths=runs.c.deaths + 1)
-        if not died:
+        if not _change(store, _is_attempt(job_id, attempt), deaths=jobs.c.deaths + 1):
             return False
-        deaths = connection.scalar(sa.select(runs.c.deaths).where(runs.c.id == run_id))
-        message = message.format(deaths=deaths)
+        deaths = connection.scalar(sa.select(jobs.c.deaths).where(jobs.c.id == job_id))
+        message = message.replace("{deaths}", str(deaths))
         if deaths is None or deaths >= MOST_DEATHS:
-            return fail(store, run_id, attempt, "worker-died", message)
-        return requeue(store, run_id, attempt, message)
+            return fail(store, job_id, attempt, "worker-died", message)
+        return requeue(store, job_id, attempt, message)
 
 
 def requeue_orphans(
     store: Store, is_gone: Callable[[str | None], bool] = lambda process_id: True
 ) -> int:
-    """Queue again, or fail, running runs of processes that ended; returns their number."""
-    query = sa.select(runs.c.id, runs.c.attempt, runs.c.process_id).where(
-        runs.c.state == RunState.RUNNING.value
-    )
+    """Queue again, or fail, running jobs of processes that ended; returns their number."""
+    query = sa.select(jobs.c.id, jobs.c.attempt, jobs.c.process_id).where(_RUNNING)
     with store.database.transaction() as connection:
         left = [row for row in connection.execute(query) if is_gone(row.process_id)]
         for row in left:
-            retry_or_fail(
-                store,
-                row.id,
-                row.attempt,
-                "the server stopped {deaths} times during this run",
-            )
+            message = "the server stopped {deaths} times during this job"
+            retry_or_fail(store, row.id, row.attempt, message)
     return len(left)
 
 
-def requeue_unknown(store: Store, process_id: str, known: Iterable[int]) -> int:
-    """Queue runs again that are stored as started by a process that does not execute them.
+def requeue_unknown(store: Store, process_id: str, known: Collection[int]) -> int:
+    """Queue jobs again that are stored as started by a process that does not execute them.
 
     This happens if the connection to the database fails after a start is stored.
     """
-    query = sa.select(runs.c.id, runs.c.attempt).where(
-        runs.c.state == RunState.RUNNING.value, runs.c.process_id == process_id
-    )
-    executed = set(known)
+    query = sa.select(jobs.c.id, jobs.c.attempt).where(_RUNNING, jobs.c.process_id == process_id)
     with store.database.transaction() as connection:
-        strays = [row for row in connection.execute(query) if row.id not in executed]
-        for row in strays:
+        unknown = [row for row in connection.execute(query) if row.id not in known]
+        for row in unknown:
             requeue(store, row.id, row.attempt, "the database did not respond")
-    return len(strays)
+    return len(unknown)
 
 
-def request_cancel(store: Store, run_id: int) -> EstimationRun:
-    """Cancel a queued or running run; its worker is stopped by the dispatcher."""
+def request_cancel(store: Store, job_id: int) -> Job:
+    """Cancel a queued or running job; its worker is stopped by the dispatcher."""
     with store.transaction():
-        run = store.runs.get(run_id)
-        if run.state is RunState.CANCELLED:
-            return run
-        if run.state not in (RunState.QUEUED, RunState.RUNNING):
+        job = store.jobs.get(job_id)
+        if job.state is RunState.CANCELLED:
+            return job
+        if job.state in ENDED:
             raise Conflict(
-                f"run {run_id} has {run.state.value}; only a queued or running one can be"
+                f"job {job_id} has {job.state.value}; only a queued or running one can be"
                 " cancelled",
-                code="run-ended",
+                code="job-ended",
             )
-        cancel(store, [run_id])
-        return store.runs.get(run_id)
+        cancel(store, [job_id])
+        return store.jobs.get(job_id)
 
 
-def cancel(store: Store, run_ids: Sequence[int]) -> None:
-    """Cancel the queued and running runs of these, and the runs that wait for them."""
-    active = (RunState.QUEUED.value, RunState.RUNNING.value)
-    which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(active))
+def cancel(store: Store, job_ids: Sequence[int]) -> None:
+    """Cancel the queued and running jobs of these, and the jobs that wait for them."""
+    which = sa.and_(jobs.c.id.in_(job_ids), sa.or_(_QUEUED, _RUNNING))
     with store.database.transaction() as connection:
-        found = list(connection.scalars(sa.select(runs.c.id).where(which)))
-        _change(store, which, state=RunState.CANCELLED, finished_at=_now())
-        run_log.write(connection, found, "cancelled")
+        found = _change(store, which, state=RunState.CANCELLED, finished_at=_now())
+        job_log.write(connection, found, "cancelled")
         _end_those_waiting(store, found, RunState.CANCELLED)
 
 
-def request_retry(store: Store, run_id: int) -> None:
-    """Queue a failed or cancelled run again.
+def request_retry(store: Store, job_id: int) -> None:
+    """Queue a failed or cancelled job again.
 
     Raises
     ------
     Conflict
-        If the run is in another state.
+        If the job is in another state.
     """
     with store.transaction():
-        run = store.runs.get(run_id)
-        if not retry(store, [run_id]):
+        job = store.jobs.get(job_id)
+        if not retry(store, [job_id]):
             raise Conflict(
-                f"run {run_id} is {run.state.value}; only a failed or cancelled one can be"
+                f"job {job_id} is {job.state.value}; only a failed or cancelled one can be"
                 " queued again",
-                code="run-not-over",
+                code="job-not-over",
             )
 
 
-def retry(store: Store, run_ids: Sequence[int]) -> int:
-    """Queue the failed and cancelled runs of these again; returns their number."""
-    ended = (RunState.FAILED.value, RunState.CANCELLED.value)
-    which = sa.and_(runs.c.id.in_(run_ids), runs.c.state.in_(ended))
+def retry(store: Store, job_ids: Sequence[int]) -> int:
+    """Queue the failed and cancelled jobs of these again; returns their number."""
+    which = sa.and_(jobs.c.id.in_(job_ids), jobs.c.state.in_(_UNSUCCESSFUL))
     with store.database.transaction() as connection:
-        found = list(connection.scalars(sa.select(runs.c.id).where(which)))
-        _change(
+        found = _change(
             store,
             which,
             state=RunState.QUEUED,
@@ -293,63 +356,90 @@ def retry(store: Store, run_ids: Sequence[int]) -> int:
             finished_at=None,
             deaths=0,
         )
-        run_log.write(connection, found, "queued", message="requested again")
+        job_log.write(connection, found, "queued", message="requested again")
     return len(found)
 
 
 def find_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]:
-    """Return the runs of these (run, attempt) that are running in this attempt."""
+    """Return the jobs of these (job, attempt) that are running in this attempt."""
     requested = dict(attempts)
-    query = sa.select(runs.c.id, runs.c.attempt).where(
-        runs.c.id.in_(requested), runs.c.state == RunState.RUNNING.value
-    )
+    query = sa.select(jobs.c.id, jobs.c.attempt).where(jobs.c.id.in_(requested), _RUNNING)
     with store.database.reading() as connection:
         rows = connection.execute(query).all()
-    return {run_id for run_id, attempt in rows if requested[run_id] == attempt}
+    return {job_id for job_id, attempt in rows if requested[job_id] == attempt}
 
 
-def _end_those_waiting(store: Store, run_ids: Sequence[int], state: RunState) -> None:
-    """End the queued runs that start from the result of failed or cancelled runs."""
-    waiting = sa.and_(runs.c.after_run_id.in_(run_ids), _QUEUED)
-    which = f"run {run_ids[0]}" if len(run_ids) == 1 else "the run"
+def find_equal(store: Store, request_hash: str) -> Job | None:
+    """Return the newest job with this request that has not failed or been cancelled."""
+    is_equal = jobs.c.request_hash == request_hash
+    return _find_newest(store, is_equal, jobs.c.state.not_in(_UNSUCCESSFUL))
+
+
+def find_newest(store: Store, request_hash: str) -> Job | None:
+    """Return the newest job with this request, in any state."""
+    return _find_newest(store, jobs.c.request_hash == request_hash)
+
+
+def _find_newest(store: Store, *conditions: sa.ColumnElement[bool]) -> Job | None:
+    with store.database.reading() as connection:
+        found = connection.scalar(sa.select(sa.func.max(jobs.c.id)).where(*conditions))
+        return None if found is None else store.jobs.get(found)
+
+
+def _end_those_waiting(store: Store, job_ids: Sequence[int], state: RunState) -> None:
+    """End the queued jobs that start from the result of failed or cancelled jobs."""
+    if not job_ids:
+        return
+    which = f"run {job_ids[0]}" if len(job_ids) == 1 else "the run"
     message = f"{which}, whose result it starts from, was cancelled"
     if state is RunState.FAILED:
         message = f"{which}, whose result it starts from, failed; queue both again"
+    error = {"code": "start-missing", "message": message}
     with store.database.transaction() as connection:
-        found = list(connection.scalars(sa.select(runs.c.id).where(waiting)))
-        if not found:
-            return
-        error = {"code": "start-missing", "message": message}
-        _change(
+        found = _change(
             store,
-            runs.c.id.in_(found),
+            sa.and_(jobs.c.after_job_id.in_(job_ids), _QUEUED),
             state=state,
             finished_at=_now(),
             error=error if state is RunState.FAILED else None,
         )
-        run_log.write(connection, found, state.value, message=message)
+        job_log.write(connection, found, state.value, message=message)
         _end_those_waiting(store, found, state)
 
 
 def _change(
     store: Store, condition: sa.ColumnElement[bool], *, lax: bool = False, **values: Any
-) -> bool:
+) -> list[int]:
+    """Change the jobs that meet a condition, and their records; return the ids of the jobs."""
     row = {
         name: value
-        if isinstance(value, sa.ColumnElement) or name not in store.runs.fields
-        else store.runs.encode_field(name, value)
+        if isinstance(value, sa.ColumnElement) or name not in store.jobs.fields
+        else store.jobs.encode_field(name, value)
         for name, value in values.items()
     }
+    update = sa.update(jobs).where(condition).values(row).returning(jobs.c.id, jobs.c.kind)
+    changed: dict[str, list[int]] = {}
     with store.database.transaction(lax=lax) as connection:
-        return connection.execute(sa.update(runs).where(condition).values(row)).rowcount >= 1
+        for number, kind in connection.execute(update):
+            changed.setdefault(kind, []).append(number)
+        for kind, ids in changed.items():
+            if kind not in _RECORDS:
+                continue
+            table, key = _RECORDS[kind]
+            repeated = {
+                name: sa.select(jobs.c[name]).where(jobs.c.id == key).scalar_subquery()
+                if isinstance(value, sa.ColumnElement)
+                else value
+                for name, value in row.items()
+                if name in table.c and name not in ("result", "versions")
+            }
+            if repeated:
+                connection.execute(sa.update(table).where(key.in_(ids)).values(repeated))
+    return sorted(number for ids in changed.values() for number in ids)
 
 
-def _is_attempt(run_id: int, attempt: int) -> sa.ColumnElement[bool]:
-    return sa.and_(
-        runs.c.id == run_id,
-        runs.c.attempt == attempt,
-        runs.c.state == RunState.RUNNING.value,
-    )
+def _is_attempt(job_id: int, attempt: int) -> sa.ColumnElement[bool]:
+    return sa.and_(jobs.c.id == job_id, jobs.c.attempt == attempt, _RUNNING)
 
 
 def _describe_request(author: str) -> str:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 from enum import Enum
+from functools import cache
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_type_hints
 
 import sqlalchemy as sa
 from pydantic import TypeAdapter
+from sqlalchemy.engine import Connection
 from sqlalchemy.exc import IntegrityError
 
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.storage.database import Database, NotFinite
 
-LARGEST_ID = 2**63 - 1
+LARGEST_ID = 2**31 - 1
+"""Largest integer of a column in PostgreSQL."""
 
 
 class Record(Protocol):
@@ -65,16 +69,11 @@ class Repository(Generic[R]):
         self._database = database
         self._noun = noun
         self._copied = copied
-        self._adapter = TypeAdapter(record)
+        self._record = record
         self._derived = derived or {}
         names = (field.name for field in fields(record))
         self.fields = tuple(name for name in names if name not in self._derived)
-        hints = get_type_hints(record)
-        self._nested = {
-            name: TypeAdapter(hints[name])
-            for name in self.fields
-            if isinstance(table.c[name].type, sa.JSON)
-        }
+        self._nested = {name for name in self.fields if isinstance(table.c[name].type, sa.JSON)}
 
     def add(self, record: R) -> R:
         """Store a new record; return it with its id (and its time, if it has one)."""
@@ -83,11 +82,8 @@ class Repository(Generic[R]):
         if "created_at" in row and row["created_at"] is None:
             row["created_at"] = datetime.now(UTC)
             record = replace(record, **{"created_at": row["created_at"]})
-        with self._database.transaction() as connection:
-            try:
-                result = connection.execute(sa.insert(self.table).values(row))
-            except IntegrityError as error:
-                raise self._refused(error) from error
+        with self._writing() as connection:
+            result = connection.execute(sa.insert(self.table).values(row))
         primary_key = result.inserted_primary_key
         assert primary_key is not None
         return replace(record, **{"id": primary_key[0]})
@@ -98,11 +94,8 @@ class Repository(Generic[R]):
         for row in rows:
             del row["id"]
         if rows:
-            with self._database.transaction() as connection:
-                try:
-                    connection.execute(sa.insert(self.table), rows)
-                except IntegrityError as error:
-                    raise self._refused(error) from error
+            with self._writing() as connection:
+                connection.execute(sa.insert(self.table), rows)
 
     def get(self, identity: int) -> R:
         """Return the record with this id; a transaction locks it against changes."""
@@ -129,13 +122,8 @@ class Repository(Generic[R]):
         """Replace the record with the same id."""
         row = self.encode(record)
         identity = row.pop("id")
-        with self._database.transaction() as connection:
-            try:
-                result = connection.execute(
-                    sa.update(self.table).where(self._is(identity)).values(row)
-                )
-            except IntegrityError as error:
-                raise self._refused(error) from error
+        with self._writing() as connection:
+            result = connection.execute(sa.update(self.table).where(self._is(identity)).values(row))
         if result.rowcount == 0:
             raise self._unknown(identity)
         return record
@@ -165,14 +153,24 @@ class Repository(Generic[R]):
         if name in self._nested:
             if value is None:
                 return None
-            return self._nested[name].dump_python(value, mode="json", warnings="error")
+            adapter = _adapt_field(self._record, name)
+            return adapter.dump_python(value, mode="json", warnings="error")
         if isinstance(value, float) and not math.isfinite(value):
             raise NotFinite(f"{name} of {self._noun} is {value}; an unknown number must be None")
         return _plain(value)
 
     def decode(self, rows: Sequence[sa.RowMapping]) -> list[R]:
         """Return the records of rows."""
-        return [self._adapter.validate_python(self._values(row)) for row in rows]
+        adapter = _adapt(self._record)
+        return [adapter.validate_python(self._values(row)) for row in rows]
+
+    @contextmanager
+    def _writing(self) -> Iterator[Connection]:
+        with self._database.transaction() as connection:
+            try:
+                yield connection
+            except IntegrityError as error:
+                raise self._refused(error) from error
 
     def _values(self, row: sa.RowMapping) -> dict[str, Any]:
         values = {name: row[name] for name in self.fields}
@@ -187,7 +185,7 @@ class Repository(Generic[R]):
             return self.decode(connection.execute(query).mappings().all())
 
     def _is(self, identity: int | None) -> sa.ColumnElement[bool]:
-        # A database integer has 64 bits; a larger number is no record's id.
+        # A larger number than an integer column holds is no record's id.
         if identity is None or not 1 <= identity <= LARGEST_ID:
             raise self._unknown(identity)
         return self.table.c.id == identity
@@ -202,6 +200,17 @@ class Repository(Generic[R]):
         if "unique" in reason.lower():
             return Conflict(f"this {self._noun} already exists", code="already-exists")
         return Conflict(f"the {self._noun} cannot be stored: {reason}")
+
+
+# Adapters take milliseconds to build: one per type and process, when it is first used.
+@cache
+def _adapt(record: type[Record]) -> TypeAdapter[Any]:
+    return TypeAdapter(record)
+
+
+@cache
+def _adapt_field(record: type[Record], name: str) -> TypeAdapter[Any]:
+    return TypeAdapter(get_type_hints(record)[name])
 
 
 def _plain(value: Any) -> Any:

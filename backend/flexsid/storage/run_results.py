@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
+from flexsid.storage.content import hash_content
 from flexsid.storage.tables import runs
 
 SEALED: tuple[str, ...] = ("maneuver_id", "method", "structure", "settings", "result", "versions")
@@ -21,9 +20,7 @@ A migration that rewrites one of them must update the hashes.
 
 def hash_result(row: Mapping[str, Any]) -> str:
     """SHA-256 of the sealed columns as JSON, keys sorted and no blanks."""
-    content = [row[name] for name in SEALED]
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hash_content([row[name] for name in SEALED])
 
 
 def is_altered(row: Mapping[str, Any]) -> bool:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from typing import Any, Unpack
 
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.batch import Batch
-from flexsid.records.conditioning import ConditioningStep
-from flexsid.records.controller import Controller
+from flexsid.records.account import Account, ApiToken, LoginSession, Membership
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
+from flexsid.records.audit_event import AuditEvent
 from flexsid.records.decision import (
     Decision,
     DecisionEvent,
@@ -17,38 +15,43 @@ from flexsid.records.decision import (
     ReviewRules,
     SeenEvents,
 )
-from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.maneuver import Channel, Maneuver
-from flexsid.records.mapping import StoredMapping
-from flexsid.records.modal_table import (
+from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.flutter import Controller
+from flexsid.records.job import Job
+from flexsid.records.maneuver import (
+    Channel,
+    ConditioningStep,
+    Flight,
+    FlightChannel,
+    Maneuver,
+    StoredMapping,
+)
+from flexsid.records.modal_data import (
     FlutterSummary,
     MeasuredResponses,
     ModalTable,
     ModeCorrection,
 )
 from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.records.prediction import DerivativePrediction
-from flexsid.records.preflight_simulation import PreflightSimulation
 from flexsid.records.quality import ManeuverQuality
-from flexsid.records.run import EstimationRun
+from flexsid.records.run import Batch
 from flexsid.records.saved_view import SavedView
 from flexsid.records.search import StructureSearch
 from flexsid.storage import tables
 from flexsid.storage.arrays import Arrays
 from flexsid.storage.database import Database
-from flexsid.storage.facets import Facets
+from flexsid.storage.list_query import Facets
 from flexsid.storage.maneuver_list import (
     ManeuverFilters,
     ManeuverItem,
-    maneuver_facets,
+    count_maneuvers,
     select_maneuvers,
 )
 from flexsid.storage.modal_shapes import ModalShapes
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import Repository
-from flexsid.storage.run_list import RunFilters, RunItem, run_facets, select_runs
-from flexsid.storage.run_results import is_altered
+from flexsid.storage.run_list import RunFilters, RunItem, count_runs, select_runs
+from flexsid.storage.runs import Runs
 from flexsid.storage.tags import read_tags
 
 
@@ -115,12 +118,18 @@ class Store:
         self.preflight_simulations = Repository(
             database, tables.preflight_simulations, PreflightSimulation, "preflight simulation"
         )
-        self.runs = Repository(
-            database, tables.runs, EstimationRun, "run", derived={"altered": is_altered}
-        )
+        self.jobs = Repository(database, tables.jobs, Job, "job")
+        self.runs = Runs(database, self.jobs)
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
         self.batches = Repository(database, tables.batches, Batch, "batch")
+        self.audit_events = Repository(
+            database, tables.audit_events, AuditEvent, "event of the audit log"
+        )
+        self.accounts = Repository(database, tables.accounts, Account, "account")
+        self.memberships = Repository(database, tables.memberships, Membership, "membership")
+        self.login_sessions = Repository(database, tables.login_sessions, LoginSession, "session")
+        self.api_tokens = Repository(database, tables.api_tokens, ApiToken, "token")
 
     @classmethod
     def open(cls, url: str) -> Store:
@@ -131,17 +140,13 @@ class Store:
         """Close all connections."""
         self.database.close()
 
-    @contextmanager
-    def transaction(self) -> Iterator[None]:
+    def transaction(self) -> AbstractContextManager[object]:
         """Commit all changes of the block, or none if it raises."""
-        with self.database.transaction():
-            yield
+        return self.database.transaction()
 
-    @contextmanager
-    def reading(self) -> Iterator[None]:
+    def reading(self) -> AbstractContextManager[object]:
         """Read one consistent state of everything inside; nothing can be written in the block."""
-        with self.database.reading():
-            yield
+        return self.database.reading()
 
     def maneuver_page(
         self,
@@ -158,7 +163,7 @@ class Store:
     def maneuver_facets(self, **filters: Unpack[ManeuverFilters]) -> Facets:
         """Count the list of maneuvers, and the items of each choice of a filter."""
         with self.database.reading() as connection:
-            return maneuver_facets(connection, filters)
+            return count_maneuvers(connection, filters)
 
     def tags_of_maneuver(self, maneuver_id: int) -> list[str]:
         """Return the tags of one maneuver."""
@@ -179,7 +184,7 @@ class Store:
     def run_facets(self, **filters: Unpack[RunFilters]) -> Facets:
         """Count the list of runs, and the items of each choice of a filter."""
         with self.database.reading() as connection:
-            return run_facets(connection, filters)
+            return count_runs(connection, filters)
 
 
 def _condition_columns(maneuver: Maneuver) -> dict[str, Any]:

@@ -20,7 +20,7 @@ def read_tags(connection: Connection, table: sa.Table, ids: Iterable[int]) -> di
     ids
         Records on the page.
     """
-    key = _key_column(table)
+    key = key_column(table)
     requested = list(ids)
     found: dict[int, list[str]] = {identity: [] for identity in requested}
     query = sa.select(key, table.c.tag).where(key.in_(requested)).order_by(table.c.tag)
@@ -29,18 +29,13 @@ def read_tags(connection: Connection, table: sa.Table, ids: Iterable[int]) -> di
     return found
 
 
-def has_tag(table: sa.Table, identity: sa.ColumnElement[int], tag: str) -> sa.ColumnElement[bool]:
-    """Return the condition that a record has a tag."""
-    return identity.in_(sa.select(_key_column(table)).where(table.c.tag == tag))
-
-
 def add_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag: str) -> list[int]:
     """Add a tag to records; returns those that did not have it."""
     requested = list(ids)
     had = _find_tagged(connection, table, requested, tag)
     new = [identity for identity in requested if identity not in had]
     if new:
-        name = _key_column(table).name
+        name = key_column(table).name
         rows = [{name: identity, "tag": tag} for identity in new]
         connection.execute(sa.insert(table), rows)
     return new
@@ -50,14 +45,15 @@ def remove_tag(connection: Connection, table: sa.Table, ids: Iterable[int], tag:
     """Remove a tag from records; returns those that had it."""
     requested = list(ids)
     had = _find_tagged(connection, table, requested, tag)
-    connection.execute(sa.delete(table).where(_key_column(table).in_(had), table.c.tag == tag))
+    connection.execute(sa.delete(table).where(key_column(table).in_(had), table.c.tag == tag))
     return [identity for identity in requested if identity in had]
 
 
 def _find_tagged(connection: Connection, table: sa.Table, ids: list[int], tag: str) -> set[int]:
-    query = sa.select(_key_column(table)).where(_key_column(table).in_(ids), table.c.tag == tag)
+    query = sa.select(key_column(table)).where(key_column(table).in_(ids), table.c.tag == tag)
     return set(connection.scalars(query))
 
 
-def _key_column(table: sa.Table) -> sa.Column[int]:
+def key_column(table: sa.Table) -> sa.Column[int]:
+    """Return the column of the tagged records."""
     return next(column for column in table.c if column.name != "tag")

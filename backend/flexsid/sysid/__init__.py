@@ -21,14 +21,15 @@ if TYPE_CHECKING:
     from flexsid.sysid.model.condition import FlightCondition
     from flexsid.sysid.model.derivatives import DerivativeTable
     from flexsid.sysid.model.instruments import Instrument
-    from flexsid.sysid.model.sensors import (
+    from flexsid.sysid.model.lateral import LATERAL
+    from flexsid.sysid.model.longitudinal import (
+        LONGITUDINAL,
         accelerometer_row,
         attitude_row,
         gyro_row,
-        stack_rows,
-        strain_row,
         vane_row,
     )
+    from flexsid.sysid.model.sensors import stack_rows, strain_row
     from flexsid.sysid.model.time_response import time_response
     from flexsid.sysid.modes.shapes import StructuralModes
     from flexsid.sysid.signals import FrequencyData, FrequencyResponse, TimeHistory
@@ -52,12 +53,14 @@ _PLACES = {
     "FlightCondition": "model.condition",
     "DerivativeTable": "model.derivatives",
     "Instrument": "model.instruments",
-    "accelerometer_row": "model.sensors",
-    "attitude_row": "model.sensors",
-    "gyro_row": "model.sensors",
+    "accelerometer_row": "model.longitudinal",
+    "attitude_row": "model.longitudinal",
+    "gyro_row": "model.longitudinal",
+    "vane_row": "model.longitudinal",
+    "LONGITUDINAL": "model.longitudinal",
+    "LATERAL": "model.lateral",
     "stack_rows": "model.sensors",
     "strain_row": "model.sensors",
-    "vane_row": "model.sensors",
     "time_response": "model.time_response",
     "StructuralModes": "modes.shapes",
     "FrequencyData": "signals",
@@ -70,6 +73,8 @@ _PLACES = {
 }
 
 __all__ = [
+    "LATERAL",
+    "LONGITUDINAL",
     "Aeroelastic",
     "AeroelasticModel",
     "DerivativeTable",

@@ -56,7 +56,7 @@ class FrequencyResponse:
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     std: Float[np.ndarray, "n_omega n_y n_u"] | None = None
-    noise_gain: Complex[np.ndarray, "n_omega n_lines"] | None = None
+    noise_gain: Complex[np.ndarray, "n_omega n_frequencies"] | None = None
     condition: Float[np.ndarray, " n_omega"] | None = None
 
 

@@ -5,12 +5,17 @@ import { problemFrom, unreachable } from "./problem";
 import type { paths } from "./schema.gen";
 import type { Full } from "./types";
 
+/** Event: a request was refused because nobody is logged in. */
+export const LOGGED_OUT = "flexsid-logged-out";
+
 async function send(request: Request): Promise<Response> {
   if (analystName() !== "") {
-    for (const [header, name] of Object.entries(named())) request.headers.set(header, name);
+    for (const [header, value] of Object.entries(named())) request.headers.set(header, value);
   }
   try {
-    return await fetch(request);
+    const response = await fetch(request);
+    if (response.status === 401) window.dispatchEvent(new Event(LOGGED_OUT));
+    return response;
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     throw unreachable();

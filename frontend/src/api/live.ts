@@ -1,44 +1,43 @@
-/** News of runs as they happen: one stream per page, which puts what it hears into the cache. */
+/** News of jobs as they happen: one stream per page, which puts what it hears into the cache. */
 import { useQueryClient, type QueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import type { Job } from "./types";
 
 /** Read again, together and not more often than this, however much happens. */
 const REST_MS = 700;
-const LISTS = [["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"]];
-
-let heard = false;
-
-/** Whether news come by themselves; while they do not, pages ask. */
-export const isLive = () => heard;
+const LISTS = [
+  ...[["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"], ["searches"]],
+  ["quality", "list"],
+];
 
 /** Listens as long as the frame is there; the browser connects again by itself. */
 export function useLive() {
   const cache = useQueryClient();
   useEffect(() => {
     if (typeof EventSource === "undefined") return;
-    const refresh = together(() => {
+    const refresh = coalesce(() => {
       for (const queryKey of LISTS) void cache.invalidateQueries({ queryKey });
+      void cache.invalidateQueries({ queryKey: ["designs"], exact: true });
+      void cache.invalidateQueries({
+        predicate: ({ queryKey }) => queryKey[2] === "preflight_simulations",
+      });
     });
     const stream = new EventSource("/api/v1/events");
     stream.onopen = () => {
-      heard = true;
+      // What happened before the stream was there, or while it was lost.
+      for (const queryKey of [["job"], ["run"]]) void cache.invalidateQueries({ queryKey });
       refresh();
     };
-    stream.onerror = () => {
-      heard = false;
-    };
     stream.addEventListener("missed", refresh);
-    stream.addEventListener("run", (event: MessageEvent<string>) => {
-      const { run_id } = JSON.parse(event.data) as { run_id: number };
-      void cache.invalidateQueries({ queryKey: ["job", run_id] });
+    stream.addEventListener("job", (event: MessageEvent<string>) => {
+      const { job_id } = JSON.parse(event.data) as { job_id: number };
+      void cache.invalidateQueries({ queryKey: ["job", job_id] });
       refresh();
     });
     stream.addEventListener("running", (event: MessageEvent<string>) => {
       show(cache, JSON.parse(event.data) as Job[]);
     });
     return () => {
-      heard = false;
       stream.close();
     };
   }, [cache]);
@@ -56,7 +55,7 @@ function show(cache: QueryClient, running: Job[]) {
 }
 
 /** Calls at once, then at most once per rest. */
-function together(act: () => void): () => void {
+function coalesce(act: () => void): () => void {
   let waiting = false;
   let last = 0;
   return () => {

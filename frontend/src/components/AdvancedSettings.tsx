@@ -1,5 +1,5 @@
 import { Accordion, NumberInput, Select, SimpleGrid, Switch, TagsInput } from "@mantine/core";
-import type { RunDraft } from "../lib/runDraft";
+import { OUT_OF_BAND_MODES, type RunDraft } from "../lib/runDraft";
 import { integer, number } from "../lib/urlState";
 
 const SPREADS = [
@@ -27,8 +27,9 @@ export function AdvancedSettings({ draft, outputs, onChange }: Props) {
   ];
   const changed =
     draft.freeDelays ||
-    draft.outOfBandModes ||
-    draft.alsoFree.length > 0 ||
+    draft.outOfBandModes !== "retained" ||
+    draft.aerodynamics !== "quasi-steady" ||
+    draft.extraParameters.length > 0 ||
     draft.noise === "full" ||
     draft.priorSpread !== null;
   return (
@@ -69,28 +70,51 @@ export function AdvancedSettings({ draft, outputs, onChange }: Props) {
                 onChange({ noise: noise === "full" ? "full" : "diagonal" });
               }}
             />
-            <Switch
-              label="Include out-of-band modes"
-              description="With the derivatives of the prediction; recommended for flutter prediction"
+            <Select
+              label="Out-of-band modes"
+              description="Further modes of the modal table; as nuisance parameters their uncertainty is part of σ"
+              allowDeselect={false}
               data-testid="run-out-of-band"
               disabled={draft.prediction === null}
-              checked={draft.outOfBandModes}
-              onChange={(event) => {
-                onChange({ outOfBandModes: event.currentTarget.checked });
+              data={[
+                { value: "retained", label: "Nuisance parameters" },
+                { value: "held", label: "Held at the prediction" },
+                { value: "omitted", label: "Omitted" },
+              ]}
+              value={draft.outOfBandModes}
+              onChange={(treatment) => {
+                onChange({
+                  outOfBandModes: OUT_OF_BAND_MODES.find((one) => one === treatment) ?? "retained",
+                });
+              }}
+            />
+            <Select
+              size="xs"
+              label="Aerodynamics"
+              description="Shaped: with the frequency shape of a computed prediction"
+              data-testid="run-aerodynamics"
+              allowDeselect={false}
+              data={[
+                { value: "quasi-steady", label: "Quasi-steady" },
+                { value: "shaped", label: "Shaped by frequency" },
+              ]}
+              value={draft.aerodynamics}
+              onChange={(value) => {
+                onChange({ aerodynamics: value === "shaped" ? "shaped" : "quasi-steady" });
               }}
             />
             <TagsInput
               size="xs"
               label="Extra parameters"
               description="Delays, scale factors, mode frequencies and dampings, e.g. delay_q, omega_7, shape_az_cf_7"
-              data-testid="run-also-free"
-              placeholder={draft.alsoFree.length === 0 ? "none" : undefined}
+              data-testid="run-extra-parameters"
+              placeholder={draft.extraParameters.length === 0 ? "none" : undefined}
               clearable
               limit={40}
               data={offered}
-              value={draft.alsoFree}
-              onChange={(alsoFree) => {
-                onChange({ alsoFree });
+              value={draft.extraParameters}
+              onChange={(extraParameters) => {
+                onChange({ extraParameters });
               }}
             />
             <NumberInput

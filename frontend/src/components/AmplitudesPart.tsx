@@ -1,13 +1,12 @@
 import { Button, Group, NumberInput, Stack, Text } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
 import { useRescaleDesign } from "../api/commands";
-import { amplitudesQuery } from "../api/queries";
+import { amplitudesResult } from "../api/queries";
 import type { OptimisedError, OptimisedPeak, OptimisedAmplitudes, Design } from "../api/types";
 import { degrees, fixed } from "../lib/format";
+import { ComputedResult } from "./ComputedResult";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
-import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 
 const LOAD_FACTOR = "load factor";
@@ -75,12 +74,10 @@ interface Props {
 
 /** Amplitude optimisation within the same limits, compared with the design. */
 export function AmplitudesPart({ design, level, run, allowed, load, onChange }: Props) {
-  const found = useQuery(
-    amplitudesQuery(design.id, level, run, {
-      deflection: allowed === undefined ? undefined : (allowed * Math.PI) / 180,
-      load_factor: load,
-    }),
-  );
+  const options = amplitudesResult(design.id, level, run, {
+    deflection: allowed === undefined ? undefined : (allowed * Math.PI) / 180,
+    load_factor: load,
+  });
   return (
     <Stack gap="sm">
       <Group align="end">
@@ -105,9 +102,9 @@ export function AmplitudesPart({ design, level, run, allowed, load, onChange }: 
           }}
         />
       </Group>
-      <Loaded query={found} rows={12}>
+      <ComputedResult options={options} rows={12}>
         {(result) => <Found design={design} run={run} result={result} />}
-      </Loaded>
+      </ComputedResult>
     </Stack>
   );
 }

@@ -1,9 +1,18 @@
 import { Button, Popover, Stack, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { setAnalystName, useAnalyst } from "../api/analyst";
+import { sessionQuery } from "../api/queries";
+import { AccountMenu } from "./AccountMenu";
 
-/** Name of the analyst, shown with comments and votes. */
+/** The account, or without accounts the name shown with comments and votes. */
 export function AnalystMenu() {
+  const { data } = useQuery(sessionQuery);
+  if (data !== undefined && data.mode !== "personal") return <AccountMenu session={data} />;
+  return <NameMenu />;
+}
+
+function NameMenu() {
   const name = useAnalyst();
   const [open, setOpen] = useState(false);
   return (

@@ -8,6 +8,7 @@ import { Keyboard } from "./Keyboard";
 import { MainNav, SideNav } from "./MainNav";
 import { NoticeBar } from "./NoticeBar";
 import { Notifications } from "./Notifications";
+import { Tour } from "./Tour";
 
 /** Header with navigation around every page. */
 export function AppFrame() {
@@ -37,6 +38,7 @@ export function AppFrame() {
         <div className="page" id="content" tabIndex={-1}>
           <LostConnection />
           <Degraded />
+          <Tour />
           <Outlet />
         </div>
       </AppShell.Main>

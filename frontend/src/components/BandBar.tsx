@@ -6,11 +6,11 @@ interface Props {
   window: [number, number] | undefined;
   onClear: () => void;
   /** Run whose choices a run in this band begins with. */
-  like?: number;
+  template?: number;
 }
 
 /** The selected band, with a link to fit it and a button to clear it. */
-export function BandBar({ maneuverId, window, onClear, like }: Props) {
+export function BandBar({ maneuverId, window, onClear, template }: Props) {
   return (
     <WindowBar
       window={window}
@@ -23,7 +23,7 @@ export function BandBar({ maneuverId, window, onClear, like }: Props) {
         size="compact-xs"
         to="/maneuvers/$id/new-run"
         params={{ id: maneuverId }}
-        search={{ low: window?.[0], high: window?.[1], like }}
+        search={{ low: window?.[0], high: window?.[1], template_run: template }}
         data-testid="run-band"
       >
         New run in this band

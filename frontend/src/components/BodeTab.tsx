@@ -33,7 +33,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     output: outputs,
     inputs,
     run_id: view.models,
-    overlay: view.beside,
+    overlay: view.overlay,
     average: view.average,
     rigid: view.rigid,
     windowed: view.windowed,
@@ -87,15 +87,15 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
           searchable
           clearable
           data={others.map((item) => ({ value: String(item.id), label: item.label }))}
-          value={(view.beside ?? []).map(String)}
+          value={(view.overlay ?? []).map(String)}
           onChange={(ids) => {
-            onChange({ beside: integers(ids) });
+            onChange({ overlay: integers(ids) });
           }}
         />
         <Switch
           label="Average over maneuvers"
           description="Weighted by information"
-          disabled={view.beside === undefined}
+          disabled={view.overlay === undefined}
           checked={view.average === true}
           onChange={(event) => {
             onChange({ average: event.currentTarget.checked || undefined });

@@ -2,7 +2,7 @@ import { Button, Checkbox, Group, ScrollArea, Stack, Text, TextInput } from "@ma
 import { useState } from "react";
 import { SearchIcon } from "./icons";
 
-export interface PickerGroup {
+interface PickerGroup {
   label: string;
   items: { name: string; note?: string }[];
 }

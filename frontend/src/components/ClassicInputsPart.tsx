@@ -1,44 +1,19 @@
 import { Stack } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
-import { classicInputsQuery } from "../api/queries";
+import { classicInputsResult } from "../api/queries";
 import type { ComparedInput, Design, InputComparison } from "../api/types";
 import { degrees, fixed } from "../lib/format";
-import { DataTable, type Column } from "./DataTable";
+import { ComputedResult } from "./ComputedResult";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
-import { Loaded } from "./Loaded";
 
 const RADIAN2 = (180 / Math.PI) ** 2;
 
 const INPUTS: Column<ComparedInput>[] = [
   { key: "kind", header: "Input", render: (row) => row.kind },
-  {
-    key: "pulse",
-    header: "Pulse",
-    unit: "s",
-    numeric: true,
-    render: (row) => (row.pulse_s === null ? "" : fixed(row.pulse_s, 3)),
-  },
-  {
-    key: "deflection",
-    header: "Peak deflection",
-    unit: "deg",
-    numeric: true,
-    render: (row) => fixed(degrees(row.deflection), 2),
-  },
-  {
-    key: "load",
-    header: "Load factor",
-    unit: "g",
-    numeric: true,
-    render: (row) => fixed(row.load_factor, 3),
-  },
-  {
-    key: "energy",
-    header: "Energy of the commands",
-    unit: "deg² s",
-    numeric: true,
-    render: (row) => fixed(row.energy * RADIAN2, 1),
-  },
+  numeric("pulse", "Pulse", (row) => (row.pulse_s === null ? "" : fixed(row.pulse_s, 3)), "s"),
+  numeric("deflection", "Peak deflection", (row) => fixed(degrees(row.deflection), 2), "deg"),
+  numeric("load", "Load factor", (row) => fixed(row.load_factor, 3), "g"),
+  numeric("energy", "Energy of the commands", (row) => fixed(row.energy * RADIAN2, 1), "deg² s"),
   { key: "lacking", header: "", render: (row) => row.lacking },
 ];
 
@@ -57,11 +32,11 @@ const errorColumns = (found: InputComparison): Column<Row>[] => [
     numeric: true,
     render: (row) => share(row.errors[0], Math.abs(row.value), 100, 1),
   },
-  ...found.inputs.slice(1).map((input, place) => ({
+  ...found.inputs.slice(1).map((input, index) => ({
     key: input.kind,
     header: `${input.kind} over multisine`,
     numeric: true,
-    render: (row: Row) => share(row.errors[place + 1], row.errors[0], 1, 2),
+    render: (row: Row) => share(row.errors[index + 1], row.errors[0], 1, 2),
   })),
 ];
 
@@ -83,9 +58,8 @@ export function ClassicInputsPart({
   level: number;
   run: number;
 }) {
-  const found = useQuery(classicInputsQuery(design.id, level, run));
   return (
-    <Loaded query={found} rows={12}>
+    <ComputedResult options={classicInputsResult(design.id, level, run)} rows={12}>
       {(comparison) => (
         <Stack gap="sm">
           <DataTable
@@ -109,6 +83,6 @@ export function ClassicInputsPart({
           />
         </Stack>
       )}
-    </Loaded>
+    </ComputedResult>
   );
 }

@@ -2,7 +2,7 @@ import { Stack } from "@mantine/core";
 import type { ComparisonRow, Pair } from "../api/types";
 import { fixed, significant } from "../lib/format";
 import type { CompareTabProps } from "./CompareDerivatives";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { DerivativeSelect } from "./DerivativeSelect";
 import { Empty } from "./Empty";
@@ -83,13 +83,7 @@ const pairColumns = (labels: ReadonlyMap<string, string>): Column<Pair>[] => [
   { key: "first", header: "Source", render: (pair) => labels.get(pair.first) },
   { key: "second", header: "against", render: (pair) => labels.get(pair.second) },
   { key: "n", header: "Derivatives", numeric: true, render: (pair) => pair.n },
-  {
-    key: "rms",
-    header: "rms diff.",
-    unit: "σ",
-    numeric: true,
-    render: (pair) => fixed(pair.rms_sigma, 2),
-  },
+  numeric("rms", "rms diff.", (pair) => fixed(pair.rms_sigma, 2), "σ"),
   { key: "chi", header: "χ²", numeric: true, render: (pair) => fixed(pair.chi_square, 1) },
   {
     key: "p",
@@ -102,23 +96,12 @@ const pairColumns = (labels: ReadonlyMap<string, string>): Column<Pair>[] => [
     header: "Largest difference in",
     render: (pair) => <DerivativeName name={pair.worst} />,
   },
-  {
-    key: "by",
-    header: "by",
-    unit: "σ",
-    numeric: true,
-    render: (pair) => fixed(pair.worst_sigma, 1),
-  },
+  numeric("by", "by", (pair) => fixed(pair.worst_sigma, 1), "σ"),
 ];
 
 const SCATTER: Column<ComparisonRow>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
-  {
-    key: "mean",
-    header: "Weighted mean",
-    numeric: true,
-    render: (row) => significant(row.mean, 4),
-  },
+  numeric("mean", "Weighted mean", (row) => significant(row.mean, 4)),
   { key: "error", header: "σ", numeric: true, render: (row) => significant(row.mean_std_error, 2) },
   { key: "chi", header: "χ²", numeric: true, render: (row) => fixed(row.chi_square, 1) },
   {
@@ -127,11 +110,5 @@ const SCATTER: Column<ComparisonRow>[] = [
     numeric: true,
     render: (row) => significant(row.probability, 2),
   },
-  {
-    key: "largest",
-    header: "Largest diff.",
-    unit: "σ",
-    numeric: true,
-    render: (row) => fixed(row.max_difference_sigma, 1),
-  },
+  numeric("largest", "Largest diff.", (row) => fixed(row.max_difference_sigma, 1), "σ"),
 ];

@@ -1,4 +1,4 @@
-import { Alert, Button, Group, SegmentedControl, Select, Stack, Switch } from "@mantine/core";
+import { Alert, Button, Group, SegmentedControl, Select, Stack, Switch, Text } from "@mantine/core";
 import type { Comparison, ComparisonRow } from "../api/types";
 import { coefficientsIn, parseDerivative } from "../lib/derivatives";
 import type { CompareView } from "../views";
@@ -6,6 +6,7 @@ import { ComparisonTable } from "./ComparisonTable";
 import { ComparisonVerdicts } from "./ComparisonVerdicts";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+import { AdequacyBadge } from "./ModelAdequacy";
 
 /** Whether runs differ from each other, or a prediction from a run. */
 const differs = (row: ComparisonRow) =>
@@ -46,6 +47,17 @@ export function CompareDerivatives({ comparison, view, onChange, onRun }: Compar
           changed; estimate again.
         </Alert>
       )}
+      <Group gap="md">
+        {sources.map(
+          (source) =>
+            source.adequacy !== null && (
+              <Group key={source.key} gap="xs">
+                <Text size="sm">{source.label}</Text>
+                <AdequacyBadge state={source.adequacy} />
+              </Group>
+            ),
+        )}
+      </Group>
       <Group justify="space-between">
         <SegmentedControl
           aria-label="Coefficient"

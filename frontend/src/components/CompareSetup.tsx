@@ -10,10 +10,10 @@ type Row = Comparison["setup"][number];
 export function CompareSetup({ comparison }: CompareTabProps) {
   const columns: Column<Row>[] = [
     { key: "name", header: "Setting", render: (row) => row.name },
-    ...comparison.sources.flatMap((source, place): Column<Row>[] =>
+    ...comparison.sources.flatMap((source, index): Column<Row>[] =>
       source.kind === "prediction"
         ? []
-        : [{ key: source.key, header: source.label, render: (row) => row.values[place] ?? "" }],
+        : [{ key: source.key, header: source.label, render: (row) => row.values[index] ?? "" }],
     ),
   ];
   return (

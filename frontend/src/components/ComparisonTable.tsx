@@ -26,9 +26,8 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
     },
     {
       key: "difference",
-      header: (
-        <span title="Largest difference between two runs, in their joint σ">Runs differ</span>
-      ),
+      header: "Runs differ",
+      help: "Runs differ",
       unit: "σ",
       numeric: true,
       render: (row) => fixed(row.max_difference_sigma, 1),
@@ -56,15 +55,15 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
           </Text>
         ),
     },
-    ...sources.map((source, place): Column<ComparisonRow> => ({
+    ...sources.map((source, index): Column<ComparisonRow> => ({
       key: source.key,
       header: source.label,
       numeric: true,
       render: (row) => {
-        const cell = row.values[place];
+        const cell = row.values[index];
         if (cell == null) return <span className="quiet">–</span>;
         const { value, error } = withError(cell.value, cell.std_error);
-        const base = baseline === undefined || baseline === place ? null : row.values[baseline];
+        const base = baseline === undefined || baseline === index ? null : row.values[baseline];
         return (
           <span
             style={{ whiteSpace: "nowrap" }}

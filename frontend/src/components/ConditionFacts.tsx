@@ -5,8 +5,8 @@ import { degrees, fixed, percent } from "../lib/format";
 export function Facts({ facts }: { facts: [label: ReactNode, value: ReactNode, unit?: string][] }) {
   return (
     <dl className="facts">
-      {facts.map(([label, value, unit], place) => (
-        <div key={place}>
+      {facts.map(([label, value, unit], index) => (
+        <div key={index}>
           <dt>{label}</dt>
           <dd>
             {value} {unit !== undefined && <span className="unit">{unit}</span>}

@@ -28,9 +28,9 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
   const change = (part: Partial<typeof draft>) => {
     setDraft({ ...draft, ...part });
   };
-  const changeInput = (place: number, part: Partial<DraftInput>) => {
+  const changeInput = (index: number, part: Partial<DraftInput>) => {
     change({
-      inputs: draft.inputs.map((own, k) => (k === place ? { ...own, ...part } : own)),
+      inputs: draft.inputs.map((own, k) => (k === index ? { ...own, ...part } : own)),
     });
   };
   const submit = () => {
@@ -74,14 +74,14 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
               change({ rate });
             }}
           />
-          {PEAKS.map((label, place) => (
+          {PEAKS.map((label, index) => (
             <Positive
               key={label}
               label={`${label} [deg]`}
-              value={draft.peaks[place] ?? 1}
+              value={draft.peaks[index] ?? 1}
               onChange={(value) => {
                 const peaks: typeof draft.peaks = [...draft.peaks];
-                peaks[place] = value;
+                peaks[index] = value;
                 change({ peaks });
               }}
             />
@@ -162,15 +162,15 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
                 </tr>
               </thead>
               <tbody>
-                {draft.inputs.map((own, place) => (
-                  <tr key={place}>
+                {draft.inputs.map((own, index) => (
+                  <tr key={index}>
                     <td>
                       <TextInput
                         aria-label="Name of the input"
                         w={110}
                         value={own.name}
                         onChange={(event) => {
-                          changeInput(place, { name: event.currentTarget.value });
+                          changeInput(index, { name: event.currentTarget.value });
                         }}
                       />
                     </td>
@@ -180,7 +180,7 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
                           ariaLabel={`${own.name}: ${field}`}
                           value={own[field]}
                           onChange={(value) => {
-                            changeInput(place, { [field]: value });
+                            changeInput(index, { [field]: value });
                           }}
                         />
                       </td>
@@ -192,7 +192,7 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
                           placeholder={field === "targets" ? "3.2, 10.5" : "0.3:1, 12:0.01"}
                           value={own[field]}
                           onChange={(event) => {
-                            changeInput(place, { [field]: event.currentTarget.value });
+                            changeInput(index, { [field]: event.currentTarget.value });
                           }}
                         />
                       </td>
@@ -203,7 +203,7 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
                         color="gray"
                         aria-label={`Remove ${own.name}`}
                         onClick={() => {
-                          change({ inputs: draft.inputs.filter((_, k) => k !== place) });
+                          change({ inputs: draft.inputs.filter((_, k) => k !== index) });
                         }}
                       >
                         ×

@@ -1,8 +1,11 @@
 import type { ReactNode } from "react";
+import { SymbolTooltip } from "./SymbolTooltip";
 
 export interface Column<Row> {
   key: string;
   header: ReactNode;
+  /** Name in the glossary whose meaning is shown when the header is pointed at. */
+  help?: string;
   unit?: string;
   /** Numbers stand at the right so that their digits line up. */
   numeric?: boolean;
@@ -15,6 +18,16 @@ export interface Column<Row> {
   /** Name by which this column is sorted; without one it is not sortable. */
   sort?: string;
   render: (row: Row) => ReactNode;
+}
+
+/** A column of numbers. */
+export function numeric<Row>(
+  key: string,
+  header: ReactNode,
+  render: (row: Row) => ReactNode,
+  unit?: string,
+): Column<Row> {
+  return { key, header, unit, numeric: true, render };
 }
 
 interface Props<Row> {
@@ -100,7 +113,11 @@ function HeaderCell<Row>({ column, sort, onSort }: HeaderProps<Row>) {
   const arrow = direction === "ascending" ? "↑" : direction === "descending" ? "↓" : "";
   const content = (
     <>
-      {column.header}
+      {column.help === undefined ? (
+        column.header
+      ) : (
+        <SymbolTooltip name={column.help}>{column.header}</SymbolTooltip>
+      )}
       {column.unit !== undefined && <span className="unit"> [{column.unit}]</span>}
     </>
   );

@@ -4,7 +4,7 @@ import { designChecksQuery } from "../api/queries";
 import type { Design, DesignChecks } from "../api/types";
 import { degrees, fixed } from "../lib/format";
 import type { DesignView } from "../views";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
 import { Section } from "./Section";
 
@@ -21,27 +21,9 @@ interface PartProps {
 const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
   { key: "name", header: "Input", render: (row) => row.name },
   { key: "rpf", header: "RPF", numeric: true, render: (row) => fixed(row.peak_factor, 3) },
-  {
-    key: "command",
-    header: "Command",
-    unit: "deg",
-    numeric: true,
-    render: (row) => fixed(degrees(row.command_peak), 2),
-  },
-  {
-    key: "deflection",
-    header: "Deflection",
-    unit: "deg",
-    numeric: true,
-    render: (row) => fixed(degrees(row.deflection_peak), 2),
-  },
-  {
-    key: "rate",
-    header: "Rate",
-    unit: "deg/s",
-    numeric: true,
-    render: (row) => fixed(degrees(row.rate_peak), 1),
-  },
+  numeric("command", "Command", (row) => fixed(degrees(row.command_peak), 2), "deg"),
+  numeric("deflection", "Deflection", (row) => fixed(degrees(row.deflection_peak), 2), "deg"),
+  numeric("rate", "Rate", (row) => fixed(degrees(row.rate_peak), 1), "deg/s"),
   {
     key: "acceleration",
     header: "Acceleration",

@@ -43,7 +43,7 @@ export function FitTab({ run, view, onChange }: RunTabProps) {
       <div className="panel" style={{ padding: 12 }}>
         <BandBar
           maneuverId={run.maneuver_id}
-          like={run.id}
+          template={run.id}
           window={windowOf(view)}
           onClear={() => {
             onChange(bandOf(null));

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import type { UploadDetail } from "../api/types";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { Section } from "./Section";
 
 type Found = UploadDetail["fields"][number];
@@ -12,13 +12,7 @@ const COLUMNS: Column<Found>[] = [
   { key: "field", header: "Column", render: (found) => found.field },
   { key: "unit", header: "Unit in the file", render: (found) => found.unit },
   { key: "n", header: "Samples", numeric: true, render: (found) => found.n_samples },
-  {
-    key: "rate",
-    header: "Rate",
-    unit: "Hz",
-    numeric: true,
-    render: (found) => short(found.rate_hz),
-  },
+  numeric("rate", "Rate", (found) => short(found.rate_hz), "Hz"),
   {
     key: "first",
     header: "First values",

@@ -19,9 +19,12 @@ import { aircraftQuery, mappingCheckQuery, mappingsQuery } from "../api/queries"
 import type { CheckedMapping, UnitWarning, UploadDetail } from "../api/types";
 import { readKey, setKey } from "../lib/mappingText";
 import { useDraft } from "../lib/useDraft";
+import { useUndo } from "../lib/useUndo";
 import { IMPORT_FORMS } from "../views";
 import { FoundFields } from "./FoundFields";
 import { ImportProgress } from "./ImportProgress";
+import { MappingBulkEdit } from "./MappingBulkEdit";
+import { MappingClock } from "./MappingClock";
 import { MappingGuesses } from "./MappingGuesses";
 import { MappingPreview } from "./MappingPreview";
 import { MappingTable } from "./MappingTable";
@@ -37,9 +40,15 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
   const id = found.upload.id;
   const { draft, setDraft, discard } = useDraft(`import-${id}`, { text: found.proposal.text });
   const { text } = draft;
-  const setText = (changed: string) => {
+  const {
+    set: setText,
+    undo,
+    redo,
+    canUndo,
+    canRedo,
+  } = useUndo(text, (changed) => {
     setDraft({ text: changed });
-  };
+  });
   const [settled] = useDebouncedValue(text, 300);
   const check = useQuery(mappingCheckQuery(id, settled));
   const checked = check.data;
@@ -57,25 +66,37 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
         title="Mapping"
         note={`Proposed from ${found.proposal.origin}. It assigns each column; edits are stored in this tab.`}
         actions={
-          <SegmentedControl
-            size="xs"
-            aria-label="Edit the mapping as"
-            value={form}
-            onChange={(value) =>
-              void navigate({
-                search: (old) => ({ ...old, form: IMPORT_FORMS.find((own) => own === value) }),
-                replace: true,
-              })
-            }
-            data={[
-              { value: "table", label: "Table" },
-              { value: "toml", label: "TOML" },
-            ]}
-          />
+          <Group gap="xs">
+            <Button size="xs" variant="default" disabled={!canUndo} onClick={undo}>
+              Undo
+            </Button>
+            <Button size="xs" variant="default" disabled={!canRedo} onClick={redo}>
+              Redo
+            </Button>
+            <SegmentedControl
+              size="xs"
+              aria-label="Edit the mapping as"
+              value={form}
+              onChange={(value) =>
+                void navigate({
+                  search: (old) => ({ ...old, form: IMPORT_FORMS.find((own) => own === value) }),
+                  replace: true,
+                })
+              }
+              data={[
+                { value: "table", label: "Table" },
+                { value: "toml", label: "TOML" },
+              ]}
+            />
+          </Group>
         }
       >
         <Stack gap="sm">
           <Belongings text={text} onChange={setText} found={found} />
+          {form === "table" && <MappingClock text={text} onChange={setText} found={found} />}
+          {form === "table" && checked !== undefined && (
+            <MappingBulkEdit checked={checked} text={text} onChange={setText} />
+          )}
           {form === "toml" ? (
             <Textarea
               aria-label="Mapping as TOML"

@@ -3,7 +3,10 @@ import { Link } from "@tanstack/react-router";
 import { useCancelJob, useRetryJob } from "../api/commands";
 import { isOver, type Job } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
+import { oneOf } from "../lib/urlState";
+import { PARTITIONS } from "../views";
 import { DataTable, type Column } from "./DataTable";
+import { stateText } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
 import { StateBadge } from "./RunBadge";
 
@@ -12,23 +15,19 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
   const cancel = useCancelJob();
   const retry = useRetryJob();
   const columns: Column<Job>[] = [
+    { key: "kind", header: "Job", render: (job) => <JobSubject job={job} /> },
     {
-      key: "run",
-      header: "Run",
-      render: (job) => (
-        <Link to="/runs/$id" params={{ id: job.run_id }} className="link">
-          {job.method} run {job.run_id}
-        </Link>
-      ),
-    },
-    {
-      key: "maneuver",
-      header: "Maneuver",
-      render: (job) => (
-        <Link to="/maneuvers/$id" params={{ id: job.maneuver_id }} className="link">
-          {job.maneuver_label}
-        </Link>
-      ),
+      key: "title",
+      header: "Of",
+      wraps: true,
+      render: (job) =>
+        job.maneuver_id === null ? (
+          job.title
+        ) : (
+          <Link to="/maneuvers/$id" params={{ id: job.maneuver_id }} className="link">
+            {job.title}
+          </Link>
+        ),
     },
     { key: "state", header: "State", render: (job) => <StateBadge state={job.state} /> },
     { key: "progress", header: "Progress", render: (job) => <JobState job={job} /> },
@@ -38,6 +37,7 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
       numeric: true,
       render: (job) => elapsed(job.started_at, job.finished_at),
     },
+    { key: "author", header: "By", render: (job) => job.author },
     { key: "at", header: "Requested", numeric: true, render: (job) => dateTime(job.created_at) },
     {
       key: "log",
@@ -51,7 +51,7 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
             <Button
               variant="default"
               size="compact-xs"
-              aria-label={`Cancel run ${job.id}`}
+              aria-label={`Cancel job ${job.id}`}
               onClick={() => {
                 cancel.mutate(job.id);
               }}
@@ -63,7 +63,7 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
             <Button
               variant="default"
               size="compact-xs"
-              aria-label={`Retry run ${job.id}`}
+              aria-label={`Retry job ${job.id}`}
               onClick={() => {
                 retry.mutate(job.id);
               }}
@@ -90,6 +90,152 @@ export function JobTable({ jobs }: { jobs: Job[] }) {
   );
 }
 
+const KINDS: Record<string, string> = {
+  "structure-search": "Model structure search",
+  "excitation-design": "Excitation design",
+  "preflight-simulation": "Pre-flight simulation",
+  "flutter-prediction": "Flutter prediction",
+  "closed-loop": "Closed loop",
+  "cross-prediction": "Cross-prediction",
+  "cross-validation": "Cross-validation",
+  "predicted-accuracy": "Predicted accuracy",
+  "input-comparison": "Comparison with classic inputs",
+  "amplitude-optimisation": "Amplitude optimisation",
+  "quality-assessment": "Quality assessment",
+  "derivative-prediction": "Derivative prediction",
+};
+
+/** Kind of a job, with a link to what it works on. */
+function JobSubject({ job }: { job: Job }) {
+  const request = job.request ?? {};
+  const id = (key: string) => Number(request[key]);
+  if (job.run_id !== null) {
+    return (
+      <Link to="/runs/$id" params={{ id: job.run_id }} className="link">
+        {job.method} run {job.run_id}
+      </Link>
+    );
+  }
+  const label = KINDS[job.kind] ?? job.kind;
+  switch (job.kind) {
+    case "structure-search":
+      return (
+        <Link to="/search" search={{ id: id("search_id") }} className="link">
+          {label}
+        </Link>
+      );
+    case "excitation-design":
+      return job.result_id === null ? (
+        label
+      ) : (
+        <Link to="/excitation/$id" params={{ id: job.result_id }} className="link">
+          {label}
+        </Link>
+      );
+    case "derivative-prediction":
+      return (
+        <Link to="/aircraft" hash="predictions" className="link">
+          {label}
+        </Link>
+      );
+    case "preflight-simulation":
+    case "predicted-accuracy":
+    case "input-comparison":
+    case "amplitude-optimisation":
+      return (
+        <Link to="/excitation/$id" params={{ id: id("design_id") }} className="link">
+          {label}
+        </Link>
+      );
+    case "flutter-prediction":
+      return (
+        <Link
+          to="/flutter"
+          search={{
+            ...flutterSearch(request),
+            next: readNumber(request, "next_m_s"),
+            trend: request.trend === true || undefined,
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "closed-loop":
+      return (
+        <Link
+          to="/closed-loop"
+          search={{
+            ...flutterSearch(request.flutter as Record<string, unknown>),
+            controller: id("controller_id"),
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "cross-prediction": {
+      const maneuvers = request.maneuver_ids as number[];
+      return (
+        <Link
+          to="/validation"
+          search={{
+            runs: request.run_ids as number[],
+            maneuvers: maneuvers.length > 0 ? maneuvers : undefined,
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    }
+    case "cross-validation":
+      return (
+        <Link
+          to="/validation"
+          search={{
+            runs: [id("run_id")],
+            partition: oneOf(request.partition, PARTITIONS),
+            folds: id("folds"),
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "quality-assessment":
+      return (
+        <Link
+          to="/maneuvers/$id"
+          params={{ id: id("maneuver_id") }}
+          search={{ tab: "quality" }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    default:
+      return label;
+  }
+}
+
+function readNumber(query: Record<string, unknown>, key: string): number | undefined {
+  const value = query[key];
+  return typeof value === "number" ? value : undefined;
+}
+
+/** Search parameters of the pages that show a flutter query; fuel in percent. */
+function flutterSearch(query: Record<string, unknown>) {
+  const fuel = readNumber(query, "fuel");
+  return {
+    runs: query.run_ids as number[],
+    fuel: fuel === undefined ? undefined : Number((100 * fuel).toPrecision(12)),
+    altitude: readNumber(query, "altitude_m"),
+    unmodelled_modes:
+      query.unmodelled_modes === "residualized" ? ("residualized" as const) : undefined,
+  };
+}
+
 function JobState({ job }: { job: Job }) {
   if (job.state === "failed") {
     return (
@@ -98,19 +244,14 @@ function JobState({ job }: { job: Job }) {
       </Text>
     );
   }
-  if (job.state === "queued" && job.after_run_id !== null) {
-    return (
-      <Text size="xs" className="quiet">
-        starts from run {job.after_run_id}
-      </Text>
-    );
-  }
-  if (job.state !== "running") return null;
+  if (isOver(job.state)) return null;
   return (
     <Group gap="xs" wrap="nowrap">
-      <Progress value={100 * (job.progress?.fraction ?? 0)} w={120} aria-label="Progress" />
+      {job.state === "running" && (
+        <Progress value={100 * (job.progress?.fraction ?? 0)} w={120} aria-label="Progress" />
+      )}
       <Text size="xs" className="quiet">
-        iteration {job.progress?.iteration ?? 0}
+        {stateText(job)}
       </Text>
     </Group>
   );

@@ -9,7 +9,7 @@ import { SearchIcon } from "./icons";
 import { flightNumber } from "../lib/format";
 
 /** What lists of maneuvers and of runs are both filtered by. */
-export type Shared = Pick<
+type Shared = Pick<
   RunsView,
   "search" | "flight" | "fta" | "method" | "state" | "tag" | "deleted" | "selected"
 >;

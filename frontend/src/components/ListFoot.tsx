@@ -1,11 +1,9 @@
 import { Button, Group, Text } from "@mantine/core";
-import { count } from "../lib/format";
 
 interface Props {
-  noun: "maneuver" | "run";
-  shown: number;
-  /** How many there are in all; undefined until that is known. */
-  total: number | undefined;
+  /** Counts of the list; empty until they are known. */
+  counts: string;
+  testId: string;
   list: {
     hasNextPage: boolean;
     isFetchingNextPage: boolean;
@@ -14,11 +12,11 @@ interface Props {
 }
 
 /** How many of how many are listed, and the way to the rest. */
-export function ListFoot({ noun, shown, total, list }: Props) {
+export function ListFoot({ counts, testId, list }: Props) {
   return (
     <Group justify="space-between">
-      <Text size="xs" className="quiet numbers" aria-live="polite" data-testid={`${noun}-count`}>
-        {total !== undefined && `${shown} of ${count(total, noun)}`}
+      <Text size="xs" className="quiet numbers" aria-live="polite" data-testid={testId}>
+        {counts}
       </Text>
       {list.hasNextPage && (
         <Button

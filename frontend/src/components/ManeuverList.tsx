@@ -41,7 +41,14 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
         </Link>
       ),
     },
-    { key: "fta", header: "FTA", sort: "fta", numeric: true, render: (one) => one.fta ?? "–" },
+    {
+      key: "fta",
+      header: "FTA",
+      help: "FTA",
+      sort: "fta",
+      numeric: true,
+      render: (one) => one.fta ?? "–",
+    },
     {
       key: "ratio",
       header: (
@@ -49,6 +56,7 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
           V/V<sub>f</sub>
         </>
       ),
+      help: "airspeed_ratio",
       sort: "airspeed_ratio",
       numeric: true,
       render: (one) => fixed(one.airspeed_ratio, 3),
@@ -64,6 +72,7 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
     {
       key: "fuel",
       header: "Fuel",
+      help: "fuel_fraction",
       unit: "%",
       sort: "fuel_fraction",
       numeric: true,
@@ -79,7 +88,8 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
     },
     {
       key: "correlation",
-      header: <span title="Largest pairwise correlation of the inputs">Input corr.</span>,
+      header: "Input corr.",
+      help: "Input corr.",
       sort: "max_input_correlation",
       numeric: true,
       render: (one) => fixed(one.max_input_correlation, 2),

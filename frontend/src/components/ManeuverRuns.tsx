@@ -6,9 +6,10 @@ import type { RunItem } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
 import { latestPerMethod } from "../lib/runs";
 import { CompareLink } from "./CompareLink";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Loaded } from "./Loaded";
+import { AdequacyBadge } from "./ModelAdequacy";
 import { StateBadge } from "./RunBadge";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
@@ -24,24 +25,22 @@ const columns: Column<RunItem>[] = [
   },
   { key: "state", header: "State", render: (run) => <StateBadge state={run.state} /> },
   { key: "modes", header: "Modes", render: (run) => run.modes.join(", ") || "rigid" },
-  { key: "start", header: "Start", render: (run) => run.start.replaceAll("-", " ") },
+  { key: "start", header: "Start", help: "Start", render: (run) => run.start.replaceAll("-", " ") },
   {
     key: "outcome",
     header: "Outcome",
+    help: "Outcome",
     render: (run) => run.outcome ?? run.error_code ?? "",
   },
   {
-    key: "iterations",
-    header: "Iterations",
-    numeric: true,
-    render: (run) => run.n_iterations ?? "",
+    key: "adequacy",
+    header: "Model adequacy",
+    help: "adequacy",
+    onlyIf: (run) => run.adequacy !== null,
+    render: (run) => run.adequacy !== null && <AdequacyBadge state={run.adequacy} />,
   },
-  {
-    key: "took",
-    header: "Duration",
-    numeric: true,
-    render: (run) => elapsed(run.started_at, run.finished_at),
-  },
+  numeric("iterations", "Iterations", (run) => run.n_iterations ?? ""),
+  numeric("took", "Duration", (run) => elapsed(run.started_at, run.finished_at)),
   { key: "at", header: "Requested", numeric: true, render: (run) => dateTime(run.created_at) },
 ];
 

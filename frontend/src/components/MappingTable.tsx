@@ -1,7 +1,7 @@
 import { ActionIcon, Checkbox, NativeSelect, TextInput } from "@mantine/core";
 import type { CheckedMapping } from "../api/types";
 import { guessedKeys, removeTable, setKey } from "../lib/mappingText";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 
 interface Props {
   checked: CheckedMapping;
@@ -141,13 +141,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
         />
       ),
     },
-    {
-      key: "rate",
-      header: "Rate",
-      unit: "Hz",
-      numeric: true,
-      render: (row) => made(row)?.rate_hz.toPrecision(4) ?? "",
-    },
+    numeric("rate", "Rate", (row) => made(row)?.rate_hz.toPrecision(4) ?? "", "Hz"),
     {
       key: "range",
       header: "From … to",

@@ -1,4 +1,5 @@
 import { Checkbox, Group } from "@mantine/core";
+import { SymbolTooltip } from "./SymbolTooltip";
 import { METHOD_NAMES, METHODS, type Method } from "../api/types";
 
 interface Props {
@@ -15,7 +16,10 @@ export function MethodPicker({ value, onChange }: Props) {
           key={method}
           label={
             <>
-              <b>{method}</b> <span className="quiet">{METHOD_NAMES[method]}</span>
+              <SymbolTooltip name={method}>
+                <b>{method}</b>
+              </SymbolTooltip>{" "}
+              <span className="quiet">{METHOD_NAMES[method]}</span>
             </>
           }
           mr="md"

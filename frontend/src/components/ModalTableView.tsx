@@ -1,3 +1,4 @@
+import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { modalTableQuery } from "../api/queries";
 import type { ModalTable, ModalTableDetail } from "../api/types";
@@ -11,7 +12,7 @@ interface Row {
   number: number;
   name: string;
   symmetric: boolean;
-  place: number;
+  index: number;
 }
 
 /** Frequencies (and damping, where known) of a modal table, mode by mode over fuel. */
@@ -21,17 +22,25 @@ export function ModalTableView({ table }: { table: ModalTable }) {
     <Section title={table.name} note={[table.kind, table.origin].filter(Boolean).join(", ")}>
       <Loaded query={detail} rows={6}>
         {(modal) => (
-          <DataTable
-            label={table.name}
-            columns={columnsOf(modal)}
-            rows={modal.numbers.map((number, place) => ({
-              number,
-              name: modal.names[place] ?? "",
-              symmetric: modal.symmetric[place] ?? true,
-              place,
-            }))}
-            rowKey={(row) => row.number}
-          />
+          <>
+            <DataTable
+              label={table.name}
+              columns={columnsOf(modal)}
+              rows={modal.numbers.map((number, index) => ({
+                number,
+                name: modal.names[index] ?? "",
+                symmetric: modal.symmetric[index] ?? true,
+                index,
+              }))}
+              rowKey={(row) => row.number}
+            />
+            {modal.omega !== null && (
+              <Text size="xs" className="quiet numbers" p="xs">
+                Standard deviation of the frequencies that runs assume:{" "}
+                {percent(modal.frequency_std, 1)} %
+              </Text>
+            )}
+          </>
         )}
       </Loaded>
     </Section>
@@ -45,12 +54,12 @@ function columnsOf(modal: ModalTableDetail): Column<Row>[] {
     values: number[][] | null,
     show: (value: number | undefined) => string,
   ): Column<Row>[] =>
-    (values === null ? [] : someFuels(modal.fuel)).map((place) => ({
-      key: `${kind}${place}`,
-      header: `${kind} at ${percent(modal.fuel[place])} %`,
+    (values === null ? [] : someFuels(modal.fuel)).map((index) => ({
+      key: `${kind}${index}`,
+      header: `${kind} at ${percent(modal.fuel[index])} %`,
       unit,
       numeric: true,
-      render: ({ place: mode }) => show(values?.[place]?.[mode]),
+      render: ({ index: mode }) => show(values?.[index]?.[mode]),
     }));
   return [
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },

@@ -1,29 +1,32 @@
 import { Checkbox, Stack, Switch, Table, Text } from "@mantine/core";
 import { useState } from "react";
 import type { ModalTableDetail } from "../api/types";
+import { axisNames } from "../lib/derivatives";
 import { fixed, hertz } from "../lib/format";
 import { atFuel } from "../lib/modes";
 
 interface Props {
   table: ModalTableDetail;
+  axis: string;
   fuel: number;
   value: number[];
   onChange: (modes: number[]) => void;
 }
 
-/** Structural modes at the maneuver's fuel; a longitudinal model takes symmetric ones. */
-export function ModeChecklist({ table, fuel, value, onChange }: Props) {
+/** Structural modes at the maneuver's fuel; a model takes those of the symmetry of its axis. */
+export function ModeChecklist({ table, axis, fuel, value, onChange }: Props) {
   const [others, setOthers] = useState(false);
+  const isSymmetric = axisNames(axis).symmetry === "symmetric";
   const omega = table.omega ? atFuel(table.fuel, table.omega, fuel) : [];
   const rows = table.numbers
-    .map((number, place) => ({
+    .map((number, index) => ({
       number,
-      name: table.names[place] ?? "",
-      symmetric: table.symmetric[place] ?? true,
-      omega: omega[place],
+      name: table.names[index] ?? "",
+      own: (table.symmetric[index] ?? true) === isSymmetric,
+      omega: omega[index],
     }))
-    .filter((mode) => others || mode.symmetric || value.includes(mode.number));
-  const hasOthers = table.symmetric.some((symmetric) => !symmetric);
+    .filter((mode) => others || mode.own || value.includes(mode.number));
+  const hasOthers = table.symmetric.some((symmetric) => symmetric !== isSymmetric);
   return (
     <Stack gap="xs">
       <Table verticalSpacing={4} fz="sm" className="numbers" withRowBorders={false}>
@@ -60,12 +63,12 @@ export function ModeChecklist({ table, fuel, value, onChange }: Props) {
       </Table>
       {value.length === 0 && (
         <Text size="xs" className="quiet">
-          Without a mode the model is the rigid-body short period.
+          Without a mode the model is that of a rigid aircraft.
         </Text>
       )}
       {hasOthers && (
         <Switch
-          label="Show antisymmetric modes"
+          label={`Show ${isSymmetric ? "antisymmetric" : "symmetric"} modes`}
           checked={others}
           onChange={(event) => {
             setOthers(event.currentTarget.checked);

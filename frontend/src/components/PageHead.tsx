@@ -18,8 +18,8 @@ export function PageHead({ title, trail = [], aside, actions }: Props) {
     <header>
       {trail.length > 0 && (
         <Breadcrumbs component="nav" aria-label="Breadcrumbs" mb={4} fz="sm" separatorMargin={6}>
-          {trail.map((link, place) => (
-            <Anchor component="span" key={place} fz="sm" underline="never">
+          {trail.map((link, index) => (
+            <Anchor component="span" key={index} fz="sm" underline="never">
               {link}
             </Anchor>
           ))}

@@ -29,9 +29,9 @@ const MOST = 8;
 /** Command palette: opens a page, record or symbol by a part of its name. */
 export default function Palette({ onClose }: { onClose: () => void }) {
   const [typed, setTyped] = useState("");
-  const [place, setPlace] = useState(0);
+  const [active, setActive] = useState(0);
   const found = useFound(typed.trim());
-  const at = Math.min(place, found.length - 1);
+  const at = Math.min(active, found.length - 1);
   const choose = (one: Found | undefined) => {
     if (one === undefined) return;
     onClose();
@@ -46,7 +46,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
     if (step === 0 || found.length === 0) return;
     event.preventDefault();
-    setPlace((at + step + found.length) % found.length);
+    setActive((at + step + found.length) % found.length);
   };
   return (
     <Modal
@@ -76,7 +76,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
         onKeyDown={pressed}
         onChange={(event) => {
           setTyped(event.currentTarget.value);
-          setPlace(0);
+          setActive(0);
         }}
       />
       <div role="listbox" id="palette-found" aria-label="Found" className="palette-found">
@@ -92,7 +92,7 @@ export default function Palette({ onClose }: { onClose: () => void }) {
               choose(one);
             }}
             onMouseMove={() => {
-              setPlace(index);
+              setActive(index);
             }}
           >
             <span>{one.label}</span>

@@ -35,6 +35,7 @@ const NUMBERS: Column<Parameter>[] = [
   {
     key: "error",
     header: "σ",
+    help: "std_error",
     numeric: true,
     sort: "std_error",
     render: (one) => withError(one.value, one.std_error).error,
@@ -49,20 +50,29 @@ const NUMBERS: Column<Parameter>[] = [
   },
   {
     key: "bound",
-    header: <span title="Cramér-Rao bound: σ if the residuals were white">Cramér-Rao</span>,
+    header: "Cramér-Rao",
+    help: "Cramér-Rao",
     numeric: true,
     render: (one) => significant(one.cramer_rao, 2),
   },
   {
     key: "insensitivity",
-    header: <span title="σ if all other parameters were known exactly">Insensitivity</span>,
+    header: "Insensitivity",
+    help: "Insensitivity",
     numeric: true,
     render: (one) => significant(one.insensitivity, 2),
   },
-  { key: "start", header: "Start", numeric: true, render: (one) => significant(one.start) },
+  {
+    key: "start",
+    header: "Start",
+    help: "Start",
+    numeric: true,
+    render: (one) => significant(one.start),
+  },
   {
     key: "change",
     header: "Change",
+    help: "Change",
     unit: "σ",
     numeric: true,
     render: (one) =>
@@ -91,6 +101,32 @@ const NUMBERS: Column<Parameter>[] = [
   },
 ];
 
+/** Share of the variance that is due to noise. */
+const noiseColumn = (share: Record<string, number>): Column<Parameter> => ({
+  key: "noise",
+  header: "Noise",
+  help: "Noise",
+  unit: "%",
+  numeric: true,
+  onlyIf: (one) => one.name in share,
+  render: (one) => (one.name in share ? fixed(100 * (share[one.name] ?? 0), 0) : "–"),
+});
+
+/** Share of the variance that is due to the frequencies and damping of the modal table. */
+const MODAL: Column<Parameter> = {
+  key: "modal",
+  header: (
+    <span title="Share of σ² due to the frequencies and damping of the modal table">
+      Modal table
+    </span>
+  ),
+  unit: "%",
+  numeric: true,
+  onlyIf: (one) => one.modal_std != null,
+  render: ({ modal_std, std_error }) =>
+    modal_std == null || !std_error ? "–" : fixed(100 * (modal_std / std_error) ** 2, 0),
+};
+
 const KEYS: Record<string, (one: Parameter) => number | string> = {
   name: (one) => one.name,
   value: (one) => one.value,
@@ -110,12 +146,13 @@ function sortParameters(parameters: Parameter[], sort: string | undefined): Para
 
 interface Props {
   parameters: Parameter[];
+  noiseShare?: Record<string, number>;
   sort: string | undefined;
   onSort: (sort: string) => void;
 }
 
 /** Estimates with their standard errors. */
-export function ParameterTable({ parameters, sort, onSort }: Props) {
+export function ParameterTable({ parameters, noiseShare = {}, sort, onSort }: Props) {
   const near = parameters.filter(isNearZero).length;
   const without = parameters.filter((one) => one.std_error == null).length;
   return (
@@ -123,7 +160,13 @@ export function ParameterTable({ parameters, sort, onSort }: Props) {
       <DataTable
         label="Parameters"
         testId="parameter-table"
-        columns={[nameColumn(parameters.map((one) => one.name)), ...NUMBERS]}
+        columns={[
+          nameColumn(parameters.map((one) => one.name)),
+          ...NUMBERS.slice(0, 3),
+          noiseColumn(noiseShare),
+          MODAL,
+          ...NUMBERS.slice(3),
+        ]}
         rows={sortParameters(parameters, sort)}
         rowKey={(one) => one.name}
         sort={sort}

@@ -96,11 +96,11 @@ function Inflation({ params }: { params: Parameters<typeof figureQuery>[1] }) {
       </Text>
       <Table className="numbers" fz="xs">
         <Table.Tbody>
-          {meta.names.map((name, place) => (
+          {meta.names.map((name, index) => (
             <Table.Tr key={name}>
               <Table.Td>{name}</Table.Td>
-              <Table.Td ta="right" fw={(factors[place] ?? Infinity) > 10 ? 700 : undefined}>
-                {factors[place]?.toFixed(2) ?? "–"}
+              <Table.Td ta="right" fw={(factors[index] ?? Infinity) > 10 ? 700 : undefined}>
+                {factors[index]?.toFixed(2) ?? "–"}
               </Table.Td>
             </Table.Tr>
           ))}

@@ -43,14 +43,14 @@ function firstId(customdata: unknown): number | null {
 }
 
 /** Draws one spec; a spec that cannot be drawn becomes an error of this figure alone. */
-export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props }: Props) {
+export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props) {
   const element = useRef<HTMLDivElement>(null);
   const cursor = useRef<HTMLDivElement>(null);
   const { link } = props;
-  const events = useRef(props);
+  const latest = useRef(props);
   const [failure, setFailure] = useState<Error | null>(null);
   useEffect(() => {
-    events.current = props;
+    latest.current = props;
   });
 
   useEffect(() => {
@@ -65,7 +65,9 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
       const drawn = await Plotly.react(
         target,
         themedData(data, scheme),
-        windowed(themedLayout(layout, scheme, height, revision), window),
+        // No dependency: each navigation gives another array of the same numbers, and the
+        // revision shows a change.
+        windowed(themedLayout(layout, scheme, height, revision), latest.current.window),
         CONFIG,
       );
       drawn.removeAllListeners("plotly_click");
@@ -73,16 +75,16 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
       drawn.removeAllListeners("plotly_doubleclick");
       drawn.on("plotly_click", (click: { points: { customdata?: unknown }[] }) => {
         const id = firstId(click.points[0]?.customdata);
-        if (id !== null) events.current.onPick?.(id);
+        if (id !== null) latest.current.onPick?.(id);
       });
       drawn.on("plotly_relayout", (change: Record<string, unknown>) => {
         const from = change["xaxis.range[0]"];
         const to = change["xaxis.range[1]"];
         if (typeof from === "number" && typeof to === "number")
-          events.current.onWindow?.(inUnits(layout, [from, to]));
+          latest.current.onWindow?.(inUnits(layout, [from, to]));
       });
-      drawn.on("plotly_doubleclick", () => events.current.onWindow?.(null));
-      events.current.onReady({
+      drawn.on("plotly_doubleclick", () => latest.current.onWindow?.(null));
+      latest.current.onReady({
         download: (format, filename) =>
           void Plotly.downloadImage(target, {
             format,
@@ -99,9 +101,6 @@ export function PlotlyCanvas({ spec, scheme, height, revision, window, ...props 
     return () => {
       stale = true;
     };
-    // A window that is written into the address comes back as another array of the same numbers,
-    // and the revision shows the change.
-    // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [spec, scheme, height, revision]);
 
   useEffect(() => {

@@ -1,7 +1,7 @@
 import type { Pole } from "../api/types";
 import { fixed, hertz, withError } from "../lib/format";
 import { oscillation, upperHalf } from "../lib/poles";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 
 /** The server's figures with their errors; without them those of the eigenvalue alone. */
 function known(pole: Pole) {
@@ -36,26 +36,14 @@ const columns: Column<Pole>[] = [
     numeric: true,
     render: (pole) => <WithSigma value={known(pole).hertz} sigma={known(pole).hertzStd} />,
   },
-  {
-    key: "omega",
-    header: "Frequency",
-    unit: "rad/s",
-    numeric: true,
-    render: (pole) => fixed(known(pole).omega, 2),
-  },
+  numeric("omega", "Frequency", (pole) => fixed(known(pole).omega, 2), "rad/s"),
   {
     key: "damping",
     header: "Damping ratio",
     numeric: true,
     render: (pole) => <WithSigma value={known(pole).damping} sigma={known(pole).dampingStd} />,
   },
-  {
-    key: "real",
-    header: "Real",
-    unit: "1/s",
-    numeric: true,
-    render: (pole) => fixed(pole.real, 3),
-  },
+  numeric("real", "Real", (pole) => fixed(pole.real, 3), "1/s"),
 ];
 
 /** Eigenvalues of the identified model as frequency and damping. */

@@ -1,28 +1,17 @@
-import { useQuery } from "@tanstack/react-query";
-import { expectedErrorsQuery, expectedResponseQuery } from "../api/queries";
+import { predictedAccuracyResult } from "../api/queries";
 import type { Design, ExpectedError, ExpectedMode, ExpectedSummary } from "../api/types";
 import type { overFrequency } from "../lib/band";
 import { fixed, relativeError, withError } from "../lib/format";
-import { DataTable, type Column } from "./DataTable";
+import { ComputedResult } from "./ComputedResult";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Figure } from "./Figure";
-import { Loaded } from "./Loaded";
 import { Section } from "./Section";
 
 const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
-  {
-    key: "value",
-    header: "Value of the run",
-    numeric: true,
-    render: (row) => withError(row.value, row.std_error).value,
-  },
-  {
-    key: "error",
-    header: "Predicted σ",
-    numeric: true,
-    render: (row) => withError(row.value, row.std_error).error,
-  },
+  numeric("value", "Value of the run", (row) => withError(row.value, row.std_error).value),
+  numeric("error", "Predicted σ", (row) => withError(row.value, row.std_error).error),
   {
     key: "relative",
     header: "Relative σ",
@@ -34,20 +23,9 @@ const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
 
 const MODE_COLUMNS: Column<ExpectedMode>[] = [
   { key: "name", header: "Mode", render: (mode) => mode.name },
-  {
-    key: "frequency",
-    header: "Frequency",
-    unit: "Hz",
-    numeric: true,
-    render: (mode) => fixed(mode.frequency_hz, 2),
-  },
+  numeric("frequency", "Frequency", (mode) => fixed(mode.frequency_hz, 2), "Hz"),
   { key: "damping", header: "ζ", numeric: true, render: (mode) => fixed(mode.damping, 3) },
-  {
-    key: "lines",
-    header: "Harmonics in half-power band",
-    numeric: true,
-    render: (mode) => mode.lines,
-  },
+  numeric("harmonics", "Harmonics in half-power band", (mode) => mode.n_harmonics),
   { key: "output", header: "Best output", render: (mode) => mode.output ?? "not excited" },
   {
     key: "signal",
@@ -66,11 +44,11 @@ interface Row {
 
 const correlationColumns = (surfaces: string[]): Column<Row>[] => [
   { key: "name", header: "Deflection", render: (row) => row.name },
-  ...surfaces.map((name, place) => ({
+  ...surfaces.map((name, index) => ({
     key: name,
     header: name,
     numeric: true,
-    render: (row: Row) => fixed(row.values[place] ?? null, 3),
+    render: (row: Row) => fixed(row.values[index] ?? null, 3),
   })),
 ];
 
@@ -84,76 +62,66 @@ interface Props {
 
 /** Predicted accuracy of a run's derivatives: errors, signals, correlation, information. */
 export function PredictedAccuracyPart({ design, level, run, shared }: Props) {
-  const errors = useQuery(expectedErrorsQuery(design.id, level, run));
-  const response = useQuery(expectedResponseQuery(design.id, level, run));
   const params = { design_id: design.id, run_id: run, level };
   return (
-    <>
-      <Section
-        title="Modes"
-        note="Best output near each identified frequency; unmodelled response counts as noise"
-      >
-        <Loaded query={response} rows={5}>
-          {(summary) => (
+    <ComputedResult options={predictedAccuracyResult(design.id, level, run)} rows={12}>
+      {({ errors, response }) => (
+        <>
+          <Section
+            title="Modes"
+            note="Best output near each identified frequency; unmodelled response counts as noise"
+          >
             <DataTable
               label="Modes"
               testId="expected-modes"
               columns={MODE_COLUMNS}
-              rows={summary.modes}
+              rows={response.modes}
               rowKey={(mode) => mode.name}
             />
-          )}
-        </Loaded>
-      </Section>
-      <div className="panel" style={{ padding: 12 }}>
-        <Figure
-          {...shared}
-          kind="design-signal"
-          title="Signal-to-noise ratio by harmonic"
-          params={params}
-        />
-      </div>
-      <div className="panel" style={{ padding: 12 }}>
-        <Figure
-          {...shared}
-          kind="design-worth"
-          title="Information by harmonic, in parameters"
-          params={params}
-        />
-      </div>
-      <Section
-        title="Correlation of the deflections"
-        note="Over one period, with feedback and actuators; limit 0.9"
-      >
-        <Loaded query={response} rows={5}>
-          {(summary) => <Correlation summary={summary} />}
-        </Loaded>
-      </Section>
-      <Section
-        title="Standard errors"
-        note="For the model, condition and noise of the run; unmodelled response scales with the amplitude"
-      >
-        <Loaded query={errors} rows={10}>
-          {(summary) => (
-            <>
-              <p className="quiet">
-                Surfaces follow {summary.surfaces}.
-                {summary.lines_outside > 0 &&
-                  ` ${summary.lines_outside} harmonics lie outside the band of the run; the values at its limits are used there.`}
-              </p>
-              <DataTable
-                label="Predicted standard errors"
-                testId="expected-errors"
-                columns={EXPECTED_COLUMNS}
-                rows={summary.items}
-                rowKey={(row) => row.name}
-                maxHeight={560}
-              />
-            </>
-          )}
-        </Loaded>
-      </Section>
-    </>
+          </Section>
+          <div className="panel" style={{ padding: 12 }}>
+            <Figure
+              {...shared}
+              kind="design-signal"
+              title="Signal-to-noise ratio by harmonic"
+              params={params}
+            />
+          </div>
+          <div className="panel" style={{ padding: 12 }}>
+            <Figure
+              {...shared}
+              kind="design-information"
+              title="Information by harmonic, in parameters"
+              params={params}
+            />
+          </div>
+          <Section
+            title="Correlation of the deflections"
+            note="Over one period, with feedback and actuators; limit 0.9"
+          >
+            <Correlation summary={response} />
+          </Section>
+          <Section
+            title="Standard errors"
+            note="For the model, condition and noise of the run; unmodelled response scales with the amplitude"
+          >
+            <p className="quiet">
+              Surfaces follow {errors.surfaces}.
+              {errors.harmonics_outside_band > 0 &&
+                ` ${errors.harmonics_outside_band} harmonics lie outside the band of the run; the values at its limits are used there.`}
+            </p>
+            <DataTable
+              label="Predicted standard errors"
+              testId="expected-errors"
+              columns={EXPECTED_COLUMNS}
+              rows={errors.items}
+              rowKey={(row) => row.name}
+              maxHeight={560}
+            />
+          </Section>
+        </>
+      )}
+    </ComputedResult>
   );
 }
 

@@ -6,44 +6,32 @@ import { useSimulatePreflight } from "../api/commands";
 import { controllersQuery, preflightSimulationsQuery } from "../api/queries";
 import type { Design, SimulationResult, SimulatedDerivative } from "../api/types";
 import { fixed, withError } from "../lib/format";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Empty } from "./Empty";
+import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
-import { TaskProgress } from "./TaskProgress";
 
 const away = (row: SimulatedDerivative) =>
   row.std_error === null || row.std_error === 0 ? null : (row.estimate - row.flown) / row.std_error;
 
 const COLUMNS: Column<SimulatedDerivative>[] = [
   { key: "name", header: "Derivative", render: (row) => <DerivativeName name={row.name} /> },
-  {
-    key: "flown",
-    header: "Simulated",
-    numeric: true,
-    render: (row) => withError(row.flown, row.std_error).value,
-  },
-  {
-    key: "estimate",
-    header: "Estimated",
-    numeric: true,
-    render: (row) => withError(row.estimate, row.std_error).value,
-  },
-  {
-    key: "error",
-    header: "σ",
-    numeric: true,
-    render: (row) => withError(row.estimate, row.std_error).error,
-  },
-  {
-    key: "expected",
-    header: "Predicted σ",
-    numeric: true,
-    render: (row) => withError(row.flown, row.expected).error,
-  },
+  numeric("flown", "Simulated", (row) => withError(row.flown, row.std_error).value),
+  numeric("estimate", "Estimated", (row) => withError(row.estimate, row.std_error).value),
+  numeric("error", "σ", (row) => withError(row.estimate, row.std_error).error),
+  numeric("expected", "Predicted σ", (row) => withError(row.flown, row.expected).error),
   { key: "away", header: "Error", unit: "σ", numeric: true, render: (row) => fixed(away(row), 1) },
+];
+
+type Turbulence = "none" | "light" | "moderate";
+
+const TURBULENCE = [
+  { value: "none", label: "None" },
+  { value: "light", label: "Light (Dryden)" },
+  { value: "moderate", label: "Moderate (Dryden)" },
 ];
 
 interface Props {
@@ -59,6 +47,7 @@ export function PreflightPart({ design, level, run }: Props) {
   const simulate = useSimulatePreflight(design.id);
   const cache = useQueryClient();
   const [controller, setController] = useState<string | null>(null);
+  const [turbulence, setTurbulence] = useState<Turbulence>("none");
   const known = controllers.data ?? [];
   const selected = controller ?? String(known[0]?.id ?? "");
   return (
@@ -80,6 +69,16 @@ export function PreflightPart({ design, level, run }: Props) {
               value={selected === "" ? "none" : selected}
               onChange={setController}
             />
+            <Select
+              label="Turbulence"
+              w={160}
+              allowDeselect={false}
+              data={TURBULENCE}
+              value={turbulence}
+              onChange={(value) => {
+                setTurbulence((value ?? "none") as Turbulence);
+              }}
+            />
             <Button
               loading={simulate.isPending}
               data-testid="simulate-preflight"
@@ -89,6 +88,7 @@ export function PreflightPart({ design, level, run }: Props) {
                   run_id: run,
                   level,
                   controller_id: Number.isInteger(id) && id > 0 ? id : null,
+                  turbulence,
                 });
               }}
             >
@@ -97,10 +97,10 @@ export function PreflightPart({ design, level, run }: Props) {
           </Group>
           {simulate.isError && <ProblemAlert error={simulate.error} />}
           {simulate.data !== undefined && (
-            <TaskProgress
+            <JobWait
               key={simulate.data.id}
-              task={simulate.data}
-              onMade={() =>
+              id={simulate.data.id}
+              onEnd={() =>
                 void cache.invalidateQueries({
                   queryKey: preflightSimulationsQuery(design.id).queryKey,
                 })

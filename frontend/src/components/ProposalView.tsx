@@ -25,9 +25,9 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
   const craft = aircraft.data?.find((one) => one.id === decision.aircraft_id);
   const surfaces = craft?.surfaces.map((one) => one.name) ?? [];
   const { proposal, structure, changes, rules } = decision;
-  const { modes, inputs: named } = structure.structure;
+  const { modes, inputs: named, axis } = structure.structure;
   const inputs = named.length > 0 ? named : surfaces;
-  const all = derivativeNames(modes, inputs);
+  const all = derivativeNames(modes, inputs, axis);
   const found =
     changes === null ? [] : differences(changes.structure, structure.structure, surfaces);
   const before = new Map(found.map((one) => [one.what, one.before]));
@@ -91,6 +91,7 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
         }
       >
         <StructureGrid
+          axis={axis}
           modes={modes}
           inputs={inputs}
           states={structure.structure}
@@ -134,8 +135,8 @@ function Evidence({ decision }: { decision: Decision }) {
             <RunLink id={id} />
           </li>
         ))}
-        {proposal.comparisons.map((one, place) => (
-          <li key={`comparison ${place}`}>
+        {proposal.comparisons.map((one, index) => (
+          <li key={`comparison ${index}`}>
             <Link
               to="/compare"
               search={{

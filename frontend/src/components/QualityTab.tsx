@@ -2,7 +2,8 @@ import { Alert, Button, Group, List, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { qualityQuery } from "../api/queries";
 import type { ManeuverQuality } from "../api/types";
-import { useTakeCorrections } from "../api/commands";
+import { useEffect, useEffectEvent } from "react";
+import { useAssessManeuver, useTakeCorrections } from "../api/commands";
 import { calibrationsOf, delaysOf, repairsOf } from "./corrections";
 import { count, fixed, percent, significant } from "../lib/format";
 import { overFrequency } from "../lib/band";
@@ -10,9 +11,11 @@ import { BandBar } from "./BandBar";
 import { ConditioningSteps } from "./ConditioningSteps";
 import { Facts } from "./ConditionFacts";
 import { Figure } from "./Figure";
+import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 import { QualityChannels } from "./QualityChannels";
+import { QualitySurfaces } from "./QualitySurfaces";
 import { Section } from "./Section";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 import { VERDICT_COLORS } from "./VerdictBadge";
@@ -27,9 +30,27 @@ const TITLES = {
 /** Quality of the recording: verdict, warnings, channels, condition, corrections. */
 export function QualityTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const quality = useQuery(qualityQuery(maneuver.id));
+  const assess = useAssessManeuver(maneuver.id);
+  const job = quality.data?.job;
+  // A job that has ended was of earlier data.
+  const isMissing = quality.data?.quality === null && (!job || job.state === "succeeded");
+  const request = useEffectEvent(() => {
+    assess.mutate();
+  });
+  useEffect(() => {
+    if (isMissing) request();
+  }, [isMissing]);
   return (
     <Loaded query={quality} rows={10}>
-      {(data) => <Found id={maneuver.id} quality={data} shared={overFrequency(view, onChange)} />}
+      {({ quality: found }) =>
+        found !== null ? (
+          <Found id={maneuver.id} quality={found} shared={overFrequency(view, onChange)} />
+        ) : job ? (
+          <JobWait key={job.id} id={job.id} onEnd={() => void quality.refetch()} />
+        ) : (
+          assess.isError && <ProblemAlert error={assess.error} />
+        )
+      }
     </Loaded>
   );
 }
@@ -58,8 +79,8 @@ function Found({ id, quality, shared }: FoundProps) {
             {(quality.verdict === "good" || quality.verdict === "unchecked") && (
               <List.Item>{quality.summary}</List.Item>
             )}
-            {report.warnings.map((warning, place) => (
-              <List.Item key={place} fw={warning.severity === "bad" ? 600 : undefined}>
+            {report.warnings.map((warning, index) => (
+              <List.Item key={index} fw={warning.severity === "bad" ? 600 : undefined}>
                 {warning.text}
               </List.Item>
             ))}
@@ -70,6 +91,14 @@ function Found({ id, quality, shared }: FoundProps) {
       <Section title="Channels" note={<SkewNote quality={quality} />}>
         <QualityChannels channels={report.channels} />
       </Section>
+      {report.surfaces.length > 0 && (
+        <Section
+          title="Surfaces"
+          note="As flown against the recorded commands: servo, motion without command, limits"
+        >
+          <QualitySurfaces surfaces={report.surfaces} />
+        </Section>
+      )}
       <Section
         title="Flight condition"
         note="Averages over the maneuver with their spread; drift is the trend from start to end"
@@ -195,8 +224,8 @@ function Condition({ quality }: { quality: ManeuverQuality }) {
               {condition.averages.map((one) => (
                 <tr key={one.name}>
                   <td>{one.name}</td>
-                  {[one.mean, one.std, one.smallest, one.largest, one.drift].map((value, place) => (
-                    <td className="end numbers" key={place}>
+                  {[one.mean, one.std, one.smallest, one.largest, one.drift].map((value, index) => (
+                    <td className="end numbers" key={index}>
                       {significant(value)}
                     </td>
                   ))}

@@ -15,7 +15,7 @@ export function QueueStatus({ status }: { status: Status }) {
       <Fact
         label="Workers"
         value={pool === null ? "none" : `${busy} of ${pool.workers} busy`}
-        note={pool === null ? "no dispatcher" : `${pool.place}, led by ${pool.server}`}
+        note={pool === null ? "no dispatcher" : `${pool.location}, led by ${pool.server}`}
       />
       <Fact
         label="Throughput"

@@ -2,6 +2,7 @@ import { MultiSelect, SegmentedControl, Stack, Text, TextInput } from "@mantine/
 import { useQuery } from "@tanstack/react-query";
 import { figureQuery } from "../api/queries";
 import { integers } from "../lib/urlState";
+import { axisNames } from "../lib/derivatives";
 import { fixed } from "../lib/format";
 import { overFrequency, overTime } from "../lib/band";
 import { BandBar } from "./BandBar";
@@ -36,7 +37,8 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
     shared.onWindow(null);
   };
   const first = meta.modes?.[0];
-  const selected = view.quantities ?? (first === undefined ? ["CZ"] : ["CZ", `etaddot${first}`]);
+  const force = axisNames(maneuver.axis).coefficients[0] ?? "CZ";
+  const selected = view.quantities ?? (first === undefined ? [force] : [force, `etaddot${first}`]);
   return (
     <div className="split">
       <Stack gap="md">

@@ -4,6 +4,7 @@ import { ApiProblem } from "../api/problem";
 import type { Decision, ModelStructure, StaleProposal } from "../api/types";
 import { draftOf, mergedProposal, type StoredProposal, type ProposalDraft } from "../lib/proposal";
 import { useDraft } from "../lib/useDraft";
+import { ConflictResolutions } from "./ConflictResolutions";
 import { ProblemAlert } from "./ProblemAlert";
 import { ProposalDifference } from "./ProposalDifference";
 import { ProposalForm } from "./ProposalForm";
@@ -101,39 +102,15 @@ function Conflict({ stale, onResolve }: ConflictProps) {
         />
         <ProposalDifference before={base} after={mine} names={["You read", "Yours"]} />
       </div>
-      {both.clashes.length > 0 && (
-        <Text size="sm" mt="sm" c="var(--page-warn)">
-          Both changed {both.clashes.join(", ")}; in a merge, yours is used.
-        </Text>
-      )}
-      <Group mt="sm" gap="sm">
-        <Button
-          data-testid="conflict-merge"
-          onClick={() => {
-            onResolve(both.proposal, revision);
-          }}
-        >
-          Merge both
-        </Button>
-        <Button
-          variant="default"
-          data-testid="conflict-mine"
-          onClick={() => {
-            onResolve(mine, revision);
-          }}
-        >
-          Mine only
-        </Button>
-        <Button
-          variant="default"
-          data-testid="conflict-theirs"
-          onClick={() => {
-            onResolve(current, revision);
-          }}
-        >
-          Theirs only
-        </Button>
-      </Group>
+      <ConflictResolutions
+        merged={both.proposal}
+        mine={mine}
+        theirs={current}
+        clashes={both.clashes}
+        onResolve={(proposal) => {
+          onResolve(proposal, revision);
+        }}
+      />
     </Alert>
   );
 }

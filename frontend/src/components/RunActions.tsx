@@ -18,7 +18,7 @@ export function RunActions({ run }: { run: Run }) {
       <ButtonLink
         to="/maneuvers/$id/new-run"
         params={{ id: run.maneuver_id }}
-        search={{ like: run.id }}
+        search={{ template_run: run.id }}
         variant="default"
         data-testid="run-again"
       >
@@ -66,6 +66,11 @@ export function RunActions({ run }: { run: Run }) {
             </Menu.Item>
           </Menu.Dropdown>
         </Menu>
+      )}
+      {done && (
+        <ButtonLink to="/validation" search={{ runs: [run.id] }} variant="default">
+          Validate
+        </ButtonLink>
       )}
       {done && (
         <CompareLink

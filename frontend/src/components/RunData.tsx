@@ -55,17 +55,17 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           }}
         />
         <Group grow align="flex-start">
-          {(["from", "to"] as const).map((end, place) => (
+          {(["from", "to"] as const).map((end, index) => (
             <TextInput
               key={end}
               label={`Band ${end} [Hz]`}
               placeholder="excited band"
               inputMode="decimal"
               error={"fault" in band}
-              value={draft.band[place]}
+              value={draft.band[index]}
               onChange={(event) => {
                 const next: [string, string] = [...draft.band];
-                next[place] = event.currentTarget.value;
+                next[index] = event.currentTarget.value;
                 onChange({ band: next });
               }}
             />

@@ -45,7 +45,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
   const inputs = draft.inputs.length > 0 ? draft.inputs : excitedInputs(maneuver);
   const fault = draftFault(draft);
   const [current, setCurrent] = useState<string>();
-  const all = derivativeNames(draft.modes, inputs);
+  const all = derivativeNames(draft.modes, inputs, draft.axis);
   const states = statesOf(draft, inputs);
   const { set: setWhole, undo, redo } = useUndo(draft, onChange);
   const setStates = (next: States) => {
@@ -83,6 +83,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
                 {(modal) => (
                   <ModeChecklist
                     table={modal}
+                    axis={draft.axis}
                     fuel={maneuver.condition.fuel_fraction}
                     value={draft.modes}
                     onChange={(modes) => {
@@ -124,6 +125,7 @@ export function RunForm({ maneuver, tables, predictions, draft, onChange, ...pro
         </div>
         <Section title="Derivatives" note="Free: estimated. Fixed: held at a value. Absent: zero.">
           <StructureGrid
+            axis={draft.axis}
             modes={draft.modes}
             inputs={inputs}
             states={states}

@@ -19,7 +19,7 @@ export function RunIntegrity({ run }: { run: Run }) {
           <Link
             to="/maneuvers/$id/new-run"
             params={{ id: run.maneuver_id }}
-            search={{ like: run.id }}
+            search={{ template_run: run.id }}
             className="link"
           >
             estimate again

@@ -1,7 +1,8 @@
 import { Link } from "@tanstack/react-router";
 import type { RunItem } from "../api/types";
 import { dateMinute, dateTime, fixed, flightNumber } from "../lib/format";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
+import { AdequacyBadge } from "./ModelAdequacy";
 import { StateBadge } from "./RunBadge";
 import { selectColumn } from "./selectColumn";
 import { Tags } from "./Tags";
@@ -56,6 +57,7 @@ const columns: Column<RunItem>[] = [
         V/V<sub>f</sub>
       </>
     ),
+    help: "airspeed_ratio",
     sort: "airspeed_ratio",
     numeric: true,
     render: (run) => fixed(run.airspeed_ratio, 3),
@@ -64,6 +66,7 @@ const columns: Column<RunItem>[] = [
   {
     key: "outcome",
     header: "Outcome",
+    help: "Outcome",
     render: (run) =>
       run.changed_since.length > 0 ? (
         <span title={`Changed since: ${run.changed_since.join(", ")}`}>
@@ -75,16 +78,19 @@ const columns: Column<RunItem>[] = [
   },
   {
     key: "fit",
-    header: <span title="R² of the output that is fitted worst">Worst R²</span>,
+    header: "Worst R²",
+    help: "Worst R²",
     numeric: true,
     render: (run) => fixed(run.worst_r_squared, 3),
   },
   {
-    key: "warnings",
-    header: "Warnings",
-    numeric: true,
-    render: (run) => run.n_warnings ?? "",
+    key: "adequacy",
+    header: "Model adequacy",
+    help: "adequacy",
+    onlyIf: (run) => run.adequacy !== null,
+    render: (run) => run.adequacy !== null && <AdequacyBadge state={run.adequacy} />,
   },
+  numeric("warnings", "Warnings", (run) => run.n_warnings ?? ""),
   {
     key: "tags",
     header: "Tags",

@@ -12,6 +12,8 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
     <>
       <Text size="sm" mb="sm" data-testid="run-outcome">
         {fit.message}
+        {fit.noise !== "" &&
+          ` Weights: ${fit.noise}, ${String(fit.noise_degrees_of_freedom)} degrees of freedom.`}
       </Text>
       <Facts
         facts={[
@@ -22,6 +24,8 @@ export function RunOutcome({ run, fit }: { run: Run; fit: Fit }) {
           ["Parameters", fit.n_parameters],
           ["Frequencies", fit.n_lines],
           ["Modes", run.structure.modes.join(", ") || "rigid"],
+          ["Nuisance modes", run.retained?.modes.join(", ") ?? "none"],
+          ["Spread of the prediction", fixed(run.retained && 100 * run.retained.spread, 0), "%"],
           ["Start", fit.start.replaceAll("-", " ")],
           ["Computing time", fixed(fit.seconds, 2), "s"],
         ]}

@@ -1,10 +1,12 @@
+import { axisNames } from "../lib/derivatives";
+import { asAxis } from "./runRequest";
 import { Button, Group, MultiSelect, NumberInput, Pill, Select, Stack, Text } from "@mantine/core";
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { useRequestSearch } from "../api/commands";
 import { maneuverQuery, modalTablesQuery, searchesQuery } from "../api/queries";
 import { METHOD_NAMES, METHODS } from "../api/types";
 import { integer, integers, oneOf } from "../lib/urlState";
-import { SEARCH_ALGORITHMS, SEARCH_STARTS, type SearchView } from "../views";
+import { SEARCH_ALGORITHMS, INITIAL_TERMS, type SearchView } from "../views";
 import { ManeuverSelect } from "./ManeuverSelect";
 import { ProblemAlert } from "./ProblemAlert";
 
@@ -14,7 +16,7 @@ interface Props {
 }
 
 const USUAL_F = 20;
-const USUAL = { pse_noise: 25, draws: 30, max_iterations: 100, noise: "diagonal" } as const;
+const USUAL = { pse_noise: 25, resamplings: 30, max_iterations: 100, noise: "diagonal" } as const;
 
 /** Form of a search: maneuvers, modes, method and thresholds. */
 export function SearchForm({ view, onChange }: Props) {
@@ -27,6 +29,8 @@ export function SearchForm({ view, onChange }: Props) {
     enabled: first.data !== undefined,
   });
   const table = tables.data?.find((one) => one.kind === "FEM") ?? tables.data?.[0];
+  const axis = asAxis(first.data?.axis ?? "longitudinal");
+  const isSymmetric = axisNames(axis).symmetry === "symmetric";
   const method = view.method ?? "EE";
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   const start = () => {
@@ -40,13 +44,13 @@ export function SearchForm({ view, onChange }: Props) {
           outputs: [],
           free_delays: false,
           extra_parameters: [],
-          axis: "longitudinal",
+          axis,
           absent: [],
         },
         settings: {
           ...USUAL,
           algorithm: view.algorithm ?? "stepwise",
-          begin: view.begin ?? "all",
+          initial_terms: view.initial_terms ?? "all",
           f_in: view.f_in ?? USUAL_F,
           f_out: view.f_out ?? view.f_in ?? USUAL_F,
           validate_on: view.unseen ?? [],
@@ -93,12 +97,12 @@ export function SearchForm({ view, onChange }: Props) {
           label="Modes"
           description={maneuvers.length === 0 ? "Select a maneuver first" : table?.name}
           data={(table?.numbers ?? [])
-            .map((number, place) => ({
+            .map((number, index) => ({
               value: String(number),
-              label: `${String(number)} ${table?.names[place] ?? ""}`,
-              symmetric: table?.symmetric[place] ?? true,
+              label: `${String(number)} ${table?.names[index] ?? ""}`,
+              symmetric: table?.symmetric[index] ?? true,
             }))
-            .filter((mode) => mode.symmetric)}
+            .filter((mode) => mode.symmetric === isSymmetric)}
           data-testid="search-modes"
           value={(view.modes ?? []).map(String)}
           onChange={(modes) => {
@@ -132,9 +136,9 @@ export function SearchForm({ view, onChange }: Props) {
               { value: "all", label: "all terms" },
               { value: "equation error", label: "terms selected by equation error" },
             ]}
-            value={view.begin ?? "all"}
+            value={view.initial_terms ?? "all"}
             onChange={(value) => {
-              onChange({ begin: oneOf(value, SEARCH_STARTS) });
+              onChange({ initial_terms: oneOf(value, INITIAL_TERMS) });
             }}
           />
         )}
@@ -197,7 +201,7 @@ function ManeuverTags({ label, ids, onChange }: ManeuverTagsProps) {
       </Text>
       {ids.length > 0 && (
         <Pill.Group mb={6}>
-          {ids.map((id, place) => (
+          {ids.map((id, index) => (
             <Pill
               key={id}
               withRemoveButton
@@ -206,7 +210,7 @@ function ManeuverTags({ label, ids, onChange }: ManeuverTagsProps) {
                 onChange(ids.filter((one) => one !== id));
               }}
             >
-              {known[place]?.data?.label ?? `maneuver ${String(id)}`}
+              {known[index]?.data?.label ?? `maneuver ${String(id)}`}
             </Pill>
           ))}
         </Pill.Group>

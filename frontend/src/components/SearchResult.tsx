@@ -1,11 +1,13 @@
-import { Alert, Badge, Button, Group, List, Progress, SegmentedControl, Text } from "@mantine/core";
+import { asAxis } from "./runRequest";
+import { Alert, Badge, Button, Group, List, SegmentedControl, Text } from "@mantine/core";
 import { useNavigate } from "@tanstack/react-router";
-import { useAddStructure, useCancelSearch, useOpenCandidate } from "../api/commands";
+import { useAddStructure, useOpenCandidate } from "../api/commands";
 import { isOver, type SearchCandidate, type StructureSearch, type TermGroup } from "../api/types";
 import { fixed, percent, significant, withError } from "../lib/format";
-import { DataTable, type Column } from "./DataTable";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Figure } from "./Figure";
+import { JobWait } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
 
@@ -18,7 +20,13 @@ interface Props {
 /** Progress or result of a search. */
 export function SearchResult({ search, group, onGroup }: Props) {
   const result = search.result;
-  if (!isOver(search.state)) return <Under search={search} />;
+  if (!isOver(search.state)) {
+    return (
+      <div className="panel" style={{ padding: 16 }}>
+        {search.job_id !== null && <JobWait key={search.job_id} id={search.job_id} />}
+      </div>
+    );
+  }
   if (result === null) {
     return (
       <Alert color="red.9" variant="filled" role="alert" title={`The search has ${search.state}`}>
@@ -54,35 +62,6 @@ export function SearchResult({ search, group, onGroup }: Props) {
   );
 }
 
-function Under({ search }: { search: StructureSearch }) {
-  const cancel = useCancelSearch();
-  const progress = search.progress;
-  return (
-    <div className="panel" style={{ padding: 16 }} data-testid="search-progress">
-      <Group justify="space-between" mb={6}>
-        <Text size="sm" aria-live="polite">
-          {search.state === "queued" ? "Queued" : progress?.message}
-        </Text>
-        <Button
-          variant="default"
-          loading={cancel.isPending}
-          onClick={() => {
-            cancel.mutate(search.id);
-          }}
-        >
-          Cancel
-        </Button>
-      </Group>
-      <Progress
-        value={Math.max(3, 100 * (progress?.fraction ?? 0))}
-        animated
-        aria-label="Progress"
-      />
-      {cancel.isError && <ProblemAlert error={cancel.error} />}
-    </div>
-  );
-}
-
 interface CandidatesProps {
   search: StructureSearch;
   result: NonNullable<StructureSearch["result"]>;
@@ -99,7 +78,7 @@ function Candidates({ search, result }: CandidatesProps) {
       {
         aircraft_id: search.aircraft_id,
         name: `Search ${String(search.id)}: ${String(one.n_terms)} terms`,
-        structure: { ...one.structure, axis: "longitudinal" },
+        structure: { ...one.structure, axis: asAxis(one.structure.axis) },
         note: `${result.sentence} Candidate: ${one.why}`,
       },
       {
@@ -108,7 +87,7 @@ function Candidates({ search, result }: CandidatesProps) {
       },
     );
   };
-  const columns: Column<{ one: SearchCandidate; place: number }>[] = [
+  const columns: Column<{ one: SearchCandidate; index: number }>[] = [
     {
       key: "name",
       header: "Candidate",
@@ -166,15 +145,15 @@ function Candidates({ search, result }: CandidatesProps) {
     {
       key: "actions",
       header: "",
-      render: ({ one, place }) => (
+      render: ({ one, index }) => (
         <Group gap={6} wrap="nowrap">
           <Button
             size="compact-xs"
             variant="default"
-            data-testid={`open-candidate-${String(place)}`}
-            loading={open.isPending && open.variables === place}
+            data-testid={`open-candidate-${String(index)}`}
+            loading={open.isPending && open.variables === index}
             onClick={() => {
-              open.mutate(place, {
+              open.mutate(index, {
                 onSuccess: (run) => void navigate({ to: "/runs/$id", params: { id: run.id } }),
               });
             }}
@@ -184,7 +163,7 @@ function Candidates({ search, result }: CandidatesProps) {
           <Button
             size="compact-xs"
             variant="default"
-            data-testid={`open-candidate-${String(place)}`}
+            data-testid={`create-structure-${String(index)}`}
             loading={add.isPending}
             onClick={() => {
               makeStructure(one);
@@ -202,8 +181,8 @@ function Candidates({ search, result }: CandidatesProps) {
         label="Candidates"
         testId="candidates"
         columns={columns}
-        rows={all.map((one, place) => ({ one, place }))}
-        rowKey={(row) => row.place}
+        rows={all.map((one, index) => ({ one, index }))}
+        rowKey={(row) => row.index}
         isSelected={(row) => row.one.proposed}
       />
       {(open.isError || add.isError) && <ProblemAlert error={open.error ?? add.error} />}
@@ -250,8 +229,8 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
           label="Path"
           testId="path"
           columns={STEP_COLUMNS}
-          rows={group.path.map((step, place) => ({ ...step, place: place + 1 }))}
-          rowKey={(step) => step.place}
+          rows={group.path.map((step, index) => ({ ...step, index: index + 1 }))}
+          rowKey={(step) => step.index}
           maxHeight={420}
         />
       </Section>
@@ -263,8 +242,8 @@ function Shown({ search, group }: { search: StructureSearch; group: TermGroup })
           <DataTable
             label="Nearly dependent terms"
             columns={DEPENDENCY_COLUMNS}
-            rows={group.dependencies.map((one, place) => ({ ...one, place }))}
-            rowKey={(row) => row.place}
+            rows={group.dependencies.map((one, index) => ({ ...one, index }))}
+            rowKey={(row) => row.index}
             maxHeight={320}
           />
         </Section>
@@ -289,20 +268,8 @@ const TERM_COLUMNS: Column<TermGroup["terms"][number]>[] = [
     render: (term) => (term.value === null ? "–" : withError(term.value, term.std_error).error),
   },
   { key: "f", header: "Partial F", numeric: true, render: (term) => significant(term.f, 3) },
-  {
-    key: "stability",
-    header: "In draws",
-    unit: "%",
-    numeric: true,
-    render: (term) => percent(term.stability),
-  },
-  {
-    key: "support",
-    header: "In maneuvers",
-    unit: "%",
-    numeric: true,
-    render: (term) => percent(term.support),
-  },
+  numeric("stability", "In resamplings", (term) => percent(term.stability), "%"),
+  numeric("support", "In maneuvers", (term) => percent(term.support), "%"),
   {
     key: "inflation",
     header: "Variance inflation",
@@ -311,8 +278,8 @@ const TERM_COLUMNS: Column<TermGroup["terms"][number]>[] = [
   },
 ];
 
-const STEP_COLUMNS: Column<TermGroup["path"][number] & { place: number }>[] = [
-  { key: "place", header: "Step", numeric: true, render: (step) => step.place },
+const STEP_COLUMNS: Column<TermGroup["path"][number] & { index: number }>[] = [
+  { key: "index", header: "Step", numeric: true, render: (step) => step.index },
   { key: "action", header: "", render: (step) => (step.action === "enter" ? "in" : "out") },
   { key: "term", header: "Term", render: (step) => <DerivativeName name={step.term} /> },
   { key: "f", header: "Partial F", numeric: true, render: (step) => significant(step.f, 4) },
@@ -322,13 +289,8 @@ const STEP_COLUMNS: Column<TermGroup["path"][number] & { place: number }>[] = [
   { key: "bic", header: "BIC", numeric: true, render: (step) => significant(step.bic, 7) },
 ];
 
-const DEPENDENCY_COLUMNS: Column<TermGroup["dependencies"][number] & { place: number }>[] = [
-  {
-    key: "index",
-    header: "Condition index",
-    numeric: true,
-    render: (row) => fixed(row.condition_index, 1),
-  },
+const DEPENDENCY_COLUMNS: Column<TermGroup["dependencies"][number] & { index: number }>[] = [
+  numeric("index", "Condition index", (row) => fixed(row.condition_index, 1)),
   {
     key: "terms",
     header: "Terms and their shares",

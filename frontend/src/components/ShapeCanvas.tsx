@@ -79,7 +79,7 @@ export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 
     let best = -1;
     let gap = NEAR;
     shape.sensors.forEach((sensor, index) => {
-      const [sx, sy] = place(sensor.place_m);
+      const [sx, sy] = place(sensor.location_m);
       const distance = Math.hypot(sx - x, sy - y);
       if (distance < gap) [gap, best] = [distance, index];
     });
@@ -189,7 +189,7 @@ function paint(
   // Half a turn about y takes body axes back to those of the nodes.
   pen.fillStyle = ink.sensor;
   for (const sensor of shape.sensors) {
-    const [x = 0, y = 0, z = 0] = sensor.place_m;
+    const [x = 0, y = 0, z = 0] = sensor.location_m;
     const [px = 0, py = 0, pz = 0] = sensor.phi_m;
     const at = place([x - factor * px, y + factor * py, z - factor * pz]);
     pen.beginPath();

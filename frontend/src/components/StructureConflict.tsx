@@ -1,7 +1,8 @@
-import { Alert, Button, Group, Stack, Text } from "@mantine/core";
+import { Alert, Stack, Text } from "@mantine/core";
 import type { StaleStructure } from "../api/types";
 import { dateTime } from "../lib/format";
 import { differences, merged, type Structure } from "../lib/structure";
+import { ConflictResolutions } from "./ConflictResolutions";
 import { StructureDifference } from "./StructureDifference";
 
 interface Props {
@@ -44,39 +45,13 @@ export function StructureConflict({ stale, mine, surfaces, onResolve }: Props) {
           <StructureDifference found={own} before={`Version ${base.version}`} after="Yours" />
         </Stack>
       </div>
-      {both.clashes.length > 0 && (
-        <Text size="sm" mt="sm" c="var(--page-warn)">
-          Both changed {both.clashes.join(", ")}; in a merge, yours is used.
-        </Text>
-      )}
-      <Group mt="sm" gap="sm">
-        <Button
-          data-testid="conflict-merge"
-          onClick={() => {
-            onResolve(both.structure);
-          }}
-        >
-          Merge both
-        </Button>
-        <Button
-          variant="default"
-          data-testid="conflict-mine"
-          onClick={() => {
-            onResolve(mine);
-          }}
-        >
-          Mine only
-        </Button>
-        <Button
-          variant="default"
-          data-testid="conflict-theirs"
-          onClick={() => {
-            onResolve(current.structure);
-          }}
-        >
-          Theirs only
-        </Button>
-      </Group>
+      <ConflictResolutions
+        merged={both.structure}
+        mine={mine}
+        theirs={current.structure}
+        clashes={both.clashes}
+        onResolve={onResolve}
+      />
     </Alert>
   );
 }

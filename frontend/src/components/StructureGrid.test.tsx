@@ -13,6 +13,7 @@ function Grid({ readOnly }: { readOnly?: boolean }) {
   const { set, undo, redo } = useUndo(states, setStates);
   return (
     <StructureGrid
+      axis="longitudinal"
       modes={[7]}
       inputs={["bfs"]}
       states={states}

@@ -13,6 +13,7 @@ import {
 import { CoefficientName, VariableName } from "./DerivativeName";
 
 interface Props {
+  axis: string;
   modes: readonly number[];
   inputs: readonly string[];
   states: States;
@@ -46,10 +47,10 @@ const MARKS: Record<DerivativeState, string> = { free: "free", fixed: "fixed", a
  * frees, X fixes, Space takes away (again: gives back); a name does its row or column.
  */
 export function StructureGrid(props: Props) {
-  const { modes, inputs, states, onChange, numbers, before, readOnly = false } = props;
-  const rows = coefficients(modes);
-  const columns = variables(modes, inputs);
-  const all = derivativeNames(modes, inputs);
+  const { axis, modes, inputs, states, onChange, numbers, before, readOnly = false } = props;
+  const rows = coefficients(modes, axis);
+  const columns = variables(modes, inputs, axis);
+  const all = derivativeNames(modes, inputs, axis);
   const grid = useRef<HTMLTableElement>(null);
   // The grid shrinks when modes are taken away; the one tab stop stays inside it.
   const current =

@@ -61,7 +61,7 @@ export function StructureView(props: Props) {
   const before = new Map(found.map((one) => [one.what, one.before]));
 
   const inputs = structure.inputs.length > 0 ? structure.inputs : surfaces;
-  const all = derivativeNames(structure.modes, inputs);
+  const all = derivativeNames(structure.modes, inputs, structure.axis);
   const set = (states: States) => {
     onChange({ ...structure, ...states });
   };
@@ -103,6 +103,7 @@ export function StructureView(props: Props) {
         }
       >
         <StructureGrid
+          axis={structure.axis}
           modes={structure.modes}
           inputs={inputs}
           states={structure}

@@ -8,7 +8,8 @@ export function SymbolTooltip({ name, children }: { name: string; children: Reac
   const [pointed, setPointed] = useState(false);
   const { data } = useQuery({ ...meaningQuery(name), enabled: pointed });
   const unit = data?.display_unit ?? "";
-  const label = data == null ? name : `${name}: ${data.meaning}${unit === "" ? "" : ` [${unit}]`}`;
+  const shown = unit === "" || unit === "1" ? "" : ` [${unit}]`;
+  const label = data == null ? name : `${data.label}: ${data.meaning}${shown}`;
   return (
     <Tooltip label={label} multiline maw={320}>
       <span

@@ -21,11 +21,15 @@ import {
 } from "../lib/runDraft";
 import { stateOf, type Structure } from "../lib/structure";
 
+/** The axis of a model; the one of a ground record is the longitudinal one. */
+export const asAxis = (axis: string): "longitudinal" | "lateral" =>
+  axis === "lateral" ? "lateral" : "longitudinal";
+
 interface RunContext {
-  like?: Run;
+  template?: Run;
   /** Stored structure that the run refers to. */
   origin?: Origin;
-  together?: number[];
+  additionalManeuvers?: number[];
   outOfBand?: number[];
 }
 
@@ -35,7 +39,7 @@ export function runRequest(
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
-  { like, origin, together, outOfBand = [] }: RunContext,
+  { template, origin, additionalManeuvers, outOfBand = [] }: RunContext,
 ): RunRequest {
   const band = bandOf(draft);
   const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
@@ -52,7 +56,7 @@ export function runRequest(
       : {
           structure: {
             ...structure,
-            axis: "longitudinal" as const,
+            axis: asAxis(draft.axis),
             modes: [...draft.modes, ...outOfBand],
             free: outOfBand.length > 0 ? (free ?? freeNames(structure, inputs)) : free,
           },
@@ -62,15 +66,18 @@ export function runRequest(
       band_hz: "band" in band ? band.band : null,
       max_iterations: draft.maxIterations,
       noise: draft.noise,
-      start_run_id: draft.start === "run" ? like?.id : null,
+      start_run_id: draft.start === "run" ? template?.id : null,
       priors: Object.fromEntries(
-        Object.entries(like?.settings.priors ?? {}).map(([name, [value = 0, spread = 1]]) => [
+        Object.entries(template?.settings.priors ?? {}).map(([name, [value = 0, spread = 1]]) => [
           name,
           [value, spread] as [number, number],
         ]),
       ),
       prior_spread: draft.priorSpread,
-      additional_maneuver_ids: together ?? like?.settings.additional_maneuver_ids ?? [],
+      out_of_band_modes: draft.outOfBandModes === "retained" ? "retained" : "omitted",
+      aerodynamics: draft.aerodynamics,
+      additional_maneuver_ids:
+        additionalManeuvers ?? template?.settings.additional_maneuver_ids ?? [],
     },
     modal_table_id: draft.modalTable,
     damping_table_id: draft.dampingTable,
@@ -82,9 +89,13 @@ export function runRequest(
  * One request for many maneuvers, from those for the first. Where the draft starts
  * from equation error and asks for it too, the others start from its result.
  */
-export function batchRequest(draft: RunDraft, maneuvers: number[], like: RunRequest): BatchRequest {
-  const { structure, structure_id, structure_version, settings } = like;
-  const { modal_table_id, damping_table_id, prediction_id } = like;
+export function batchRequest(
+  draft: RunDraft,
+  maneuvers: number[],
+  template: RunRequest,
+): BatchRequest {
+  const { structure, structure_id, structure_version, settings } = template;
+  const { modal_table_id, damping_table_id, prediction_id } = template;
   return {
     name: `${draft.methods.join(", ")} of ${maneuvers.length} maneuvers`,
     maneuver_ids: maneuvers,
@@ -104,7 +115,7 @@ interface Beginning {
   maneuver: Maneuver;
   tables: ModalTable[];
   predictions: Prediction[];
-  like?: Run;
+  template?: Run;
   origin?: Origin;
   proposal?: RunProposal;
   methods?: RunDraft["methods"];
@@ -120,7 +131,7 @@ export function firstDraft(beginning: Beginning): RunDraft {
 }
 
 function draftOfOrigin(beginning: Beginning): RunDraft {
-  const { maneuver, tables, predictions, like, origin, methods, proposal } = beginning;
+  const { maneuver, tables, predictions, template, origin, methods, proposal } = beginning;
   const modal = tables.find((one) => one.kind === "FEM");
   const excited = excitedInputs(maneuver);
   const sources = {
@@ -128,27 +139,31 @@ function draftOfOrigin(beginning: Beginning): RunDraft {
     dampingTable: tables.find((one) => one.kind === "GVT")?.id ?? null,
     prediction: predictions[0]?.id ?? null,
   };
-  if (like === undefined) {
+  if (template === undefined) {
     const draft: RunDraft = {
       ...EMPTY_DRAFT,
+      axis: asAxis(maneuver.axis),
       ...sources,
       ...(methods && methods.length > 0 ? { methods } : {}),
     };
     const structure = origin?.structure ?? proposal?.structure;
     return structure === undefined ? draft : withStructure(draft, excited, structure);
   }
-  const { structure, settings } = like;
+  const { structure, settings } = template;
   const draft: RunDraft = {
     ...EMPTY_DRAFT,
-    methods: [like.method],
+    axis: structure.axis,
+    methods: [template.method],
     start: STARTS.find((one) => one === settings.start) ?? "best",
     band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
     noise: settings.noise === "full" ? "full" : "diagonal",
     priorSpread: settings.prior_spread,
+    outOfBandModes: settings.out_of_band_modes,
+    aerodynamics: settings.aerodynamics,
     maxIterations: settings.max_iterations,
-    modalTable: like.modal_table_id ?? sources.modalTable,
-    dampingTable: like.damping_table_id,
-    prediction: like.prediction_id ?? sources.prediction,
+    modalTable: template.modal_table_id ?? sources.modalTable,
+    dampingTable: template.damping_table_id,
+    prediction: template.prediction_id ?? sources.prediction,
   };
   return withStructure(draft, excited, structure);
 }
@@ -159,11 +174,11 @@ export function isUnchanged(draft: RunDraft, excited: string[], origin?: Origin)
   const same = (structure: Structure) =>
     JSON.stringify(structureOf(draft, excited)) ===
     JSON.stringify(structureOf(withStructure(draft, excited, structure), excited));
-  return same(origin.structure) && !draft.outOfBandModes;
+  return same(origin.structure) && draft.outOfBandModes !== "held";
 }
 
 function freeNames(structure: Structure, inputs: readonly string[]): string[] {
-  return derivativeNames(structure.modes, inputs).filter(
+  return derivativeNames(structure.modes, inputs, structure.axis).filter(
     (name) => stateOf(structure, name) === "free",
   );
 }

@@ -10,7 +10,7 @@ export interface RunOrigin {
   /** Baseline of the condition, if the structure is one. */
   baseline?: Baseline;
   /** Baselines of further maneuvers, where they differ. */
-  ofOthers: Map<number, StructureVersion>;
+  ofAdditional: Map<number, StructureVersion>;
   /** All maneuvers that were asked for have an approved structure. */
   everywhere: boolean;
 }
@@ -18,33 +18,35 @@ export interface RunOrigin {
 interface Asked {
   structure?: number;
   version?: number;
-  also?: number[];
+  additional_maneuvers?: number[];
 }
 
 /**
  * The structure that the address names, else the baseline of the maneuver; an origin
  * of undefined where there is none.
  */
-export function useRunOrigin(maneuver: number, asked: Asked, like: number | undefined) {
-  const named = like === undefined && asked.structure !== undefined;
+export function useRunOrigin(maneuver: number, asked: Asked, template: number | undefined) {
+  const named = template === undefined && asked.structure !== undefined;
   const versions = useQuery({
     ...structureVersionsQuery(asked.structure ?? 0),
     enabled: named,
   });
   const baselines = useQuery({
-    ...maneuverBaselinesQuery([maneuver, ...(asked.also ?? [])].slice(0, MOST_ASKED)),
-    enabled: like === undefined && !named,
+    ...maneuverBaselinesQuery(
+      [maneuver, ...(asked.additional_maneuvers ?? [])].slice(0, MOST_ASKED),
+    ),
+    enabled: template === undefined && !named,
   });
   const origin = (): RunOrigin | undefined => {
     if (named) {
       const found = versions.data?.find((one) => one.version === asked.version);
       const structure = asked.version === undefined ? versions.data?.at(-1) : found;
-      return structure && { structure, ofOthers: new Map(), everywhere: false };
+      return structure && { structure, ofAdditional: new Map(), everywhere: false };
     }
     const [own, ...rest] = baselines.data ?? [];
     if (!own?.baseline) return undefined;
     const { baseline } = own;
-    const ofOthers = new Map(
+    const ofAdditional = new Map(
       rest.flatMap((one) =>
         one.baseline !== null && one.baseline.structure.id !== baseline.structure.id
           ? [[one.maneuver_id, one.baseline.structure] as const]
@@ -52,9 +54,14 @@ export function useRunOrigin(maneuver: number, asked: Asked, like: number | unde
       ),
     );
     const everywhere =
-      rest.length === (asked.also?.length ?? 0) && rest.every((one) => one.baseline !== null);
-    return { structure: baseline.structure, baseline, ofOthers, everywhere };
+      rest.length === (asked.additional_maneuvers?.length ?? 0) &&
+      rest.every((one) => one.baseline !== null);
+    return { structure: baseline.structure, baseline, ofAdditional, everywhere };
   };
   const query = named ? versions : baselines;
-  return { loading: like === undefined && query.isPending, error: query.error, origin: origin() };
+  return {
+    loading: template === undefined && query.isPending,
+    error: query.error,
+    origin: origin(),
+  };
 }

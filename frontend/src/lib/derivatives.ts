@@ -13,23 +13,47 @@ export function parseDerivative(name: string): Derivative | null {
   return { coefficient: name.slice(0, cut), variable: name.slice(cut + 1) };
 }
 
-export const coefficients = (modes: readonly number[]): string[] => [
-  "CZ",
-  "Cm",
+/** Coefficients and motions of the rigid body in one axis, as the server names them. */
+export interface AxisNames {
+  axis: string;
+  symmetry: string;
+  coefficients: readonly string[];
+  motions: readonly string[];
+}
+
+const axes = new Map<string, AxisNames>();
+
+/** Store the axes of the server; before, a model has the derivatives of its modes only. */
+export function setAxes(known: readonly AxisNames[]): void {
+  for (const one of known) axes.set(one.axis, one);
+}
+
+export const axisNames = (axis: string): AxisNames =>
+  axes.get(axis) ?? { axis, symmetry: "symmetric", coefficients: [], motions: [] };
+
+export const coefficients = (modes: readonly number[], axis: string): string[] => [
+  ...axisNames(axis).coefficients,
   ...modes.map((mode) => `CQ${mode}`),
 ];
 
-export const variables = (modes: readonly number[], inputs: readonly string[]): string[] => [
-  "alpha",
-  "q",
+export const variables = (
+  modes: readonly number[],
+  inputs: readonly string[],
+  axis: string,
+): string[] => [
+  ...axisNames(axis).motions,
   ...modes.map((mode) => `eta${mode}`),
   ...modes.map((mode) => `etadot${mode}`),
   ...inputs,
 ];
 
-export function derivativeNames(modes: readonly number[], inputs: readonly string[]): string[] {
-  const columns = variables(modes, inputs);
-  return coefficients(modes).flatMap((row) => columns.map((column) => `${row}_${column}`));
+export function derivativeNames(
+  modes: readonly number[],
+  inputs: readonly string[],
+  axis: string,
+): string[] {
+  const columns = variables(modes, inputs, axis);
+  return coefficients(modes, axis).flatMap((row) => columns.map((column) => `${row}_${column}`));
 }
 
 /** Coefficients that occur in a list of derivative names, in order of first appearance. */
@@ -37,7 +61,7 @@ export function coefficientsIn(names: readonly string[]): string[] {
   return [...new Set(names.flatMap((name) => parseDerivative(name)?.coefficient ?? []))];
 }
 
-const SYMBOLS: Record<string, string> = { alpha: "α", q: "q" };
+const SYMBOLS: Record<string, string> = { alpha: "α", beta: "β" };
 
 /** A variable as written in the field: α, q, η₇, η̇₉, wf4s. */
 export function variableParts(variable: string): { symbol: string; index: string } {

@@ -16,7 +16,7 @@ export interface DraftInput {
   spectrum: string;
 }
 
-export interface DesignDraft {
+interface DesignDraft {
   name: string;
   duration: number;
   rate: number;

@@ -99,6 +99,7 @@ export function themedLayout(
     title: { font: { color: ink.quiet, size: 12 }, standoff: 8 },
     automargin: true,
     zeroline: false,
+    exponentformat: "power",
   };
   // One cursor through all panels that stand over the same axis.
   const cursor = {

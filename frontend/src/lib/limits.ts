@@ -8,7 +8,7 @@ export const QUANTITIES = [
   { key: "airspeed_ratio", label: "V/V_f", unit: "", factor: 1 },
   { key: "alpha_rad", label: "Angle of attack", unit: "deg", factor: 180 / Math.PI },
 ] as const;
-export type QuantityKey = (typeof QUANTITIES)[number]["key"];
+type QuantityKey = (typeof QUANTITIES)[number]["key"];
 
 /** Limits as the API has them: closed intervals by quantity. */
 export type Limits = Partial<Record<QuantityKey, readonly (number | string)[]>>;

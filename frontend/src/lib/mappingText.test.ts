@@ -1,5 +1,16 @@
 import { describe, expect, it } from "vitest";
-import { confirmPath, guessedKeys, readKey, removeTable, setKey } from "./mappingText";
+import {
+  confirmPath,
+  guessedKeys,
+  matchRules,
+  readKey,
+  readQuantity,
+  removeTable,
+  setKey,
+  setManeuver,
+  setToml,
+  writeQuantity,
+} from "./mappingText";
 
 const TEXT = `[aircraft]
 name = "X-1"
@@ -20,6 +31,36 @@ role = "output"
 [channels.unit]
 q = "deg/s"
 `;
+
+describe("quantities of a mapping", () => {
+  it("are read and written as numbers or fields", () => {
+    const text = '[maneuver.condition]\nairspeed = { field = "tas", unit = "kt" }\nfuel = 0.5\n';
+    expect(readQuantity(text, "maneuver.condition", "airspeed")).toEqual({
+      given: "tas",
+      unit: "kt",
+    });
+    expect(readQuantity(text, "maneuver.condition", "fuel")).toEqual({ given: "0.5", unit: "1" });
+    const changed = setToml(text, "maneuver.condition", 0, "airspeed", writeQuantity("120", "kt"));
+    expect(changed).toContain('airspeed = { value = 120, unit = "kt" }');
+  });
+
+  it("belong to a maneuver that can be taken out and added", () => {
+    const flight = setManeuver(
+      '[maneuver]\nlabel = "a"\n\n[maneuver.condition]\nfuel = 1\n',
+      false,
+    );
+    expect(flight).not.toContain("maneuver");
+    expect(setManeuver(flight, true)).toContain("[maneuver.condition]");
+  });
+});
+
+describe("patterns", () => {
+  it("match columns and names; an incomplete one matches nothing", () => {
+    const rules = [{ column: "AZ_W01", name: "az_w01" }, { column: "Q" }];
+    expect(matchRules(rules, "^az_w\\d+$")).toEqual([0]);
+    expect(matchRules(rules, "(")).toBeUndefined();
+  });
+});
 
 describe("edits of a mapping", () => {
   it("change one key of one table and leave the rest", () => {

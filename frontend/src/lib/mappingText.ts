@@ -29,6 +29,17 @@ export function setKey(
   key: string,
   value: string | number | string[] | undefined,
 ): string {
+  return setToml(text, table, nth, key, value === undefined ? undefined : JSON.stringify(value));
+}
+
+/** Set a key to a value written as TOML, which confirms it; undefined takes the key out. */
+export function setToml(
+  text: string,
+  table: string,
+  nth: number,
+  key: string,
+  value: string | undefined,
+): string {
   return setLine(confirmKey(text, table, nth, key), table, nth, key, value);
 }
 
@@ -37,16 +48,16 @@ function setLine(
   table: string,
   nth: number,
   key: string,
-  value: string | number | string[] | undefined,
+  value: string | undefined,
 ): string {
   const lines = text.split("\n");
   const found = block(lines, table, nth);
   if (found === null) {
-    return value === undefined ? text : `[${table}]\n${key} = ${JSON.stringify(value)}\n\n${text}`;
+    return value === undefined ? text : `[${table}]\n${key} = ${value}\n\n${text}`;
   }
   const [first, last] = found;
-  const at = lines.findIndex((line, place) => place >= first && place < last && isKey(line, key));
-  const written = value === undefined ? [] : [`${key} = ${JSON.stringify(value)}`];
+  const at = lines.findIndex((line, index) => index >= first && index < last && isKey(line, key));
+  const written = value === undefined ? [] : [`${key} = ${value}`];
   if (at >= 0) {
     lines.splice(at, 1, ...written);
   } else {
@@ -69,11 +80,11 @@ export function guessedKeys(text: string, table: string, nth: number): string[] 
 }
 
 /** Take the mark away from a key that somebody has confirmed or changed. */
-export function confirmKey(text: string, table: string, nth: number, key: string): string {
+function confirmKey(text: string, table: string, nth: number, key: string): string {
   const guessed = guessedKeys(text, table, nth);
   if (!guessed.includes(key)) return text;
   const rest = guessed.filter((own) => own !== key);
-  return setLine(text, table, nth, "guessed", rest.length > 0 ? rest : undefined);
+  return setLine(text, table, nth, "guessed", rest.length > 0 ? JSON.stringify(rest) : undefined);
 }
 
 /** Confirm the value at a key such as "channels[2].unit". */
@@ -100,4 +111,61 @@ export function readKey(text: string, table: string, key: string): string | unde
   const line = found === null ? undefined : lines.slice(...found).find((own) => isKey(own, key));
   const value = line === undefined ? undefined : /=\s*(?:"([^"]*)"|([^#\s]+))/.exec(line);
   return value?.[1] ?? value?.[2];
+}
+
+/** A quantity such as `{ field = "tas", unit = "kt" }`: what gives it (a number or a field). */
+export function readQuantity(
+  text: string,
+  table: string,
+  key: string,
+): { given: string; unit: string } | undefined {
+  const lines = text.split("\n");
+  const found = block(lines, table, 0);
+  const line = found === null ? undefined : lines.slice(...found).find((own) => isKey(own, key));
+  if (line === undefined) return undefined;
+  const given = /\bfield\s*=\s*"([^"]*)"|\bvalue\s*=\s*([^\s,}#]+)/.exec(line);
+  const plain = /^[^=]*=\s*([-+.\d][^\s#]*)/.exec(line);
+  return {
+    given: given?.[1] ?? given?.[2] ?? plain?.[1] ?? "",
+    unit: /\bunit\s*=\s*"([^"]*)"/.exec(line)?.[1] ?? "1",
+  };
+}
+
+/** Write a quantity: a number is a value, other text the name of a field. */
+export function writeQuantity(given: string, unit: string): string {
+  const isNumber = given.trim() !== "" && Number.isFinite(Number(given));
+  const source = isNumber
+    ? `value = ${tomlNumber(Number(given))}`
+    : `field = ${JSON.stringify(given)}`;
+  return `{ ${source}, unit = ${JSON.stringify(unit)} }`;
+}
+
+function tomlNumber(value: number): string {
+  return String(value).replace("e+", "e");
+}
+
+/** Add or take out the tables of a maneuver; without them the files are a whole flight. */
+export function setManeuver(text: string, isManeuver: boolean): string {
+  if (!isManeuver) {
+    return removeTable(removeTable(text, "maneuver.condition", 0), "maneuver", 0);
+  }
+  return `${text.trimEnd()}\n\n[maneuver]\nlabel = "{file}"\n\n[maneuver.condition]\n`;
+}
+
+/** Numbers of the tables of channels whose column or name matches a regular expression. */
+export function matchRules(
+  rules: readonly Record<string, unknown>[],
+  pattern: string,
+): number[] | undefined {
+  let expression: RegExp;
+  try {
+    expression = new RegExp(pattern, "i");
+  } catch {
+    return undefined; // not complete yet
+  }
+  return rules.flatMap((rule, nth) =>
+    [rule["name"], rule["column"]].some((own) => typeof own === "string" && expression.test(own))
+      ? [nth]
+      : [],
+  );
 }

@@ -1,7 +1,7 @@
 /** One sentence at the foot of the page about what was just done, with the way back. */
 import { useSyncExternalStore } from "react";
 
-export interface Notice {
+interface Notice {
   text: string;
   undo?: () => void;
 }

@@ -6,7 +6,7 @@ interface PoleLike {
   imag_std?: number | null;
 }
 
-export interface Oscillation {
+interface Oscillation {
   omega: number;
   omegaStd: number | null;
   damping: number;

@@ -1,4 +1,5 @@
 /** A proposal while it is written, and what differs between two. */
+import { axisNames } from "./derivatives";
 import type { Limits, TypedLimits } from "./limits";
 import { limitsText, readLimits, typed } from "./limits";
 
@@ -26,7 +27,7 @@ export interface StoredProposal {
 }
 
 /** A figure that is to be frozen when the proposal is sent. */
-export interface FigureRequest {
+interface FigureRequest {
   kind: string;
   query: string;
   title: string;
@@ -107,7 +108,7 @@ export function figuresOf(runs: readonly { id: number; method: string }[]): Figu
     })),
   );
   const ids = runs.map((one) => one.id).join(",");
-  const all = ["CZ", "Cm"].map((coefficient) => ({
+  const all = axisNames("longitudinal").coefficients.map((coefficient) => ({
     kind: "derivatives",
     query: `run_ids=${ids}&coefficient=${coefficient}`,
     title: `Derivatives of ${coefficient}, runs ${ids}`,
@@ -115,7 +116,7 @@ export function figuresOf(runs: readonly { id: number; method: string }[]): Figu
   return ids === "" ? [] : [...all, ...each];
 }
 
-export const PROPOSAL_PARTS = [
+const PROPOSAL_PARTS = [
   "title",
   "structure",
   "changes",
@@ -125,7 +126,7 @@ export const PROPOSAL_PARTS = [
   "comparisons",
   "figure_ids",
 ] as const;
-export type ProposalPart = (typeof PROPOSAL_PARTS)[number];
+type ProposalPart = (typeof PROPOSAL_PARTS)[number];
 
 const PART_NAMES: Record<ProposalPart, string> = {
   title: "Title",

@@ -19,7 +19,7 @@ describe("a new run", () => {
   });
 
   it("names derivatives as the API does", () => {
-    expect(derivativeNames([7], ["bfs"])).toEqual([
+    expect(derivativeNames([7], ["bfs"], "longitudinal")).toEqual([
       "CZ_alpha",
       "CZ_q",
       "CZ_eta7",

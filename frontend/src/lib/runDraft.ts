@@ -1,5 +1,5 @@
 /** Draft of a new run. */
-import { derivativeNames } from "./derivatives";
+import { axisNames, derivativeNames } from "./derivatives";
 import { heldAt, stateOf, type FixedTo, type States, type Structure } from "./structure";
 
 export const STARTS = [
@@ -11,9 +11,14 @@ export const STARTS = [
 ] as const;
 export type Start = (typeof STARTS)[number];
 
+export const OUT_OF_BAND_MODES = ["retained", "held", "omitted"] as const;
+type OutOfBandModes = (typeof OUT_OF_BAND_MODES)[number];
+
 export interface RunDraft {
   methods: ("OE" | "FRE" | "EE")[];
   modes: number[];
+  /** Axis of the maneuver. */
+  axis: string;
   /** Empty: all that the maneuver has. */
   inputs: string[];
   outputs: string[];
@@ -33,10 +38,12 @@ export interface RunDraft {
   /** Limits in Hz as they are typed; empty: the whole excited band. */
   band: [string, string];
   freeDelays: boolean;
-  /** Include the other predicted modes, with their derivatives fixed. */
-  outOfBandModes: boolean;
+  /** The modes that are not estimated: nuisance parameters, held as predicted, or none. */
+  outOfBandModes: OutOfBandModes;
   /** Quantities beyond the derivatives: `delay_q`, `scale_alpha`, `omega_7`, `zeta_7`. */
-  alsoFree: string[];
+  extraParameters: string[];
+  /** Derivatives constant, or with the frequency shape of a computed prediction. */
+  aerodynamics: "quasi-steady" | "shaped";
   noise: "diagonal" | "full";
   /** Spread of priors at the prediction, as a share of each value; null: no priors. */
   priorSpread: number | null;
@@ -47,6 +54,7 @@ export interface RunDraft {
 }
 
 export const EMPTY_DRAFT: RunDraft = {
+  axis: "longitudinal",
   methods: ["OE"],
   modes: [],
   inputs: [],
@@ -60,8 +68,9 @@ export const EMPTY_DRAFT: RunDraft = {
   start: "best",
   band: ["", ""],
   freeDelays: false,
-  outOfBandModes: false,
-  alsoFree: [],
+  outOfBandModes: "retained",
+  aerodynamics: "quasi-steady",
+  extraParameters: [],
   noise: "diagonal",
   priorSpread: null,
   maxIterations: 100,
@@ -72,7 +81,7 @@ export const EMPTY_DRAFT: RunDraft = {
 
 /** State of each derivative of the selected modes and inputs. */
 export function statesOf(draft: RunDraft, inputs: readonly string[]): States {
-  const all = derivativeNames(draft.modes, inputs);
+  const all = derivativeNames(draft.modes, inputs, draft.axis);
   const known = <T>(record: Record<string, T>) =>
     Object.fromEntries(Object.entries(record).filter(([name]) => all.includes(name)));
   const states = {
@@ -87,7 +96,7 @@ export function statesOf(draft: RunDraft, inputs: readonly string[]): States {
 
 /** The draft with other states of its derivatives. */
 export function withStates(draft: RunDraft, inputs: readonly string[], states: States): RunDraft {
-  const all = derivativeNames(draft.modes, inputs);
+  const all = derivativeNames(draft.modes, inputs, draft.axis);
   return {
     ...draft,
     absent: states.absent,
@@ -108,13 +117,15 @@ export function withStructure(
   const changed: RunDraft = {
     ...draft,
     modes: structure.modes,
+    axis: structure.axis,
     inputs: structure.inputs,
     outputs: structure.outputs,
     freeDelays: structure.free_delays,
-    alsoFree: structure.extra_parameters,
+    extraParameters: structure.extra_parameters,
     delays: structure.delays,
     instruments: structure.instruments,
-    outOfBandModes: false, // the structure names them among its modes
+    // Modes that are held are among those of the structure.
+    outOfBandModes: draft.outOfBandModes === "held" ? "omitted" : draft.outOfBandModes,
   };
   return withStates(changed, structure.inputs.length > 0 ? structure.inputs : excited, structure);
 }
@@ -128,22 +139,24 @@ export function structureOf(draft: RunDraft, excited: readonly string[]): Struct
     inputs: draft.inputs,
     outputs: draft.outputs,
     free_delays: draft.freeDelays,
-    extra_parameters: draft.alsoFree,
-    axis: "longitudinal",
+    extra_parameters: draft.extraParameters,
+    axis: draft.axis,
     delays: draft.delays,
     instruments: draft.instruments,
   };
 }
 
-/** Modes of the prediction that a draft does not estimate. */
+/** Modes that a draft holds as predicted. */
 export function listOutOfBandModes(
   draft: RunDraft,
-  symmetric: readonly number[],
+  ofAxis: readonly number[],
   predicted: readonly string[],
 ): number[] {
-  if (!draft.outOfBandModes) return [];
-  return symmetric.filter(
-    (mode) => !draft.modes.includes(mode) && predicted.includes(`CQ${String(mode)}_alpha`),
+  if (draft.outOfBandModes !== "held") return [];
+  return ofAxis.filter(
+    (mode) =>
+      !draft.modes.includes(mode) &&
+      predicted.includes(`CQ${String(mode)}_${axisNames(draft.axis).motions[0] ?? ""}`),
   );
 }
 

@@ -14,7 +14,7 @@ import {
 } from "./structure";
 
 const SURFACES = ["bfs", "wf1s"];
-const ALL = derivativeNames([7], SURFACES);
+const ALL = derivativeNames([7], SURFACES, "longitudinal");
 const PLAIN: Structure = {
   ...EMPTY_STATES,
   modes: [7],

@@ -84,7 +84,7 @@ export function resized(
 ): Structure {
   const next = { ...structure, ...part };
   const names = (one: Structure) =>
-    derivativeNames(one.modes, one.inputs.length > 0 ? one.inputs : surfaces);
+    derivativeNames(one.modes, one.inputs.length > 0 ? one.inputs : surfaces, one.axis);
   const before = names(structure);
   const after = names(next);
   const gone = before.filter((name) => !after.includes(name));
@@ -133,7 +133,7 @@ export function differences(
   surfaces: readonly string[],
 ): Difference[] {
   const names = (one: Structure) =>
-    derivativeNames(one.modes, one.inputs.length > 0 ? one.inputs : surfaces);
+    derivativeNames(one.modes, one.inputs.length > 0 ? one.inputs : surfaces, one.axis);
   const [old, now] = [names(before), names(after)];
   const stateIn = (one: Structure, known: string[], name: string) =>
     known.includes(name) ? stateText(one, name) : "not in the model";
@@ -192,7 +192,8 @@ export function merged(
     },
     surfaces,
   );
-  const all = derivativeNames(result.modes, result.inputs.length > 0 ? result.inputs : surfaces);
+  const known = result.inputs.length > 0 ? result.inputs : surfaces;
+  const all = derivativeNames(result.modes, known, result.axis);
   for (const { what } of my) {
     if (!all.includes(what)) continue;
     result = {

@@ -3,9 +3,10 @@ import { useQuery } from "@tanstack/react-query";
 import { Link, useLocation } from "@tanstack/react-router";
 import { useEffect, useRef } from "react";
 import { aircraftQuery, modalTablesQuery, predictionsQuery } from "../api/queries";
-import type { Aircraft } from "../api/types";
+import type { Aircraft, Prediction } from "../api/types";
 import { Facts } from "../components/ConditionFacts";
-import { DataTable } from "../components/DataTable";
+import { ComputePrediction } from "../components/ComputePrediction";
+import { DataTable, numeric } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { ModalTableView } from "../components/ModalTableView";
@@ -87,20 +88,8 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
           <DataTable
             label="Mass properties"
             columns={[
-              {
-                key: "fuel",
-                header: "Fuel",
-                unit: "%",
-                numeric: true,
-                render: (row: number) => percent(mass.fuel[row]),
-              },
-              {
-                key: "mass",
-                header: "Mass",
-                unit: "kg",
-                numeric: true,
-                render: (row) => fixed(mass.mass_kg[row], 2),
-              },
+              numeric("fuel", "Fuel", (row: number) => percent(mass.fuel[row]), "%"),
+              numeric("mass", "Mass", (row: number) => fixed(mass.mass_kg[row], 2), "kg"),
               {
                 key: "inertia",
                 header: "Pitch inertia",
@@ -108,13 +97,7 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                 numeric: true,
                 render: (row) => fixed(mass.pitch_inertia_kg_m2[row], 2),
               },
-              {
-                key: "cg",
-                header: "x c.g.",
-                unit: "m",
-                numeric: true,
-                render: (row) => fixed(mass.x_cg_m[row], 4),
-              },
+              numeric("cg", "x c.g.", (row: number) => fixed(mass.x_cg_m[row], 4), "m"),
               ...(flutter
                 ? [
                     {
@@ -123,8 +106,8 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                       unit: "m/s",
                       numeric: true,
                       render: (row: number) => {
-                        const place = flutter.fuel.indexOf(mass.fuel[row] ?? NaN);
-                        return fixed(flutter.speed_m_s[place], 1);
+                        const index = flutter.fuel.indexOf(mass.fuel[row] ?? NaN);
+                        return fixed(flutter.speed_m_s[index], 1);
                       },
                     },
                   ]
@@ -138,6 +121,7 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
       <ThrustSection aircraft={aircraft} />
       <div id="predictions" ref={predictionsPanel}>
         <Section title="Predictions" note="Derivatives from sources other than flight">
+          <ComputePrediction aircraft={aircraft} />
           <Loaded query={predictions}>
             {(all) =>
               all.length === 0 ? (
@@ -166,6 +150,9 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                           .map((fuel) => percent(fuel))
                           .join(" to "),
                     },
+                    numeric("k", "Reference k", (one: Prediction) =>
+                      one.unsteady ? fixed(one.unsteady.reference_k, 2) : "",
+                    ),
                     { key: "note", header: "Note", wraps: true, render: (one) => one.note },
                   ]}
                   rows={all}

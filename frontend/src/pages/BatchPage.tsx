@@ -10,6 +10,7 @@ import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { PredictLinks } from "../components/PredictLinks";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { dateTime, elapsed } from "../lib/format";
@@ -45,11 +46,12 @@ export function BatchPage() {
                     <ButtonLink
                       variant="default"
                       to="/compare"
-                      search={{ runs: done.slice(0, 12).map((job) => job.run_id) }}
+                      search={{ runs: done.slice(0, 12).map((job) => job.id) }}
                     >
                       Compare {Math.min(done.length, 12)}
                     </ButtonLink>
                   )}
+                  <PredictLinks runs={done.map((job) => job.id)} />
                   {again > 0 && (
                     <Button
                       variant="default"

@@ -5,6 +5,7 @@ import { useCallback } from "react";
 import { maneuverFacetsQuery, maneuversQuery } from "../api/queries";
 import { BulkActions } from "../components/BulkActions";
 import { ButtonLink } from "../components/ButtonLink";
+import { CampaignProgress } from "../components/CampaignProgress";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
@@ -15,6 +16,7 @@ import { ManeuverList } from "../components/ManeuverList";
 import { PageHead } from "../components/PageHead";
 import { ReportMenu } from "../components/ReportMenu";
 import { SavedViews } from "../components/SavedViews";
+import { count } from "../lib/format";
 import type { CampaignView } from "../views";
 
 const route = getRouteApi("/campaign");
@@ -63,6 +65,7 @@ export function CampaignPage() {
           </>
         }
       />
+      <CampaignProgress />
       <GroundTestAlarm />
       <div className="campaign">
         <Stack gap="sm">
@@ -89,9 +92,12 @@ export function CampaignPage() {
             </Loaded>
           </div>
           <ListFoot
-            noun="maneuver"
-            shown={shown.length}
-            total={list.data === undefined ? undefined : (facets.data?.total ?? shown.length)}
+            counts={
+              list.data === undefined
+                ? ""
+                : `${shown.length} of ${count(facets.data?.total ?? shown.length, "maneuver")}`
+            }
+            testId="maneuver-count"
             list={list}
           />
         </Stack>
@@ -111,13 +117,13 @@ export function CampaignPage() {
 }
 
 function NewRuns({ ids }: { ids: number[] }) {
-  const [first, ...also] = ids;
+  const [first, ...additional] = ids;
   if (first === undefined) return null;
   return (
     <ButtonLink
       to="/maneuvers/$id/new-run"
       params={{ id: first }}
-      search={{ also: also.length > 0 ? also : undefined }}
+      search={{ additional_maneuvers: additional.length > 0 ? additional : undefined }}
       data-testid="run-selected"
     >
       New runs

@@ -1,27 +1,26 @@
 import { Alert, MultiSelect, NumberInput, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { useState } from "react";
-import { closedLoopQuery, closedLoopTaskQuery, controllersQuery, runsQuery } from "../api/queries";
+import { closedLoopResult, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopStability, MarginRow } from "../api/types";
+import { useStoredResult } from "../api/useStoredResult";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { NewController } from "../components/NewController";
 import { DataTable, type Column } from "../components/DataTable";
+import { ComputeButton } from "../components/ComputeButton";
+import { DerivedRuns } from "../components/DerivedRuns";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
+import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
-import { TaskProgress } from "../components/TaskProgress";
 import { degrees, fixed } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { ClosedLoopView } from "../views";
 
 const route = getRouteApi("/closed-loop");
-
-/** Above this number of runs the result is computed as a job. */
-const FEW = 6;
 
 /** Decibels of a factor e. */
 const DB = 20 / Math.log(10);
@@ -82,13 +81,11 @@ export function ClosedLoopPage() {
     run_ids: (view.runs ?? []).join(","),
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
-    others: view.others,
+    unmodelled_modes: view.unmodelled_modes,
   };
-  const many = (view.runs ?? []).length > FEW;
-  const task = useQuery(closedLoopTaskQuery(query, controller, many));
-  const [found, setFound] = useState("");
-  const ready = !many || found === task.data?.id;
-  const result = useQuery(closedLoopQuery(query, controller, ready));
+  const { result, jobId, error, onEnd, compute } = useStoredResult(
+    closedLoopResult(query, controller),
+  );
   const change = (part: Partial<ClosedLoopView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   const params = { ...query, controller_id: controller };
@@ -103,7 +100,7 @@ export function ClosedLoopPage() {
               runs: view.runs,
               fuel: view.fuel,
               altitude: view.altitude,
-              others: view.others,
+              unmodelled_modes: view.unmodelled_modes,
             }}
             className="link"
             key="flutter"
@@ -162,9 +159,9 @@ export function ClosedLoopPage() {
             }}
           />
           <OutOfBandSwitch
-            others={view.others}
-            onChange={(others) => {
-              change({ others });
+            value={view.unmodelled_modes}
+            onChange={(unmodelled_modes) => {
+              change({ unmodelled_modes });
             }}
           />
           <NewController
@@ -182,21 +179,16 @@ export function ClosedLoopPage() {
           </div>
         ) : (
           <Stack gap="md">
-            {task.isError && many && <ProblemAlert error={task.error} />}
-            {!ready && task.data !== undefined && (
-              <TaskProgress
-                key={task.data.id}
-                task={task.data}
-                onDone={() => {
-                  setFound(task.data.id);
-                }}
-              />
+            <ComputeButton compute={compute} />
+            {error !== null && <ProblemAlert error={error} />}
+            {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+            {compute === undefined && jobId === undefined && error === null && (
+              <Loaded query={result} rows={6}>
+                {(data) => <Stability result={data} />}
+              </Loaded>
             )}
-            {ready && (
+            {result.data !== undefined && (
               <>
-                <Loaded query={result} rows={6}>
-                  {(data) => <Stability result={data} />}
-                </Loaded>
                 <div className="panel" style={{ padding: 12 }}>
                   <Figure
                     kind="closed-loop-margins"
@@ -211,23 +203,19 @@ export function ClosedLoopPage() {
                     params={params}
                   />
                 </div>
-                <Loaded query={result} rows={6}>
-                  {(data) => (
-                    <Section
-                      title="Margins"
-                      note="Actuators and delays included; empty where the closed loop is unstable or has no crossover"
-                    >
-                      <DataTable
-                        label="Margins"
-                        testId="closed-loop-margins"
-                        columns={MARGINS}
-                        rows={data.margins}
-                        rowKey={(row) => `${row.surface} ${row.airspeed_m_s}`}
-                        maxHeight={420}
-                      />
-                    </Section>
-                  )}
-                </Loaded>
+                <Section
+                  title="Margins"
+                  note="Actuators and delays included; empty where the closed loop is unstable or has no crossover"
+                >
+                  <DataTable
+                    label="Margins"
+                    testId="closed-loop-margins"
+                    columns={MARGINS}
+                    rows={result.data.margins}
+                    rowKey={(row) => `${row.surface} ${row.airspeed_m_s}`}
+                    maxHeight={420}
+                  />
+                </Section>
               </>
             )}
           </Stack>
@@ -239,17 +227,20 @@ export function ClosedLoopPage() {
 
 function Stability({ result }: { result: ClosedLoopStability }) {
   return (
-    <Alert
-      variant="light"
-      color={result.lost_m_s === null ? "green" : "yellow"}
-      role="status"
-      title={result.sentence}
-      styles={{ title: { color: "var(--mantine-color-text)" } }}
-      data-testid="closed-loop-result"
-    >
-      {result.controller}, fuel {fixed(100 * result.fuel_fraction, 0)} %, fastest point flown{" "}
-      {fixed(result.tested_m_s, 1)} m/s. The interval and the margin errors include the covariance
-      of the runs and the spread between model structures.
-    </Alert>
+    <>
+      <Alert
+        variant="light"
+        color={result.lost_m_s === null ? "green" : "yellow"}
+        role="status"
+        title={result.sentence}
+        styles={{ title: { color: "var(--mantine-color-text)" } }}
+        data-testid="closed-loop-result"
+      >
+        {result.controller}, fuel {fixed(100 * result.fuel_fraction, 0)} %, fastest point flown{" "}
+        {fixed(result.tested_m_s, 1)} m/s. The interval and the margin errors include the covariance
+        of the runs and the spread between model structures.
+      </Alert>
+      <DerivedRuns runs={result.derived_runs} />
+    </>
   );
 }

@@ -4,6 +4,7 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import type { ComponentType } from "react";
 import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
 import { CompareAgreement } from "../components/CompareAgreement";
 import { CompareDerivatives, type CompareTabProps } from "../components/CompareDerivatives";
 import { ComparePoles, CompareResponses } from "../components/CompareModels";
@@ -12,6 +13,7 @@ import { CompareTrends } from "../components/CompareTrends";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { PredictLinks } from "../components/PredictLinks";
 import { ReportMenu } from "../components/ReportMenu";
 import { SavedViews } from "../components/SavedViews";
 import { SourcePicker } from "../components/SourcePicker";
@@ -51,6 +53,10 @@ export function ComparePage() {
                   query={{ run_ids: runs, prediction_ids: predictions }}
                 />
                 <ExportButton comparison={shown} />
+                <ButtonLink to="/validation" search={{ runs }} variant="default">
+                  Validate
+                </ButtonLink>
+                <PredictLinks runs={runs} />
               </>
             )}
           </>
@@ -140,9 +146,9 @@ function ExportButton({ comparison }: { comparison: Comparison }) {
             ["name", ...sources.flatMap((one) => [one.label, `${one.label} std_error`])],
             ...rows.map((row) => [
               row.name,
-              ...sources.flatMap((_, place) => [
-                row.values[place]?.value,
-                row.values[place]?.std_error,
+              ...sources.flatMap((_, index) => [
+                row.values[index]?.value,
+                row.values[index]?.std_error,
               ]),
             ]),
           ]),

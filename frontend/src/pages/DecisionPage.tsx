@@ -1,12 +1,12 @@
-import { Alert, Button, Menu, Text } from "@mantine/core";
+import { Alert, Button, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useEffect, useState } from "react";
 import { useAnalyst } from "../api/analyst";
-import { address } from "../api/client";
 import { useMarkSeen } from "../api/commands";
 import { structuresQuery, decisionQuery } from "../api/queries";
 import { isOpen, type Decision } from "../api/types";
+import { AuditTrailMenu } from "../components/AuditTrailMenu";
 import { DecisionBadge } from "../components/DecisionBadge";
 import { DecisionComposer } from "../components/DecisionComposer";
 import { DecisionThread } from "../components/DecisionThread";
@@ -56,7 +56,7 @@ function OneDecision({ decision }: { decision: Decision }) {
         actions={
           <>
             <ReportMenu of={`decision/${decision.id}`} />
-            <TrailMenu id={decision.id} />
+            <AuditTrailMenu path={`decisions/${decision.id}/audit`} />
             {open && !revising && (
               <Button
                 variant="default"
@@ -193,27 +193,5 @@ function Notes({ decision, read, onRead }: NotesProps) {
         </Text>
       )}
     </>
-  );
-}
-
-function TrailMenu({ id }: { id: number }) {
-  return (
-    <Menu position="bottom-end">
-      <Menu.Target>
-        <Button variant="default">Audit trail</Button>
-      </Menu.Target>
-      <Menu.Dropdown>
-        {(["json", "markdown"] as const).map((format) => (
-          <Menu.Item
-            key={format}
-            component="a"
-            href={address(`decisions/${id}/audit`, { format })}
-            download
-          >
-            {format === "json" ? "JSON" : "Markdown"}
-          </Menu.Item>
-        ))}
-      </Menu.Dropdown>
-    </Menu>
   );
 }

@@ -1,11 +1,11 @@
-import { Button, Group, Menu, Select } from "@mantine/core";
+import { Group, Select } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { address } from "../api/client";
 import { aircraftQuery, baselinesQuery, decisionsQuery } from "../api/queries";
 import { DECISION_STATES, type Baseline, type DecisionItem } from "../api/types";
+import { AuditTrailMenu } from "../components/AuditTrailMenu";
 import { ButtonLink } from "../components/ButtonLink";
-import { DataTable, type Column } from "../components/DataTable";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { DecisionBadge } from "../components/DecisionBadge";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
@@ -40,7 +40,9 @@ export function DecisionsPage() {
         ]}
         actions={
           <>
-            {craft !== undefined && <TrailMenu aircraftId={craft} />}
+            {craft !== undefined && (
+              <AuditTrailMenu path="decisions/audit" query={{ aircraft_id: craft }} />
+            )}
             <ButtonLink to="/decisions/new" search={{}} data-testid="propose">
               Propose model structure
             </ButtonLink>
@@ -141,12 +143,7 @@ function Listed({ items }: { items: DecisionItem[] }) {
           .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
           .join(", ") || "–",
     },
-    {
-      key: "at",
-      header: "Last event",
-      numeric: true,
-      render: (one) => dateTime(one.changed_at ?? one.created_at),
-    },
+    numeric("at", "Last event", (one) => dateTime(one.changed_at ?? one.created_at)),
   ];
   return (
     <DataTable
@@ -200,27 +197,5 @@ function Baselines({ aircraftId }: { aircraftId: number }) {
         )
       }
     </Loaded>
-  );
-}
-
-function TrailMenu({ aircraftId }: { aircraftId: number }) {
-  return (
-    <Menu position="bottom-end">
-      <Menu.Target>
-        <Button variant="default">Audit trail</Button>
-      </Menu.Target>
-      <Menu.Dropdown>
-        {(["json", "markdown"] as const).map((format) => (
-          <Menu.Item
-            key={format}
-            component="a"
-            href={address("decisions/audit", { aircraft_id: aircraftId, format })}
-            download
-          >
-            {format === "json" ? "JSON" : "Markdown"}
-          </Menu.Item>
-        ))}
-      </Menu.Dropdown>
-    </Menu>
   );
 }

@@ -18,7 +18,7 @@ import { ProblemAlert } from "../components/ProblemAlert";
 import { PreflightPart } from "../components/PreflightPart";
 import { Section } from "../components/Section";
 import { TargetModesPart } from "../components/TargetModesPart";
-import { TaskProgress } from "../components/TaskProgress";
+import { JobWait } from "../components/JobWait";
 import { overFrequency } from "../lib/band";
 import { bandOf } from "../lib/designDraft";
 import { fixed } from "../lib/format";
@@ -96,10 +96,12 @@ function OneDesign({ design }: { design: Design }) {
       />
       {redesign.isError && <ProblemAlert error={redesign.error} />}
       {redesign.data !== undefined && (
-        <TaskProgress
+        <JobWait
           key={redesign.data.id}
-          task={redesign.data}
-          onMade={(id) => void anywhere({ to: "/excitation/$id", params: { id } })}
+          id={redesign.data.id}
+          onEnd={({ result_id: id }) => {
+            if (id !== null) void anywhere({ to: "/excitation/$id", params: { id } });
+          }}
         />
       )}
       <Group align="end" gap="xl">
@@ -118,7 +120,7 @@ function OneDesign({ design }: { design: Design }) {
         />
         <SegmentedControl
           aria-label="Amplitude"
-          data={LEVELS.map((label, place) => ({ value: String(place), label }))}
+          data={LEVELS.map((label, index) => ({ value: String(index), label }))}
           value={String(level)}
           onChange={(value) => {
             change({ level: Number(value) });

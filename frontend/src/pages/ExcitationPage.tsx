@@ -12,7 +12,7 @@ import { CustomDesignForm } from "../components/CustomDesignForm";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
-import { TaskProgress } from "../components/TaskProgress";
+import { JobWait } from "../components/JobWait";
 import { bandOf } from "../lib/designDraft";
 import { dateTime, fixed } from "../lib/format";
 import { useDraft } from "../lib/useDraft";
@@ -86,7 +86,7 @@ const DESIGN_COLUMNS: Column<Design>[] = [
   },
 ];
 
-/** Multisine designs, and the catalogue of flight test articles to design from. */
+/** Multisine designs, and the catalogue of flight test aids to design from. */
 export function ExcitationPage() {
   const view: ExcitationView = useSearch({ strict: false });
   const navigate = useNavigate({ from: "/excitation" });
@@ -134,7 +134,7 @@ export function ExcitationPage() {
     { key: "axis", header: "Surfaces", render: (row) => `${row.surfaces} ${row.axis}` },
     { key: "duration", header: "Duration", render: (row) => (row.periods === 1 ? "T" : "4T") },
     {
-      key: "lines",
+      key: "harmonics",
       header: "Harmonics per surface",
       numeric: true,
       render: (row) => row.harmonics_per_input,
@@ -179,10 +179,10 @@ export function ExcitationPage() {
       <Stack gap="md">
         {search.isError && <ProblemAlert error={search.error} />}
         {search.data !== undefined && (
-          <TaskProgress
+          <JobWait
             key={search.data.id}
-            task={search.data}
-            onMade={() => void cache.invalidateQueries({ queryKey: ["designs"], exact: true })}
+            id={search.data.id}
+            onEnd={() => void cache.invalidateQueries({ queryKey: ["designs"], exact: true })}
           />
         )}
         <Section title="Designs" note="RPF includes peaks between samples; a single sine has RPF 1">

@@ -4,7 +4,7 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import {
   flightChannelsQuery,
   flightQuery,
-  foundManeuversQuery,
+  maneuverProposalsQuery,
   groundTestsQuery,
   maneuversQuery,
 } from "../api/queries";
@@ -12,10 +12,10 @@ import type { Flight, FlightChannel, ManeuverItem } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { ChannelPicker } from "../components/ChannelPicker";
 import { CutForm } from "../components/CutForm";
-import { DataTable, type Column } from "../components/DataTable";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
-import { FoundManeuvers } from "../components/FoundManeuvers";
+import { ManeuverProposals } from "../components/ManeuverProposals";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
@@ -105,20 +105,8 @@ const maneuverColumns: Column<ManeuverItem>[] = [
     numeric: true,
     render: (one) => fixed(one.airspeed_ratio, 3),
   },
-  {
-    key: "fuel",
-    header: "Fuel",
-    unit: "%",
-    numeric: true,
-    render: (one) => percent(one.fuel_fraction),
-  },
-  {
-    key: "length",
-    header: "Length",
-    unit: "s",
-    numeric: true,
-    render: (one) => fixed(one.duration_s, 1),
-  },
+  numeric("fuel", "Fuel", (one) => percent(one.fuel_fraction), "%"),
+  numeric("length", "Length", (one) => fixed(one.duration_s, 1), "s"),
   { key: "runs", header: "Runs", numeric: true, render: (one) => one.n_runs },
 ];
 
@@ -154,7 +142,7 @@ const itemsOf = (data: { pages: { items: ManeuverItem[] }[] }) =>
 function Recording({ flight, channels }: { flight: Flight; channels: FlightChannel[] }) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
-  const found = useQuery(foundManeuversQuery(flight.id));
+  const found = useQuery(maneuverProposalsQuery(flight.id));
   const change = (part: Partial<FlightView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   const first = named(channels, "command").slice(0, 2);
@@ -175,7 +163,7 @@ function Recording({ flight, channels }: { flight: Flight; channels: FlightChann
         ) : (
           <Loaded query={found}>
             {(items) => (
-              <FoundManeuvers
+              <ManeuverProposals
                 flightId={flight.id}
                 items={items}
                 onLook={(one) => {

@@ -11,27 +11,27 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { useState } from "react";
-import { flutterQuery, flutterTaskQuery, runsQuery, type FlutterParams } from "../api/queries";
+import { flutterResult, runsQuery, type FlutterParams } from "../api/queries";
 import type { QueryValue } from "../api/client";
 import type { Flutter } from "../api/types";
+import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
+import { DerivedRuns } from "../components/DerivedRuns";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
+import { ComputeButton } from "../components/ComputeButton";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
+import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
+import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
-import { TaskProgress } from "../components/TaskProgress";
 import { fixed, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { FlutterView } from "../views";
 
 const route = getRouteApi("/flutter");
-
-/** Above this number of runs the prediction is computed as a job. */
-const FEW = 6;
 
 const ALONG = [
   { value: "airspeed", label: "Airspeed" },
@@ -49,14 +49,11 @@ export function FlutterPage() {
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
     next_m_s: view.next,
-    others: view.others,
+    unmodelled_modes: view.unmodelled_modes,
     trend: view.trend,
   };
-  const many = runs.length > FEW;
-  const task = useQuery(flutterTaskQuery(query, many));
-  const [found, setFound] = useState("");
-  const ready = !many || found === task.data?.id;
-  const result = useQuery(flutterQuery(query, ready));
+  const { result, jobId, error, onEnd, compute } = useStoredResult(flutterResult(query));
+  const ready = result.data !== undefined;
   const change = (part: Partial<FlutterView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   return (
@@ -76,7 +73,7 @@ export function FlutterPage() {
               runs: view.runs,
               fuel: view.fuel,
               altitude: view.altitude,
-              others: view.others,
+              unmodelled_modes: view.unmodelled_modes,
             }}
           >
             Closed loop
@@ -94,17 +91,10 @@ export function FlutterPage() {
           </div>
         ) : (
           <Stack gap="md">
-            {task.isError && many && <ProblemAlert error={task.error} />}
-            {!ready && task.data !== undefined && (
-              <TaskProgress
-                key={task.data.id}
-                task={task.data}
-                onDone={() => {
-                  setFound(task.data.id);
-                }}
-              />
-            )}
-            {ready && (
+            <ComputeButton compute={compute} />
+            {error !== null && <ProblemAlert error={error} />}
+            {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+            {compute === undefined && jobId === undefined && error === null && (
               <Loaded query={result} rows={6}>
                 {(data) => <Prediction result={data} />}
               </Loaded>
@@ -118,7 +108,7 @@ export function FlutterPage() {
                 }}
               />
             )}
-            {ready && result.data !== undefined && <Details result={result.data} shown={query} />}
+            {ready && <Details result={result.data} shown={query} />}
           </Stack>
         )}
       </div>
@@ -213,9 +203,9 @@ function Choices({ view, result, onChange }: ChoicesProps) {
         }}
       />
       <OutOfBandSwitch
-        others={view.others}
-        onChange={(others) => {
-          onChange({ others });
+        value={view.unmodelled_modes}
+        onChange={(unmodelled_modes) => {
+          onChange({ unmodelled_modes });
         }}
       />
       <Switch
@@ -280,6 +270,7 @@ function Prediction({ result }: { result: Flutter }) {
       >
         <Structures result={result} />
       </Section>
+      <DerivedRuns runs={result.derived_runs} />
     </>
   );
 }
@@ -324,10 +315,11 @@ function Details({ result, shown }: DetailsProps) {
   );
 }
 
-function othersOf(one: Flutter["structures"][number]): string {
+function describeUnmodelledModes(one: Flutter["structures"][number]): string {
   const held = one.held_modes.join(" ");
   const from = one.source === null ? "fixed as in the runs" : `predicted by ${one.source}`;
   const parts = [
+    one.nuisance_modes.length > 0 && `${one.nuisance_modes.join(" ")} as nuisance parameters`,
     held && `${held} ${from}`,
     one.unmodelled_modes.length > 0 && `${one.unmodelled_modes.join(" ")} unmodelled`,
     one.check && "one mode fewer, second fit",
@@ -354,7 +346,7 @@ function Structures({ result }: { result: Flutter }) {
             fw={one.preferred ? 600 : undefined}
           >
             <Table.Td>{one.modes.join(" ") || "rigid body only"}</Table.Td>
-            <Table.Td>{othersOf(one)}</Table.Td>
+            <Table.Td>{describeUnmodelledModes(one)}</Table.Td>
             <Table.Td ta="right">{one.run_ids.length}</Table.Td>
             <Table.Td ta="right">
               {one.airspeed_m_s === null
@@ -380,6 +372,7 @@ function Runs({ result }: { result: Flutter }) {
             <Table.Th ta="right">Airspeed [m/s]</Table.Th>
             <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
             <Table.Th ta="right">Separation</Table.Th>
+            <Table.Th>Model adequacy</Table.Th>
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
@@ -398,6 +391,9 @@ function Runs({ result }: { result: Flutter }) {
                   : plusMinus(run.airspeed_m_s, run.airspeed_std_m_s ?? 0, 2)}
               </Table.Td>
               <Table.Td ta="right">{fixed(run.separation, 2)}</Table.Td>
+              <Table.Td>
+                <AdequacyBadge state={run.adequacy} />
+              </Table.Td>
             </Table.Tr>
           ))}
         </Table.Tbody>

@@ -2,7 +2,7 @@ import { Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { jobLogQuery, jobQuery } from "../api/queries";
-import type { RunEvent } from "../api/types";
+import type { JobEvent } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
@@ -13,7 +13,7 @@ import { dateTime } from "../lib/format";
 
 const route = getRouteApi("/jobs/$id");
 
-const COLUMNS: Column<RunEvent>[] = [
+const COLUMNS: Column<JobEvent>[] = [
   { key: "at", header: "When", render: (line) => dateTime(line.at) },
   { key: "kind", header: "Event", render: (line) => line.kind },
   { key: "attempt", header: "Attempt", numeric: true, render: (line) => line.attempt || "–" },

@@ -1,17 +1,14 @@
-import { Button, Select, Stack } from "@mantine/core";
+import { Progress, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { useCancelSearch } from "../api/commands";
-import { batchesQuery, jobsQuery, queueQuery, searchesQuery } from "../api/queries";
-import { isOver, STATES, type Batch, type SearchItem } from "../api/types";
+import { batchesQuery, importsQuery, jobsQuery, queueQuery } from "../api/queries";
+import { STATES, type Batch, type Upload } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
-import { TaskTable } from "../components/TaskTable";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
-import { StateBadge } from "../components/RunBadge";
 import { QueueStatus } from "../components/QueueStatus";
 import { Section } from "../components/Section";
 import { dateTime, elapsed } from "../lib/format";
@@ -55,53 +52,30 @@ const BATCHES: Column<Batch>[] = [
   },
 ];
 
-const SEARCHES: Column<SearchItem>[] = [
+const IMPORTS: Column<Upload>[] = [
   {
-    key: "search",
-    header: "Search",
-    wraps: true,
+    key: "what",
+    header: "Import",
     render: (one) => (
-      <Link to="/search" search={{ id: one.id }} className="link">
-        {one.sentence ?? `${one.method} search ${one.id}, modes ${one.modes.join(" ")}`}
+      <Link to="/import" search={{ upload: one.id }} className="link">
+        {one.id}
       </Link>
     ),
   },
   {
-    key: "maneuvers",
-    header: "Maneuvers",
-    numeric: true,
-    render: (one) => one.maneuver_ids.length,
+    key: "progress",
+    header: "Progress",
+    render: (one) => <Progress value={100 * (one.progress ?? 0)} w={160} aria-label="Progress" />,
   },
-  { key: "state", header: "State", render: (one) => <StateBadge state={one.state} /> },
-  { key: "author", header: "By", render: (one) => one.author },
-  { key: "at", header: "Requested", numeric: true, render: (one) => dateTime(one.created_at) },
-  { key: "stop", header: "", render: (one) => !isOver(one.state) && <Stop id={one.id} /> },
 ];
 
-function Stop({ id }: { id: number }) {
-  const cancel = useCancelSearch();
-  return (
-    <Button
-      variant="default"
-      size="compact-xs"
-      aria-label={`Cancel search ${id}`}
-      loading={cancel.isPending}
-      onClick={() => {
-        cancel.mutate(id);
-      }}
-    >
-      Cancel
-    </Button>
-  );
-}
-
-/** Queue, batches, searches and jobs. */
+/** Queue, batches, imports and jobs of all kinds. */
 export function JobsPage() {
   const { state } = route.useSearch();
   const navigate = route.useNavigate();
   const queue = useQuery(queueQuery);
   const batches = useQuery(batchesQuery);
-  const searches = useQuery(searchesQuery);
+  const imports = useQuery(importsQuery);
   const jobs = useQuery(jobsQuery({ state }));
   return (
     <>
@@ -124,19 +98,18 @@ export function JobsPage() {
             />
           </Section>
         )}
-        {searches.data !== undefined && searches.data.length > 0 && (
-          <Section title="Structure searches">
+        {imports.data !== undefined && imports.data.length > 0 && (
+          <Section title="Imports">
             <DataTable
-              label="Searches"
-              testId="searches-table"
-              columns={SEARCHES}
-              rows={searches.data}
+              label="Imports"
+              testId="imports-table"
+              columns={IMPORTS}
+              rows={imports.data}
               rowKey={(one) => one.id}
               maxHeight={320}
             />
           </Section>
         )}
-        <TaskTable />
         <Section
           title="Jobs"
           note="Newest 100"

@@ -5,7 +5,7 @@ import { useState } from "react";
 import { useAddStructure } from "../api/commands";
 import { aircraftQuery, modalTablesQuery, structuresQuery } from "../api/queries";
 import type { Aircraft, ModelStructure } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { ButtonLink } from "../components/ButtonLink";
@@ -75,8 +75,9 @@ function Listed({ structures, aircraft }: Props) {
   const of = (one: ModelStructure) => aircraft.find((craft) => craft.id === one.aircraft_id);
   const count = (one: ModelStructure) => {
     const surfaces = of(one)?.surfaces.map((surface) => surface.name) ?? [];
-    const { modes, inputs } = one.structure;
-    return counts(one.structure, derivativeNames(modes, inputs.length > 0 ? inputs : surfaces));
+    const { modes, inputs, axis } = one.structure;
+    const names = derivativeNames(modes, inputs.length > 0 ? inputs : surfaces, axis);
+    return counts(one.structure, names);
   };
   const columns: Column<ModelStructure>[] = [
     {
@@ -95,12 +96,7 @@ function Listed({ structures, aircraft }: Props) {
     { key: "absent", header: "Absent", numeric: true, render: (one) => count(one).absent },
     { key: "version", header: "Version", numeric: true, render: (one) => one.version },
     { key: "author", header: "By", render: (one) => one.author || "–" },
-    {
-      key: "at",
-      header: "Changed",
-      numeric: true,
-      render: (one) => dateTime(one.changed_at ?? one.created_at),
-    },
+    numeric("at", "Changed", (one) => dateTime(one.changed_at ?? one.created_at)),
     { key: "note", header: "Note", wraps: true, render: (one) => one.note },
   ];
   return (
@@ -126,7 +122,7 @@ function NewStructure({ structures, aircraft }: Props) {
   const origin = structures.find((one) => one.id === copied && one.aircraft_id === craft);
   const tables = useQuery({ ...modalTablesQuery(craft ?? 0), enabled: craft !== undefined });
   const modal = tables.data?.find((one) => one.kind === "FEM");
-  const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
+  const symmetric = modal?.numbers.filter((_, index) => modal.symmetric[index]) ?? [];
   return (
     <Section title="New model structure" note="Editable later; every version is stored.">
       <form

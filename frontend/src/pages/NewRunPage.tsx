@@ -23,6 +23,7 @@ import { windowOf } from "../lib/band";
 import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
+import { axisNames } from "../lib/derivatives";
 import { listOutOfBandModes } from "../lib/runDraft";
 import { useDraft } from "../lib/useDraft";
 
@@ -31,24 +32,28 @@ const route = getRouteApi("/maneuvers/$id/new-run");
 /** Form of new runs: model structure, methods, data and settings. */
 export function NewRunPage() {
   const { id } = route.useParams();
-  const { like, structure, version } = route.useSearch();
+  const { template_run: template, structure, version } = route.useSearch();
   const maneuver = useQuery(maneuverQuery(id));
   return (
     <Loaded query={maneuver} page="New run">
       {(data) => (
-        <WithTables key={`${id} ${like} ${structure} ${version}`} maneuver={data} like={like} />
+        <WithTables
+          key={`${id} ${template} ${structure} ${version}`}
+          maneuver={data}
+          template={template}
+        />
       )}
     </Loaded>
   );
 }
 
-function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
+function WithTables({ maneuver, template }: { maneuver: Maneuver; template?: number }) {
   const aircraft = useQuery(aircraftQuery);
   const tables = useQuery(modalTablesQuery(maneuver.aircraft_id));
   const predictions = useQuery(predictionsQuery(maneuver.aircraft_id));
-  const before = useQuery({ ...runQuery(like ?? 0), enabled: like !== undefined });
+  const before = useQuery({ ...runQuery(template ?? 0), enabled: template !== undefined });
   const view = route.useSearch();
-  const begun = useRunOrigin(maneuver.id, view, like);
+  const begun = useRunOrigin(maneuver.id, view, template);
   const proposal = useQuery({ ...runProposalQuery(maneuver.id, windowOf(view)), retry: false });
   return (
     <Loaded query={tables}>
@@ -68,14 +73,14 @@ function WithTables({ maneuver, like }: { maneuver: Maneuver; like?: number }) {
                       aircraft={own}
                       tables={modal}
                       predictions={sources}
-                      like={run}
+                      template={run}
                       origin={begun.origin}
                       proposal={proposal.data}
                     />
                   </>
                 );
                 if (begun.loading || proposal.isPending) return null;
-                return like === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
+                return template === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
               }}
             </Loaded>
           )}
@@ -90,24 +95,24 @@ interface FormProps {
   aircraft: Aircraft | undefined;
   tables: ModalTable[];
   predictions: Prediction[];
-  like?: Run;
+  template?: Run;
   origin?: RunOrigin;
   proposal?: RunProposal;
 }
 
-function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal }: FormProps) {
+function Form({ maneuver, aircraft, tables, predictions, template, origin, proposal }: FormProps) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
   const all = useSubmitBatch();
   const band = windowOf(view);
   const { draft, setDraft, discard } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${like?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}`,
+    `flexsid.new-run.${maneuver.id}.${template?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}`,
     firstDraft({
       maneuver,
       tables,
       predictions,
-      like,
+      template,
       origin: origin?.structure,
       proposal,
       methods: view.methods,
@@ -118,34 +123,38 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
     ...(aircraft?.combinations.map((one) => one.name) ?? []),
     ...named(maneuver.channels, "output"),
   ];
-  const maneuvers = [maneuver.id, ...(view.also ?? []).filter((id) => id !== maneuver.id)];
+  const maneuvers = [
+    maneuver.id,
+    ...(view.additional_maneuvers ?? []).filter((id) => id !== maneuver.id),
+  ];
 
   const modal = tables.find((one) => one.id === draft.modalTable);
-  const symmetric = modal?.numbers.filter((_, place) => modal.symmetric[place]) ?? [];
+  const isSymmetric = axisNames(draft.axis).symmetry === "symmetric";
+  const ofAxis = modal?.numbers.filter((_, index) => modal.symmetric[index] === isSymmetric) ?? [];
   const predicted = predictions.find((one) => one.id === draft.prediction)?.names ?? [];
 
   const excited = excitedInputs(maneuver);
   const unchanged = isUnchanged(draft, excited, origin?.structure);
 
   const eachItsOwn =
-    unchanged && origin?.everywhere === true && origin.ofOthers.size > 0 && view.together !== true;
+    unchanged && origin?.everywhere === true && origin.ofAdditional.size > 0 && view.joint !== true;
 
   const send = () => {
     const [first, ...others] = maneuvers;
-    const separate = view.together === true && first !== undefined ? [first] : maneuvers;
+    const separate = view.joint === true && first !== undefined ? [first] : maneuvers;
     const requests = separate.flatMap((id) =>
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
-          like,
+          template,
           origin: unchanged ? origin?.structure : undefined,
-          outOfBand: listOutOfBandModes(draft, symmetric, predicted),
-          together: view.together === true ? others : undefined,
+          outOfBand: listOutOfBandModes(draft, ofAxis, predicted),
+          additionalManeuvers: view.joint === true ? others : undefined,
         }),
       ),
     );
-    const [likeAll] = requests;
-    if (separate.length > 1 && likeAll !== undefined) {
-      const request = batchRequest(draft, separate, likeAll);
+    const [shared] = requests;
+    if (separate.length > 1 && shared !== undefined) {
+      const request = batchRequest(draft, separate, shared);
       all.mutate(eachItsOwn ? { ...request, structures: [] } : request, {
         onSuccess: (batch) => {
           discard();
@@ -174,7 +183,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
   return (
     <>
       <PageHead
-        title={like ? `Run ${like.id} again with changes` : "New run"}
+        title={template ? `Run ${template.id} again with changes` : "New run"}
         trail={[
           <Link to="/campaign" className="link" key="campaign">
             Campaign
@@ -193,14 +202,14 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
                 aria-label="Runs for several maneuvers"
                 data={[
                   { value: "each", label: "One run per maneuver" },
-                  { value: "together", label: "One run over all maneuvers" },
+                  { value: "joint", label: "One run over all maneuvers" },
                 ]}
-                value={view.together === true ? "together" : "each"}
+                value={view.joint === true ? "joint" : "each"}
                 onChange={(choice) =>
                   void navigate({
                     search: (previous) => ({
                       ...previous,
-                      together: choice === "together" ? true : undefined,
+                      joint: choice === "joint" ? true : undefined,
                     }),
                     replace: true,
                   })
@@ -224,7 +233,7 @@ function Form({ maneuver, aircraft, tables, predictions, like, origin, proposal 
         tables={tables}
         predictions={predictions}
         draft={draft}
-        fromRun={like?.state === "succeeded"}
+        fromRun={template?.state === "succeeded"}
         onChange={setDraft}
         submitting={submit.isPending || all.isPending}
         onSubmit={send}
@@ -244,7 +253,7 @@ interface OriginProps {
 }
 
 function OriginNote({ origin, unchanged, eachItsOwn }: OriginProps) {
-  const { structure, baseline, ofOthers } = origin;
+  const { structure, baseline, ofAdditional } = origin;
   return (
     <Text size="sm" mb="md" data-testid="run-origin">
       {unchanged ? "Model structure" : "Changed from"}{" "}
@@ -261,10 +270,10 @@ function OriginNote({ origin, unchanged, eachItsOwn }: OriginProps) {
           </Link>
         </>
       )}
-      {ofOthers.size > 0 &&
+      {ofAdditional.size > 0 &&
         (eachItsOwn
-          ? `. ${ofOthers.size} of the further maneuvers use the baselines of their own conditions.`
-          : `. ${ofOthers.size} of the further maneuvers have another baseline.`)}
+          ? `. ${ofAdditional.size} of the further maneuvers use the baselines of their own conditions.`
+          : `. ${ofAdditional.size} of the further maneuvers have another baseline.`)}
     </Text>
   );
 }

@@ -2,7 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { designsQuery } from "../api/queries";
 import type { Design } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { PageHead } from "../components/PageHead";
 import { Loaded } from "../components/Loaded";
@@ -25,13 +25,7 @@ const COLUMNS: Column<Design>[] = [
       </Link>
     ),
   },
-  {
-    key: "duration",
-    header: "Duration",
-    unit: "s",
-    numeric: true,
-    render: (design) => fixed(design.specification.duration_s, 1),
-  },
+  numeric("duration", "Duration", (design) => fixed(design.specification.duration_s, 1), "s"),
   { key: "band", header: "Band", unit: "Hz", numeric: true, render: bandOf },
   { key: "at", header: "Created", numeric: true, render: (design) => dateTime(design.created_at) },
 ];

@@ -9,6 +9,7 @@ import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { FacetSelect } from "../components/FacetSelect";
 import { FilterInput } from "../components/FilterInput";
+import { ListFoot } from "../components/ListFoot";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
@@ -209,21 +210,15 @@ export function QualityPage() {
             }
           </Loaded>
         </div>
-        <Group justify="space-between">
-          <Text size="xs" className="quiet numbers" aria-live="polite">
-            {head !== undefined &&
-              `${items.length} shown: ${VERDICTS.map((v) => `${head.counts[v] ?? 0} ${v}`).join(", ")}`}
-          </Text>
-          {list.hasNextPage && (
-            <Button
-              variant="default"
-              loading={list.isFetchingNextPage}
-              onClick={() => void list.fetchNextPage()}
-            >
-              Load more
-            </Button>
-          )}
-        </Group>
+        <ListFoot
+          counts={
+            head === undefined
+              ? ""
+              : `${items.length} shown: ${VERDICTS.map((v) => `${head.counts[v] ?? 0} ${v}`).join(", ")}`
+          }
+          testId="quality-count"
+          list={list}
+        />
       </Stack>
     </>
   );

@@ -4,10 +4,13 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery, runQuery } from "../api/queries";
 import { isOver, METHOD_NAMES, type Run } from "../api/types";
 import { Figure } from "../components/Figure";
+import { RunDerivation } from "../components/DerivedRuns";
 import { BlockPicker, FitTab } from "../components/FitTab";
 import { JobProgress } from "../components/JobProgress";
 import { Loaded } from "../components/Loaded";
+import { AdequacyTests } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
+import { NuisanceParameters } from "../components/NuisanceParameters";
 import { ParameterTable } from "../components/ParameterTable";
 import { PoleTable } from "../components/PoleTable";
 import { Provenance } from "../components/Provenance";
@@ -82,8 +85,10 @@ function OneRun({ run }: { run: Run }) {
           {run.error?.message ?? "The worker gave no reason."}
         </Alert>
       )}
+      <RunDerivation run={run} />
       <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
+      {run.adequacy !== null && <AdequacyTests adequacy={run.adequacy} />}
       {isOver(run.state) && <Results run={run} />}
     </>
   );
@@ -133,12 +138,14 @@ function Results({ run }: { run: Run }) {
         <div className="panel">
           <ParameterTable
             parameters={run.parameters}
+            noiseShare={run.retained?.noise_share}
             sort={view.sort}
             onSort={(sort) => {
               change({ sort });
             }}
           />
         </div>
+        {run.retained !== null && <NuisanceParameters retained={run.retained} />}
       </Tabs.Panel>
       <Tabs.Panel value="fit" pt="md">
         <FitTab run={run} view={view} onChange={change} />

@@ -1,4 +1,4 @@
-import { Stack } from "@mantine/core";
+import { Stack, Switch } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
@@ -12,7 +12,9 @@ import { ListFoot } from "../components/ListFoot";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { RunList } from "../components/RunList";
+import { PredictLinks } from "../components/PredictLinks";
 import { SavedViews } from "../components/SavedViews";
+import { count } from "../lib/format";
 import type { RunsView } from "../views";
 
 const route = getRouteApi("/runs");
@@ -72,7 +74,17 @@ export function RunsPage() {
                 }
               : undefined
           }
-        />
+        >
+          <Switch
+            label="Derived"
+            mb={6}
+            checked={view.derived === true}
+            data-testid="filter-derived"
+            onChange={(event) => {
+              change({ derived: event.currentTarget.checked || undefined, selected: undefined });
+            }}
+          />
+        </ListFilters>
         <div className="panel">
           <Loaded query={list} rows={12}>
             {() =>
@@ -95,9 +107,12 @@ export function RunsPage() {
           </Loaded>
         </div>
         <ListFoot
-          noun="run"
-          shown={shown.length}
-          total={list.data === undefined ? undefined : (facets.data?.total ?? shown.length)}
+          counts={
+            list.data === undefined
+              ? ""
+              : `${shown.length} of ${count(facets.data?.total ?? shown.length, "run")}`
+          }
+          testId="run-count"
           list={list}
         />
       </Stack>
@@ -110,10 +125,13 @@ function CompareSelected({ runs, selected }: { runs: RunItem[]; selected: number
   const known = new Map(runs.map((run) => [run.id, run]));
   const done = selected.filter((id) => known.get(id)?.state === "succeeded" || !known.has(id));
   return (
-    <CompareLink
-      runs={done.map((id) => ({ id, prediction_id: known.get(id)?.prediction_id ?? null }))}
-      label={`Compare ${done.length}`}
-    />
+    <>
+      <CompareLink
+        runs={done.map((id) => ({ id, prediction_id: known.get(id)?.prediction_id ?? null }))}
+        label={`Compare ${done.length}`}
+      />
+      <PredictLinks runs={done} />
+    </>
   );
 }
 
@@ -128,6 +146,7 @@ function apiFilters(view: RunsView): RunFilters {
     state: view.state,
     tag: view.tag,
     deleted: view.deleted,
+    derived: view.derived,
   };
 }
 
@@ -141,6 +160,7 @@ const FILTERS = [
   "state",
   "tag",
   "deleted",
+  "derived",
 ] as const satisfies readonly (keyof RunsView)[];
 
 function Nothing({ filtered }: { filtered: boolean }) {

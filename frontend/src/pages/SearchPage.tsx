@@ -23,7 +23,7 @@ export function SearchPage() {
         title="Structure search"
         trail={[
           <Link to="/model-structures" className="link" key="structures">
-            Structures
+            Model structures
           </Link>,
         ]}
       />

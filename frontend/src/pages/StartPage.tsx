@@ -11,11 +11,14 @@ import {
 } from "../api/queries";
 import type { RunItem } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
+import { CampaignProgress } from "../components/CampaignProgress";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { StateBadge } from "../components/RunBadge";
 import { Section } from "../components/Section";
+import { TourOffer } from "../components/Tour";
+import { useProposedManeuver } from "../components/useProposedManeuver";
 import { count, dateMinute } from "../lib/format";
 
 const LINES = 6;
@@ -32,6 +35,8 @@ export function StartPage() {
   return (
     <>
       <PageHead title="Start" actions={<NextStep />} />
+      <CampaignProgress />
+      <TourOffer />
       <GroundTestAlarm />
       <ol className="way" aria-label="Workflow">
         <Step to="/campaign" name="Campaign" fact={count(total, "maneuver")} />
@@ -102,12 +107,11 @@ function Step({ to, name, fact }: StepProps) {
 
 /** Button of the next step: import, estimate or compare. */
 function NextStep() {
-  const untouched = useInfiniteQuery(maneuversQuery({}, "n_runs", 1));
+  const maneuver = useProposedManeuver();
   const newest = useInfiniteQuery(runListQuery({ state: "succeeded" }, "-finished_at", LINES));
-  const maneuver = untouched.data?.pages[0]?.items[0];
   const done = newest.data?.pages[0]?.items ?? [];
-  if (untouched.data === undefined || newest.data === undefined) return null;
-  if (maneuver === undefined) {
+  if (maneuver === undefined || newest.data === undefined) return null;
+  if (maneuver === null) {
     return (
       <ButtonLink to="/import" data-testid="next-step">
         Import a maneuver
@@ -119,15 +123,15 @@ function NextStep() {
     run.prediction_id !== null ||
     done.some((other) => other.id !== run.id && other.maneuver_id === run.maneuver_id);
   const last = done.find(isComparable) ?? done[0];
-  const together = done.filter((run) => run.maneuver_id === last?.maneuver_id);
+  const same = done.filter((run) => run.maneuver_id === last?.maneuver_id);
   return (
     <>
       {last !== undefined && (
         <ButtonLink
           to="/compare"
           search={{
-            runs: together.map((run) => run.id),
-            predictions: [...new Set(together.flatMap((run) => run.prediction_id ?? []))],
+            runs: same.map((run) => run.id),
+            predictions: [...new Set(same.flatMap((run) => run.prediction_id ?? []))],
           }}
           data-testid="next-compare"
         >
@@ -155,10 +159,7 @@ interface RunsProps {
 }
 
 function Runs({ filters, sort, none }: RunsProps) {
-  const list = useInfiniteQuery({
-    ...runListQuery(filters, sort, LINES),
-    refetchInterval: filters.state === "running" ? 2000 : 10_000,
-  });
+  const list = useInfiniteQuery(runListQuery(filters, sort, LINES));
   return (
     <Loaded query={list} rows={3}>
       {({ pages }) => (

@@ -1,8 +1,24 @@
 import "@testing-library/jest-dom/vitest";
 import { cleanup } from "@testing-library/react";
 import { afterEach, vi } from "vitest";
+import { setAxes } from "../lib/derivatives";
 
 afterEach(cleanup);
+
+setAxes([
+  {
+    axis: "longitudinal",
+    symmetry: "symmetric",
+    coefficients: ["CZ", "Cm"],
+    motions: ["alpha", "q"],
+  },
+  {
+    axis: "lateral",
+    symmetry: "antisymmetric",
+    coefficients: ["CY", "Cl", "Cn"],
+    motions: ["beta", "p", "r"],
+  },
+]);
 
 // jsdom lays nothing out; Mantine only needs these to exist.
 vi.stubGlobal(

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import LONGEST_TEXT, Line, Name
-from flexsid.api.responses import AircraftList
-from flexsid.api.serialization import Identity, Json
+from flexsid.api.requests import LONGEST_TEXT, Line, Name, Request
+from flexsid.api.serialization import Identity, JsonRoute
 from flexsid.records.aircraft import Aircraft
+from flexsid.storage.paging import Page
 from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
 
-router = APIRouter(prefix="/aircraft", tags=["aircraft"])
+router = APIRouter(prefix="/aircraft", tags=["aircraft"], route_class=JsonRoute)
 
-_STRICT: Any = ConfigDict(extra="forbid")
 _Name = Annotated[str, Field(min_length=1, max_length=100), Line]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ThrustRequest:
+class ThrustRequest(Request):
     """Thrust table of one engine as CSV text, and the channels of the rotation speeds.
 
     The first row has a label and total temperatures, every other row a rotation speed and the
@@ -36,23 +33,21 @@ class ThrustRequest:
     thrust_unit: Name = "N"
     source: Annotated[str, Field(max_length=500), Line] = ""
 
-    __pydantic_config__ = _STRICT
 
-
-@router.get("", response_model=AircraftList)
-def list_aircraft(store: TheStore) -> Json:
+@router.get("")
+def list_aircraft(store: TheStore) -> Page[Aircraft]:
     """List all aircraft."""
-    return Json(AircraftList(items=store.aircraft.find()))
+    return Page(items=store.aircraft.find())
 
 
-@router.get("/{aircraft_id}", response_model=Aircraft)
-def get_aircraft(store: TheStore, aircraft_id: Identity) -> Json:
+@router.get("/{aircraft_id}")
+def get_aircraft(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Return one aircraft."""
-    return Json(store.aircraft.get(aircraft_id))
+    return store.aircraft.get(aircraft_id)
 
 
-@router.put("/{aircraft_id}/thrust", response_model=Aircraft)
-def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> Json:
+@router.put("/{aircraft_id}/thrust")
+def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> Aircraft:
     """Set the thrust table of an aircraft, from which the thrust of new maneuvers is computed."""
     table = parse_thrust_table(
         body.text,
@@ -60,10 +55,10 @@ def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> J
         (body.speed_unit, body.temperature_unit, body.thrust_unit),
         body.source,
     )
-    return Json(set_thrust_table(store, aircraft_id, table))
+    return set_thrust_table(store, aircraft_id, table)
 
 
-@router.delete("/{aircraft_id}/thrust", response_model=Aircraft)
-def remove_thrust(store: TheStore, aircraft_id: Identity) -> Json:
+@router.delete("/{aircraft_id}/thrust")
+def remove_thrust(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Delete the thrust table of an aircraft; the thrust of existing maneuvers is unchanged."""
-    return Json(set_thrust_table(store, aircraft_id, None))
+    return set_thrust_table(store, aircraft_id, None)

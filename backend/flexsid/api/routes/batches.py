@@ -10,22 +10,15 @@ from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.run_requests import BatchRequest
 from flexsid.api.serialization import After, Identity, Json, Limit
-from flexsid.records.batch import Batch
 from flexsid.records.model_structure import Structure
+from flexsid.records.run import Batch
 from flexsid.storage import batches
 from flexsid.storage.batches import BatchProgress
+from flexsid.storage.paging import Page
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs.batch import queue_batch
 
 router = APIRouter(prefix="/batches", tags=["jobs"])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BatchList:
-    """A page of batches."""
-
-    items: list[BatchProgress]
-    next: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +65,7 @@ def request_batch(context: TheContext, body: BatchRequest, analyst: TheAnalyst) 
     )
 
 
-@router.get("", response_model=BatchList)
+@router.get("", response_model=Page[BatchProgress])
 def list_batches(store: TheStore, limit: Limit = 100, after: After = None) -> Json:
     """List batches with their progress, newest first."""
     return Json(batches.read_page(store, limit=limit, after=after))

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
-from fastapi import APIRouter, Query, status
+from fastapi import APIRouter, status
 
+from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.routes.flutter import TheFlutterQuery
-from flexsid.api.serialization import Json
-from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.background_tasks import Report, TaskProgress
-from flexsid.workflow.flutter import closed_loop as workflow
+from flexsid.api.routes.flutter import TheFlutterQuery, title_runs
+from flexsid.api.serialization import Json, RequiredReference
+from flexsid.api.submission import KnownJob, respond_with_job, submit_job
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import CLOSED_LOOP
+from flexsid.records import finite_or_none
+from flexsid.records.run import DerivedRun
+from flexsid.storage.job_list import JobItem
+from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 
 router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
-
-ControllerId = Annotated[int, Query(ge=1, le=LARGEST_ID)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,27 +53,37 @@ class ClosedLoopStability:
     low_m_s: float | None
     high_m_s: float | None
     margins: list[MarginRow]
+    derived_runs: tuple[DerivedRun, ...]
 
 
-@router.post("/results", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
-def start_closed_loop_analysis(
-    context: TheContext, query: TheFlutterQuery, controller_id: ControllerId
+@router.post("/results", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+def request_closed_loop(
+    context: TheContext,
+    query: TheFlutterQuery,
+    controller_id: RequiredReference,
+    analyst: TheAnalyst,
 ) -> Json:
-    """Start the closed-loop analysis as a task; its result is cached."""
+    """Queue the closed-loop analysis, or return the job of an equal request."""
+    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
+    return submit_job(context, CLOSED_LOOP, request, analyst, title_runs(query))
 
-    def work(report: Report) -> None:
-        workflow.compute_closed_loop(context.store, query, controller_id, report)
 
-    n_runs = len(query.run_ids)
-    title = f"{n_runs} run{'' if n_runs == 1 else 's'}"
-    task = context.tasks.begin("closed-loop", title, work)
-    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
+@router.get("/results", response_model=KnownJob)
+def get_closed_loop_job(
+    store: TheStore, query: TheFlutterQuery, controller_id: RequiredReference
+) -> Json:
+    """Return the newest job of an equal request; null if there is none."""
+    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
+    return respond_with_job(store, CLOSED_LOOP, request)
 
 
 @router.get("", response_model=ClosedLoopStability)
-def get_closed_loop(store: TheStore, query: TheFlutterQuery, controller_id: ControllerId) -> Json:
-    """Return the stability limit and margins of the identified aircraft with a controller."""
-    found = workflow.analyse_closed_loop(store, query, controller_id)
+def get_closed_loop(
+    store: TheStore, query: TheFlutterQuery, controller_id: RequiredReference
+) -> Json:
+    """Return the stored stability limit and margins of the runs with a controller."""
+    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
+    found = get_result(store, CLOSED_LOOP, request)
     return Json(
         ClosedLoopStability(
             sentence=found.sentence,
@@ -87,19 +99,16 @@ def get_closed_loop(store: TheStore, query: TheFlutterQuery, controller_id: Cont
                 MarginRow(
                     surface=margin.surface,
                     airspeed_m_s=float(found.airspeed_m_s[k]),
-                    gain=_finite_or_none(margin.gain[k]),
-                    gain_std=_finite_or_none(margin.gain_std[k]),
-                    phase_rad=_finite_or_none(margin.phase_rad[k]),
-                    phase_std_rad=_finite_or_none(margin.phase_std_rad[k]),
-                    disk=_finite_or_none(margin.disk[k]),
-                    disk_std=_finite_or_none(margin.disk_std[k]),
+                    gain=finite_or_none(margin.gain[k]),
+                    gain_std=finite_or_none(margin.gain_std[k]),
+                    phase_rad=finite_or_none(margin.phase_rad[k]),
+                    phase_std_rad=finite_or_none(margin.phase_std_rad[k]),
+                    disk=finite_or_none(margin.disk[k]),
+                    disk_std=finite_or_none(margin.disk_std[k]),
                 )
                 for margin in found.margins
                 for k in range(found.airspeed_m_s.size)
             ],
+            derived_runs=found.derived_runs,
         )
     )
-
-
-def _finite_or_none(value: float) -> float | None:
-    return float(value) if abs(value) < float("inf") else None

@@ -2,50 +2,62 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, status
+from dataclasses import dataclass
+
+from fastapi import APIRouter
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.requests import ConditioningRequest
-from flexsid.api.responses import ConditioningList
-from flexsid.api.serialization import Identity, Json
-from flexsid.records.conditioning import ConditioningStep
+from flexsid.api.serialization import Identity, JsonRoute
+from flexsid.jobs.kinds import QUALITY
+from flexsid.records.maneuver import ConditioningStep, Correction
 from flexsid.records.quality import ManeuverQuality
+from flexsid.storage import job_list
+from flexsid.storage.paging import Items
 from flexsid.workflow.measurements import conditioning
 from flexsid.workflow.quality import maneuver_quality
 
-router = APIRouter(prefix="/maneuvers", tags=["quality"])
+router = APIRouter(prefix="/maneuvers", tags=["quality"], route_class=JsonRoute)
 
 
-@router.get("/{maneuver_id}/quality", response_model=ManeuverQuality)
-def get_quality(store: TheStore, maneuver_id: Identity) -> Json:
-    """Return the data quality of a maneuver; it is assessed now if it was not before."""
-    return Json(maneuver_quality.get_maneuver_quality(store, maneuver_id))
+@dataclass(frozen=True, slots=True)
+class StoredQuality:
+    """Data quality of a maneuver, null if its present data are not assessed; newest assessment."""
+
+    quality: ManeuverQuality | None
+    job: job_list.JobItem | None
 
 
-@router.get("/{maneuver_id}/conditioning", response_model=ConditioningList)
-def list_conditioning(store: TheStore, maneuver_id: Identity) -> Json:
+@router.get("/{maneuver_id}/quality")
+def get_quality(store: TheStore, maneuver_id: Identity) -> StoredQuality:
+    """Return the stored data quality of a maneuver; ``/quality/assess`` computes it."""
+    return StoredQuality(
+        maneuver_quality.find_maneuver_quality(store, maneuver_id),
+        job_list.find_newest(store, QUALITY.name, maneuver_id=maneuver_id),
+    )
+
+
+@router.get("/{maneuver_id}/conditioning")
+def list_conditioning(store: TheStore, maneuver_id: Identity) -> Items[ConditioningStep]:
     """List the corrections of a maneuver, including undone ones."""
     store.maneuvers.get(maneuver_id)
-    return Json(ConditioningList(items=store.conditioning.find(maneuver_id=maneuver_id)))
+    return Items(items=store.conditioning.find(maneuver_id=maneuver_id))
 
 
-@router.post(
-    "/{maneuver_id}/conditioning",
-    response_model=ConditioningList,
-    status_code=status.HTTP_201_CREATED,
-)
+@router.post("/{maneuver_id}/conditioning", status_code=201)
 def add_conditioning(
     store: TheStore, maneuver_id: Identity, body: ConditioningRequest, analyst: TheAnalyst
-) -> Json:
+) -> Items[ConditioningStep]:
     """Apply corrections, all or none; the recorded data are not changed."""
-    steps = conditioning.add_conditioning_steps(store, maneuver_id, body.to_corrections(), analyst)
-    return Json(ConditioningList(items=steps), status.HTTP_201_CREATED)
+    corrections = [item.make_record(Correction) for item in body.items]
+    steps = conditioning.add_conditioning_steps(store, maneuver_id, corrections, analyst)
+    return Items(items=steps)
 
 
-@router.delete("/{maneuver_id}/conditioning/{step_id}", response_model=ConditioningStep)
+@router.delete("/{maneuver_id}/conditioning/{step_id}")
 def undo_conditioning(
     store: TheStore, maneuver_id: Identity, step_id: Identity, analyst: TheAnalyst
-) -> Json:
+) -> ConditioningStep:
     """Undo a correction; it remains in the list."""
-    return Json(conditioning.undo_step(store, maneuver_id, step_id, analyst))
+    return conditioning.undo_step(store, maneuver_id, step_id, analyst)

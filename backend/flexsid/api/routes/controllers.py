@@ -2,56 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Annotated
 
-from fastapi import APIRouter, File, Form, Query, Response, UploadFile, status
-from pydantic import ConfigDict, Field
+from fastapi import APIRouter, File, Form, Response, UploadFile, status
+from pydantic import Field
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import LONGEST_TEXT, Id, Text, Title
-from flexsid.api.serialization import Identity, Json
+from flexsid.api.requests import LONGEST_TEXT, Id, Request, Text, Title
+from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers import sandbox
-from flexsid.records.controller import Controller
+from flexsid.records.flutter import Controller
+from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.flutter import controllers
 
 router = APIRouter(prefix="/controllers", tags=["controllers"])
 
-_STRICT: Any = ConfigDict(extra="forbid")
 _LARGEST = 1_000_000  # bytes of a file
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControllerRequest:
+class ControllerRequest(Request):
     """A controller as JSON: ``reads``, ``drives``, and matrices or transfer functions."""
 
     aircraft_id: Id
     name: Title
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
-    __pydantic_config__ = _STRICT
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ControllerList:
-    """Controllers, oldest first."""
-
-    items: list[Controller]
-    next: str | None = None
-
-
-@router.get("", response_model=ControllerList)
-def list_controllers(
-    store: TheStore, aircraft_id: Annotated[int | None, Query(ge=1, le=LARGEST_ID)] = None
-) -> Json:
+@router.get("", response_model=Page[Controller])
+def list_controllers(store: TheStore, aircraft_id: Reference = None) -> Json:
     """List controllers, of one aircraft or all."""
-    body = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(ControllerList(items=store.controllers.find(**body)))
+    return Json(Page(items=store.controllers.find(**drop_none(aircraft_id=aircraft_id))))
 
 
 @router.post("", response_model=Controller, status_code=status.HTTP_201_CREATED)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response, status
+from fastapi import APIRouter, Query, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
@@ -15,18 +15,25 @@ from flexsid.api.decision_requests import (
     VoteRequest,
     WithdrawalRequest,
 )
-from flexsid.api.decision_responses import DecisionDetail, DecisionItem, DecisionList, StaleProposal
+from flexsid.api.decision_responses import DecisionDetail, DecisionItem, StaleProposal
 from flexsid.api.errors import Problem
 from flexsid.api.responses import extend_record
-from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.api.serialization import (
+    Identity,
+    Json,
+    JsonRoute,
+    Reference,
+    RequiredReference,
+    drop_none,
+)
 from flexsid.records.decision import Decision, DecisionState
+from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review
-from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision
-from flexsid.workflow.review.audit_report import write_markdown
+from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision, write_markdown
 
-router = APIRouter(prefix="/decisions", tags=["decisions"])
+router = APIRouter(prefix="/decisions", tags=["decisions"], route_class=JsonRoute)
 
 Form = Annotated[
     Literal["json", "markdown"], Query(alias="format", description="JSON, or Markdown to read.")
@@ -37,33 +44,30 @@ _TRAIL: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.get("", response_model=DecisionList)
+@router.get("")
 def list_decisions(
     store: TheStore, aircraft_id: Reference = None, state: DecisionState | None = None
-) -> Json:
+) -> Items[DecisionItem]:
     """List decisions, newest first."""
-    filters = {"aircraft_id": aircraft_id, "state": state}
-    found = store.decisions.find(**{k: v for k, v in filters.items() if v is not None})
+    found = store.decisions.find(**drop_none(aircraft_id=aircraft_id, state=state))
     items = [
         extend_record(DecisionItem, one, structure_name=_get_structure(store, one).name)
         for one in reversed(found)
     ]
-    return Json(DecisionList(items=items))
+    return Items(items=items)
 
 
-@router.post("", response_model=DecisionDetail, status_code=status.HTTP_201_CREATED)
+@router.post("", response_model=DecisionDetail, status_code=201)
 def propose_decision(store: TheStore, body: ProposalRequest, analyst: NamedAnalyst) -> Json:
     """Propose a model structure, or a change of one, for a range of conditions."""
     stored = decision_review.propose(store, body.to_record(), analyst)
     location = {"Location": f"/api/v1/decisions/{stored.id}"}
-    return Json(_build_detail(store, stored), status.HTTP_201_CREATED, location)
+    return Json(_build_detail(store, stored), 201, location)
 
 
 @router.get("/audit", response_model=AuditTrail, responses=_TRAIL)
 def get_campaign_audit(
-    store: TheStore,
-    aircraft_id: Annotated[int, Query(ge=1, le=2**63 - 1)],
-    form: Form = "json",
+    store: TheStore, aircraft_id: RequiredReference, form: Form = "json"
 ) -> Response:
     """Return the audit trail of all decisions of a campaign."""
     return _respond_with_trail(
@@ -71,67 +75,50 @@ def get_campaign_audit(
     )
 
 
-@router.get("/{decision_id}", response_model=DecisionDetail)
-def get_decision(store: TheStore, decision_id: Identity) -> Json:
+@router.get("/{decision_id}")
+def get_decision(store: TheStore, decision_id: Identity) -> DecisionDetail:
     """Return one decision with its comments, votes and history."""
-    return Json(_build_detail(store, store.decisions.get(decision_id)))
+    return _build_detail(store, store.decisions.get(decision_id))
 
 
-@router.post(
-    "/{decision_id}/revisions",
-    response_model=DecisionDetail,
-    status_code=status.HTTP_201_CREATED,
-    responses=_STALE,
-)
+@router.post("/{decision_id}/revisions", status_code=201, responses=_STALE)
 def revise_decision(
     store: TheStore, decision_id: Identity, body: RevisionRequest, analyst: NamedAnalyst
-) -> Json:
+) -> DecisionDetail:
     """Replace an open proposal; the votes are reset."""
     stored = decision_review.revise(
         store, decision_id, body.revision, body.proposal.to_record(), analyst
     )
-    return Json(_build_detail(store, stored), status.HTTP_201_CREATED)
+    return _build_detail(store, stored)
 
 
-@router.post(
-    "/{decision_id}/comments", response_model=DecisionDetail, status_code=status.HTTP_201_CREATED
-)
+@router.post("/{decision_id}/comments", status_code=201)
 def comment_decision(
     store: TheStore, decision_id: Identity, body: CommentRequest, analyst: NamedAnalyst
-) -> Json:
+) -> DecisionDetail:
     """Comment on a decision, or on one derivative."""
     stored = decision_review.comment(store, decision_id, body.text, analyst, body.derivative)
-    return Json(_build_detail(store, stored), status.HTTP_201_CREATED)
+    return _build_detail(store, stored)
 
 
-@router.post(
-    "/{decision_id}/votes",
-    response_model=DecisionDetail,
-    status_code=status.HTTP_201_CREATED,
-    responses=_STALE,
-)
+@router.post("/{decision_id}/votes", status_code=201, responses=_STALE)
 def vote_on_decision(
     store: TheStore, decision_id: Identity, body: VoteRequest, analyst: NamedAnalyst
-) -> Json:
+) -> DecisionDetail:
     """Vote on a proposal: approve, reject or request changes; decided by the quorum."""
     stored = decision_review.cast_vote(
         store, decision_id, body.revision, body.vote, body.text, analyst
     )
-    return Json(_build_detail(store, stored), status.HTTP_201_CREATED)
+    return _build_detail(store, stored)
 
 
-@router.post(
-    "/{decision_id}/withdrawal",
-    response_model=DecisionDetail,
-    status_code=status.HTTP_201_CREATED,
-    responses=_STALE,
-)
+@router.post("/{decision_id}/withdrawal", status_code=201, responses=_STALE)
 def withdraw_decision(
     store: TheStore, decision_id: Identity, body: WithdrawalRequest, analyst: NamedAnalyst
-) -> Json:
+) -> DecisionDetail:
     """Withdraw a proposal; its author only."""
     stored = decision_review.withdraw(store, decision_id, body.revision, body.text, analyst)
-    return Json(_build_detail(store, stored), status.HTTP_201_CREATED)
+    return _build_detail(store, stored)
 
 
 @router.get("/{decision_id}/audit", response_model=AuditTrail, responses=_TRAIL)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile, status
-from pydantic import ConfigDict
 
+from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.design_requests import (
     DesignRequest,
@@ -19,27 +18,27 @@ from flexsid.api.design_requests import (
     RescaleRequest,
 )
 from flexsid.api.requests import Title
-from flexsid.api.serialization import Identity, Json
+from flexsid.api.serialization import Identity, Json, RequiredReference
+from flexsid.api.submission import submit_job
 from flexsid.api.uploads import save_files
 from flexsid.importers import sandbox
+from flexsid.jobs.kinds import DESIGN, SIMULATION
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.views import ExpectedMode, TargetModes
-from flexsid.storage.repository import LARGEST_ID
+from flexsid.records.views import TargetModes
+from flexsid.storage.job_list import JobItem
+from flexsid.storage.paging import Page
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
-from flexsid.workflow.background_tasks import Report, TaskProgress
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
-    classic_inputs,
     excitation_designs,
     imported_multisines,
-    predicted_accuracy,
     preflight_simulation,
 )
+from flexsid.workflow.excitation.excitation_designs import DesignOrder
 from flexsid.workflow.excitation.target_modes import compare_target_modes
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
-_STRICT: Any = ConfigDict(extra="forbid")
 _DIRECT_S = 20.0  # longest estimated processor time of a phase search within a request
 
 Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
@@ -53,35 +52,6 @@ Rate = Annotated[
     float | None,
     Query(ge=1e-6, le=50.0, allow_inf_nan=False, description="[rad/s], at most 50 (2900 deg/s)."),
 ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExpectedSummary:
-    """Expected signal of the modes, correlation of the surface deflections, information by input.
-
-    ``worth`` is the information of the harmonics of each input, as a number of parameters.
-    """
-
-    modes: list[ExpectedMode]
-    surfaces: list[str]
-    correlation: list[list[float]]
-    worth: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PreflightSimulationList:
-    """Pre-flight simulations of one design."""
-
-    items: list[preflight_simulation.SimulationResult]
-    next: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DesignList:
-    """Designs, oldest first."""
-
-    items: list[ExcitationDesign]
-    next: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,18 +70,10 @@ class CatalogueRow:
     inputs: list[str]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CatalogueList:
-    """Table 1."""
-
-    items: list[CatalogueRow]
-    next: str | None = None
-
-
-@router.get("", response_model=DesignList)
+@router.get("", response_model=Page[ExcitationDesign])
 def list_designs(store: TheStore) -> Json:
     """List excitation designs."""
-    return Json(DesignList(items=store.designs.find()))
+    return Json(Page(items=store.designs.find()))
 
 
 @router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
@@ -119,33 +81,23 @@ def create_design(store: TheStore, body: DesignRequest) -> Json:
     """Create a design and optimise its phases; takes a few seconds."""
     specification = body.to_specification(store)
     excitation_designs.check_search(
-        specification, _DIRECT_S, ", or start it as a task (POST /designs/searches)"
+        specification, _DIRECT_S, ", or start it as a job (POST /designs/searches)"
     )
-    stored = excitation_designs.create_design(store, body.name, specification, body.fta, body.note)
+    order = DesignOrder(name=body.name, specification=specification, fta=body.fta, note=body.note)
+    stored = store.designs.add(excitation_designs.compute_design(order, lambda progress: None))
     return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
-@router.post("/searches", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED)
-def start_design(context: TheContext, body: DesignRequest) -> Json:
-    """Create a design and optimise its phases, as a task."""
+@router.post("/searches", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+def start_design(context: TheContext, body: DesignRequest, analyst: TheAnalyst) -> Json:
+    """Create a design and optimise its phases, as a job."""
     specification = body.to_specification(context.store)
     excitation_designs.check_search(specification)
-
-    def work(report: Report) -> int | None:
-        return excitation_designs.create_design(
-            context.store,
-            body.name,
-            specification,
-            body.fta,
-            body.note,
-            _report_phase_search(report),
-        ).id
-
-    task = context.tasks.begin("design", body.name, work)
-    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
+    order = DesignOrder(name=body.name, specification=specification, fta=body.fta, note=body.note)
+    return submit_job(context, DESIGN, order, analyst, body.name)
 
 
-@router.post("/flown", response_model=DesignList, status_code=status.HTTP_201_CREATED)
+@router.post("/import", response_model=Page[ExcitationDesign], status_code=status.HTTP_201_CREATED)
 def import_multisines(
     store: TheStore,
     files: Annotated[list[UploadFile], File(description="Samples of exactly one period.")],
@@ -159,13 +111,13 @@ def import_multisines(
         sources = sandbox.read_all(*save_files(Path(folder), files))
     found = imported_multisines.recognise_inputs(sources, unit)
     stored = imported_multisines.save_designs(store, found, name, rate_hz, separate=separate)
-    return Json(DesignList(items=list(stored)), status.HTTP_201_CREATED)
+    return Json(Page(items=list(stored)), status.HTTP_201_CREATED)
 
 
-@router.get("/catalogue", response_model=CatalogueList)
+@router.get("/catalogue", response_model=Page[CatalogueRow])
 def list_catalogue() -> Json:
     """List the 24 designs of Table 1."""
-    return Json({"items": excitation_designs.list_flight_test_aids(), "next": None})
+    return Json(Page(items=list(excitation_designs.list_flight_test_aids())))
 
 
 @router.get("/{design_id}", response_model=ExcitationDesign)
@@ -214,75 +166,10 @@ def check_design(
 def get_target_modes(
     store: TheStore,
     design_id: Identity,
-    aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
+    aircraft_id: RequiredReference,
 ) -> Json:
     """Compare the band of a design with its target modes on an aircraft."""
     return Json(compare_target_modes(store, store.designs.get(design_id), aircraft_id))
-
-
-@router.get("/{design_id}/expected-errors", response_model=predicted_accuracy.ExpectedErrors)
-def predict_errors(
-    store: TheStore,
-    design_id: Identity,
-    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    level: Level = 0,
-) -> Json:
-    """Predict the standard errors of the derivatives of a run for this excitation (Cramér-Rao)."""
-    return Json(
-        predicted_accuracy.predict_errors(store, store.designs.get(design_id), run_id, level)
-    )
-
-
-@router.get("/{design_id}/expected-response", response_model=ExpectedSummary)
-def predict_response(
-    store: TheStore,
-    design_id: Identity,
-    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    level: Level = 0,
-) -> Json:
-    """Predict the signal-to-noise ratio of the modes and the correlation of the surfaces."""
-    found = predicted_accuracy.predict_response(store, store.designs.get(design_id), run_id, level)
-    return Json(
-        ExpectedSummary(
-            modes=list(found.modes),
-            surfaces=list(found.surfaces),
-            correlation=found.correlation.tolist(),
-            worth={name: float(worth.sum()) for name, worth in found.worth.items()},
-        )
-    )
-
-
-@router.get("/{design_id}/classic-inputs", response_model=classic_inputs.InputComparison)
-def compare_classic_inputs(
-    store: TheStore,
-    design_id: Identity,
-    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    level: Level = 0,
-) -> Json:
-    """Compare a design with doublets, 3-2-1-1s and sweeps of equal limits; takes seconds."""
-    return Json(classic_inputs.compare_inputs(store, store.designs.get(design_id), run_id, level))
-
-
-@router.get("/{design_id}/amplitudes", response_model=amplitude_optimisation.OptimisedAmplitudes)
-def optimise_amplitudes(
-    store: TheStore,
-    design_id: Identity,
-    run_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    deflection: Deflection = None,
-    load_factor: Limit = None,
-    level: Level = 0,
-) -> Json:
-    """Optimise amplitudes: minimax relative standard error, and D-optimal.
-
-    Limits: largest deflection of any surface [rad] and load factor [g], feedback included;
-    if omitted, those of the design.
-    """
-    design = store.designs.get(design_id)
-    return Json(
-        amplitude_optimisation.optimise_amplitudes(
-            store, design, run_id, level, deflection, load_factor
-        )
-    )
 
 
 @router.post(
@@ -297,61 +184,49 @@ def rescale_design(store: TheStore, design_id: Identity, body: RescaleRequest) -
     return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
-@router.post(
-    "/{design_id}/redesign", response_model=TaskProgress, status_code=status.HTTP_202_ACCEPTED
-)
-def redesign_phases(context: TheContext, design_id: Identity, body: RedesignRequest) -> Json:
-    """Optimise new phases for the harmonics of a design, such as an imported one, as a task."""
+@router.post("/{design_id}/redesign", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+def redesign_phases(
+    context: TheContext, design_id: Identity, body: RedesignRequest, analyst: TheAnalyst
+) -> Json:
+    """Optimise new phases for the harmonics of a design, such as an imported one, as a job."""
     design = context.store.designs.get(design_id)
-    excitation_designs.check_search(replace(design.specification, effort=body.effort))
-
-    def work(report: Report) -> int | None:
-        return imported_multisines.search_phases(
-            context.store, design, body.name, body.effort, _report_phase_search(report)
-        ).id
-
-    task = context.tasks.begin("design", body.name, work)
-    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
+    order = imported_multisines.redesign(design, body.name, body.effort)
+    excitation_designs.check_search(order.specification)
+    return submit_job(context, DESIGN, order, analyst, body.name)
 
 
-@router.get("/{design_id}/preflight-simulations", response_model=PreflightSimulationList)
+@router.get(
+    "/{design_id}/preflight-simulations", response_model=Page[preflight_simulation.SimulationResult]
+)
 def list_preflight_simulations(store: TheStore, design_id: Identity) -> Json:
     """List the pre-flight simulations of a design, newest first, with their estimates."""
     design = store.designs.get(design_id)
-    return Json(
-        PreflightSimulationList(items=list(preflight_simulation.list_simulations(store, design)))
-    )
+    return Json(Page(items=list(preflight_simulation.list_simulations(store, design))))
 
 
 @router.post(
     "/{design_id}/preflight-simulations",
-    response_model=TaskProgress,
+    response_model=JobItem,
     status_code=status.HTTP_202_ACCEPTED,
 )
 def simulate_design(
-    context: TheContext, design_id: Identity, body: PreflightSimulationRequest
+    context: TheContext,
+    design_id: Identity,
+    body: PreflightSimulationRequest,
+    analyst: TheAnalyst,
 ) -> Json:
-    """Simulate the flight of a design, as a task; stores the maneuver and queues its estimation."""
+    """Simulate the flight of a design, as a job; stores the maneuver and queues its estimation."""
     design = context.store.designs.get(design_id)
     if body.controller_id is not None:
         context.store.controllers.get(body.controller_id)
-
-    def work(report: Report) -> int | None:
-        stored = preflight_simulation.simulate_design(
-            context.store, design, body.run_id, body.level, body.controller_id, report
-        )
-        context.dispatcher.wake()
-        return stored.id
-
-    task = context.tasks.begin("preflight-simulation", design.name, work)
-    return Json(task, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/tasks/{task.id}"})
-
-
-def _report_phase_search(report: Report) -> Callable[[str, float, float], None]:
-    def report_best(name: str, best: float, fraction: float) -> None:
-        report(fraction, f"{name} at a relative peak factor of {best:.4f}")
-
-    return report_best
+    request = preflight_simulation.SimulationRequest(
+        design_id=design_id,
+        run_id=body.run_id,
+        level=body.level,
+        controller_id=body.controller_id,
+        turbulence=body.turbulence,
+    )
+    return submit_job(context, SIMULATION, request, analyst, design.name)
 
 
 _FILE = {

@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 
 import flexsid
 from flexsid.api.context import TheContext
 from flexsid.api.responses import Health
-from flexsid.api.serialization import Json
-from flexsid.jobs.health import PartHealth, PartState
-from flexsid.workflow.review.clock import find_clock_error
+from flexsid.api.serialization import JsonRoute
+from flexsid.jobs.health import NotReady, PartHealth, PartState
+from flexsid.workflow.review.decision_review import find_clock_error
 
-router = APIRouter(tags=["health"])
+router = APIRouter(tags=["health"], route_class=JsonRoute)
 
 
-@router.get("/health", response_model=Health)
-def get_health(context: TheContext) -> Json:
+@router.get("/health/live", status_code=204)
+async def check_liveness() -> Response:
+    """Return 204 while the server responds; otherwise it should be restarted."""
+    return Response(status_code=204)
+
+
+@router.get("/health/ready", status_code=204)
+def check_readiness(context: TheContext) -> None:
+    """Return 204 if requests can be processed: the database responds and jobs are dispatched.
+
+    Otherwise 503 with the reason: requests should be sent to another server.
+    """
+    with context.store.database.reading() as connection:
+        connection.exec_driver_sql("SELECT 1")
+    for part in context.queue_health.check():
+        if part.state is not PartState.OK:
+            raise NotReady(f"{part.name}: {part.text}")
+
+
+@router.get("/health")
+def get_health(context: TheContext) -> Health:
     """Return the state of server, database, dispatcher and workers.
 
     The status is `degraded` (200) if runs cannot be processed or the clock is wrong: a restart of
@@ -26,6 +45,7 @@ def get_health(context: TheContext) -> Json:
         connection.exec_driver_sql("SELECT 1")
     name = database.url.get_backend_name()
     clock_error = find_clock_error(context.store)
+    additional = context.check_additional_part()
     parts = (
         PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
         *context.queue_health.check(),
@@ -36,14 +56,13 @@ def get_health(context: TheContext) -> Json:
             if clock_error is None
             else f"{clock_error[:1].upper()}{clock_error[1:]}.",
         ),
+        *(() if additional is None else (additional,)),
     )
     degraded = any(part.state is PartState.DEGRADED for part in parts)
-    return Json(
-        Health(
-            status=PartState.DEGRADED if degraded else PartState.OK,
-            version=flexsid.__version__,
-            database=name,
-            migration=context.migration,
-            parts=parts,
-        )
+    return Health(
+        status=PartState.DEGRADED if degraded else PartState.OK,
+        version=flexsid.__version__,
+        database=name,
+        migration=context.migration,
+        parts=parts,
     )

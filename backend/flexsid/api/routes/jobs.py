@@ -1,4 +1,4 @@
-"""Jobs: progress, log and cancellation of runs."""
+"""Jobs of all kinds: progress, log and cancellation."""
 
 from __future__ import annotations
 
@@ -8,39 +8,26 @@ from typing import Annotated
 from fastapi import APIRouter, Query, status
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.serialization import After, Identity, Json, Limit, Reference, split_ids
-from flexsid.records.batch import RunEvent
+from flexsid.api.serialization import After, Identity, Json, Limit, Reference
+from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
-from flexsid.storage import job_list, leases, queue, run_log
-from flexsid.storage.job_list import Job
+from flexsid.storage import job_list, job_log, leases, queue
+from flexsid.storage.job_list import JobItem
+from flexsid.storage.paging import Items, Page
+from flexsid.text import split_ids
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JobList:
-    """A page of jobs."""
-
-    items: list[Job]
-    next: str | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JobLog:
-    """The log of a job, oldest entry first."""
-
-    items: list[RunEvent]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerPool:
-    """The dispatching server, its number of workers, and their runs.
+    """The dispatching server, its number of workers, and their jobs.
 
     ``without_workers_s`` is the time since the last worker was connected. [s]
     """
 
     server: str
-    place: str
+    location: str
     workers: int
     running: list[int]
     without_workers_s: float = 0.0
@@ -48,19 +35,24 @@ class WorkerPool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QueueStatus:
-    """The queue: runs by state, recently ended ones, and estimated time until it is empty."""
+    """The queue: jobs by state, recently ended ones, and estimated time until it is empty.
+
+    ``typical_s`` is the median computing time of recent jobs of each kind. [s]
+    """
 
     states: dict[RunState, int]
     ended: int
     window_s: float
     remaining_s: float | None
+    typical_s: dict[str, float]
     worker_pool: WorkerPool | None
 
 
-@router.get("", response_model=JobList)
+@router.get("", response_model=Page[JobItem])
 def list_jobs(
     store: TheStore,
     state: RunState | None = None,
+    kind: Annotated[str | None, Query(max_length=32, description="Kind of job.")] = None,
     batch_id: Reference = None,
     ids: Annotated[
         str | None,
@@ -77,7 +69,7 @@ def list_jobs(
     only = None if ids is None else split_ids(ids, "ids")
     return Json(
         job_list.read_page(
-            store, state=state, batch_id=batch_id, ids=only, limit=limit, after=after
+            store, state=state, kind=kind, batch_id=batch_id, ids=only, limit=limit, after=after
         )
     )
 
@@ -93,25 +85,26 @@ def get_queue_status(store: TheStore) -> Json:
             ended=rate.ended,
             window_s=rate.window_s,
             remaining_s=rate.remaining_s,
+            typical_s=rate.typical_s,
             worker_pool=None if pool is None else WorkerPool(**pool),
         )
     )
 
 
-@router.get("/{job_id}", response_model=Job)
+@router.get("/{job_id}", response_model=JobItem)
 def get_job(store: TheStore, job_id: Identity) -> Json:
     """Return the progress of a job."""
     return Json(job_list.get(store, job_id))
 
 
-@router.get("/{job_id}/log", response_model=JobLog)
+@router.get("/{job_id}/log", response_model=Items[JobEvent])
 def get_job_log(store: TheStore, job_id: Identity) -> Json:
     """Return the log of a job."""
     job_list.get(store, job_id)
-    return Json(JobLog(items=run_log.read_log(store, job_id)))
+    return Json(Items(items=job_log.read_log(store, job_id)))
 
 
-@router.post("/{job_id}/cancel", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
+@router.post("/{job_id}/cancel", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
 def cancel_job(context: TheContext, job_id: Identity) -> Json:
     """Cancel a job that has not ended."""
     queue.request_cancel(context.store, job_id)
@@ -119,9 +112,11 @@ def cancel_job(context: TheContext, job_id: Identity) -> Json:
     return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)
 
 
-@router.post("/{job_id}/retry", response_model=Job, status_code=status.HTTP_202_ACCEPTED)
+@router.post("/{job_id}/retry", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
 def retry_job(context: TheContext, job_id: Identity) -> Json:
     """Queue a failed or cancelled job again."""
-    queue.request_retry(context.store, job_id)
+    with context.store.transaction():  # as it was queued; it may start at once
+        queue.request_retry(context.store, job_id)
+        queued = job_list.get(context.store, job_id)
     context.dispatcher.wake()
-    return Json(job_list.get(context.store, job_id), status.HTTP_202_ACCEPTED)
+    return Json(queued, status.HTTP_202_ACCEPTED)

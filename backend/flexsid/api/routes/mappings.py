@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response, status
+from fastapi import APIRouter
 
 from flexsid.api.context import TheStore
 from flexsid.api.requests import MappingRequest
-from flexsid.api.responses import MappingList
-from flexsid.api.serialization import Identity, Json
+from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.importers.mapping import parse_mapping
-from flexsid.records.mapping import StoredMapping
+from flexsid.records.maneuver import StoredMapping
+from flexsid.storage.paging import Items
 
-router = APIRouter(prefix="/mappings", tags=["mappings"])
+router = APIRouter(prefix="/mappings", tags=["mappings"], route_class=JsonRoute)
 
 
-@router.get("", response_model=MappingList)
-def list_mappings(store: TheStore) -> Json:
+@router.get("")
+def list_mappings(store: TheStore) -> Items[StoredMapping]:
     """List stored mappings."""
-    return Json(MappingList(items=store.mappings.find()))
+    return Items(items=store.mappings.find())
 
 
-@router.get("/{mapping_id}", response_model=StoredMapping)
-def get_mapping(store: TheStore, mapping_id: Identity) -> Json:
+@router.get("/{mapping_id}")
+def get_mapping(store: TheStore, mapping_id: Identity) -> StoredMapping:
     """Return one mapping."""
-    return Json(store.mappings.get(mapping_id))
+    return store.mappings.get(mapping_id)
 
 
-@router.post("", response_model=StoredMapping, status_code=status.HTTP_201_CREATED)
+@router.post("", response_model=StoredMapping, status_code=201)
 def add_mapping(store: TheStore, body: MappingRequest) -> Json:
     """Store a mapping under a name; a mapping of the same name is replaced."""
     parse_mapping(body.text)
@@ -35,11 +35,10 @@ def add_mapping(store: TheStore, body: MappingRequest) -> Json:
             assert same.id is not None
             store.mappings.delete(same.id)
         stored = store.mappings.add(StoredMapping(name=body.name, text=body.text, note=body.note))
-    return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/mappings/{stored.id}"})
+    return Json(stored, 201, {"Location": f"/api/v1/mappings/{stored.id}"})
 
 
-@router.delete("/{mapping_id}", status_code=status.HTTP_204_NO_CONTENT)
-def delete_mapping(store: TheStore, mapping_id: Identity) -> Response:
+@router.delete("/{mapping_id}", status_code=204)
+def delete_mapping(store: TheStore, mapping_id: Identity) -> None:
     """Delete a mapping; data imported with it are unchanged."""
     store.mappings.delete(mapping_id)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)

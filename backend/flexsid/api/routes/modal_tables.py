@@ -2,77 +2,79 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Annotated, Literal
 
 import numpy as np
-from fastapi import APIRouter, Depends, Query, Response, status
+from fastapi import APIRouter, Depends, Query
 from fastapi.responses import StreamingResponse
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.requests import Text, Title
+from flexsid.api.requests import Id, Request, Text, Title
 from flexsid.api.responses import (
     ModalTableDetail,
-    ModalTableList,
     ModeList,
     ModeShape,
     extend_record,
 )
-from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.api.serialization import (
+    Identity,
+    Json,
+    JsonRoute,
+    Reference,
+    drop_none,
+)
 from flexsid.errors import BadInput
-from flexsid.importers.modal_files import write_csv, write_universal
-from flexsid.records.modal_table import ModalKind, ModeCorrection
-from flexsid.records.modal_views import Correlation, ModelOrder, Observability
-from flexsid.storage.repository import LARGEST_ID
-from flexsid.workflow.modal_data.modal_export import gather_modes
-from flexsid.workflow.modal_data.mode_corrections import apply_corrections
+from flexsid.figure_table import OrderParameters
+from flexsid.importers.modal_files import write_csv, write_matlab, write_universal
+from flexsid.records.modal_data import (
+    Correlation,
+    ModalKind,
+    ModalTable,
+    ModeCorrection,
+    ModelOrder,
+    Observability,
+)
+from flexsid.storage.paging import Page
+from flexsid.workflow.modal_data.modal_tables import (
+    FREQUENCY_STD,
+    apply_corrections,
+    gather_modes,
+)
+from flexsid.workflow.modal_data.model_updating import update_modal_table
 from flexsid.workflow.views import model_order
 from flexsid.workflow.views.correlation import correlate
 from flexsid.workflow.views.fuel import list_modes_at
 from flexsid.workflow.views.observability import compute_observability
 from flexsid.workflow.views.shape import read_shape
 
-router = APIRouter(prefix="/modal-tables", tags=["modal-tables"])
+router = APIRouter(prefix="/modal-tables", tags=["modal-tables"], route_class=JsonRoute)
 
-_STRICT: Any = ConfigDict(extra="forbid")
+
+_MEDIA_TYPES = {
+    "uff": "text/plain",
+    "uff-single": "text/plain",
+    "csv": "text/csv",
+    "mat": "application/x-matlab-data",
+}
 
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
 
-def _read_order_query(
-    aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
-    airspeed_m_s: Annotated[float, Query(ge=1.0, le=1000.0)],
-    fuel: Fuel = 0.5,
-    altitude_m: Annotated[float, Query(ge=-1000.0, le=11_000.0)] = 0.0,
-    modal_table_id: Reference = None,
-    prediction_id: Reference = None,
-    low_hz: Annotated[float, Query(ge=0.01, le=100.0)] = model_order.BAND_HZ[0],
-    high_hz: Annotated[float, Query(gt=0.01, le=1000.0)] = model_order.BAND_HZ[1],
+async def _read_order_query(
+    parameters: Annotated[OrderParameters, Query()],
 ) -> model_order.OrderQuery:
-    if high_hz <= low_hz:
-        raise BadInput(
-            f"the band is {low_hz:g} to {high_hz:g} Hz; expected low_hz below high_hz",
-            code="bad-band",
-        )
-    return model_order.OrderQuery(
-        aircraft_id=aircraft_id,
-        airspeed_m_s=airspeed_m_s,
-        fuel=fuel,
-        altitude_m=altitude_m,
-        modal_table_id=modal_table_id,
-        prediction_id=prediction_id,
-        band_hz=(low_hz, high_hz),
-    )
+    return model_order.OrderQuery(**dict(parameters))
 
 
 TheOrderQuery = Annotated[model_order.OrderQuery, Depends(_read_order_query)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CorrectionRequest:
+class CorrectionRequest(Request):
     """A corrected name and symmetry of a mode, with the reason."""
 
     number: Annotated[int, Field(strict=True, ge=0, le=10**9)]
@@ -80,42 +82,47 @@ class CorrectionRequest:
     symmetric: Annotated[bool, Field(strict=True)]
     reason: Text
 
-    __pydantic_config__ = _STRICT
+
+class UpdateRequest(Request):
+    """Name of an updated modal table, tests (GVT modal tables) and runs that it is updated from."""
+
+    name: Title
+    test_ids: Annotated[tuple[Id, ...], Field(max_length=20)] = ()
+    run_ids: Annotated[tuple[Id, ...], Field(max_length=20)] = ()
 
 
-@router.get("", response_model=ModalTableList)
+@router.get("")
 def list_modal_tables(
     store: TheStore, aircraft_id: Reference = None, kind: ModalKind | None = None
-) -> Json:
+) -> Page[ModalTable]:
     """List modal tables, in all versions."""
-    values: dict[str, Any] = {"aircraft_id": aircraft_id, "kind": kind}
-    filters = {name: value for name, value in values.items() if value is not None}
-    tables = [apply_corrections(store, table) for table in store.modal_tables.find(**filters)]
-    return Json(ModalTableList(items=tables))
+    found = store.modal_tables.find(**drop_none(aircraft_id=aircraft_id, kind=kind))
+    return Page(items=[apply_corrections(store, table) for table in found])
 
 
-@router.get("/order", response_model=ModelOrder)
-def get_model_order(store: TheStore, query: TheOrderQuery) -> Json:
+@router.get("/order")
+def get_model_order(store: TheStore, query: TheOrderQuery) -> ModelOrder:
     """Reduce the predicted model at a condition, and return the number of modes needed."""
-    return Json(model_order.study_model_order(store, query))
+    return model_order.study_model_order(store, query)
 
 
-@router.get("/{modal_table_id}", response_model=ModalTableDetail)
-def get_modal_table(store: TheStore, modal_table_id: Identity) -> Json:
+@router.get("/{modal_table_id}")
+def get_modal_table(store: TheStore, modal_table_id: Identity) -> ModalTableDetail:
     """Return one modal table with frequencies and damping, in the order of its source."""
     table = apply_corrections(store, store.modal_tables.get(modal_table_id))
     numbers = {
         name: store.arrays.get(table.arrays[name]).tolist() if name in table.arrays else None
         for name in ("omega", "zeta")
     }
-    return Json(extend_record(ModalTableDetail, table, **numbers))
+    frequency_std = FREQUENCY_STD[table.kind]
+    return extend_record(ModalTableDetail, table, frequency_std=frequency_std, **numbers)
 
 
-@router.get("/{modal_table_id}/modes", response_model=ModeList)
-def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> Json:
+@router.get("/{modal_table_id}/modes")
+def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> ModeList:
     """List the modes at a fuel fraction, tracked over fuel by their shapes."""
     items = list(list_modes_at(store, modal_table_id, fuel))
-    return Json(ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items))
+    return ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items)
 
 
 @router.get("/{modal_table_id}/shape", response_model=ModeShape)
@@ -137,81 +144,85 @@ def get_shape(
     return Json(compact)
 
 
-@router.get("/{modal_table_id}/correlation", response_model=Correlation)
+@router.get("/{modal_table_id}/correlation")
 def get_correlation(
     store: TheStore,
     modal_table_id: Identity,
     other_id: Annotated[int, Query(ge=1)],
     fuel: Fuel = 0.5,
     other_fuel: Annotated[float | None, Query(ge=0.0, le=1.0)] = None,
-) -> Json:
+) -> Correlation:
     """Correlate two modal tables: MAC pairs, frequency and damping differences, COMAC by point."""
     at_other = fuel if other_fuel is None else other_fuel
-    return Json(correlate(store, modal_table_id, fuel, other_id, at_other))
+    return correlate(store, modal_table_id, fuel, other_id, at_other)
 
 
-@router.get("/{modal_table_id}/observability", response_model=Observability)
+@router.get("/{modal_table_id}/observability")
 def get_observability(
     store: TheStore,
     modal_table_id: Identity,
     fuel: Fuel = 0.5,
     symmetry: Literal["symmetric", "antisymmetric", "all"] = "symmetric",
     up_to_hz: Annotated[float, Query(gt=0.0, le=10_000.0)] = 20.0,
-) -> Json:
+) -> Observability:
     """Return the observability of the modes by sensor, and the best further accelerometers."""
     symmetric = None if symmetry == "all" else symmetry == "symmetric"
-    return Json(compute_observability(store, modal_table_id, fuel, symmetric, up_to_hz))
+    return compute_observability(store, modal_table_id, fuel, symmetric, up_to_hz)
 
 
 @router.get(
     "/{modal_table_id}/file",
     response_class=StreamingResponse,
-    responses={200: {"content": {"text/csv": {}, "text/plain": {}}}},
+    responses={200: {"content": {kind: {} for kind in _MEDIA_TYPES.values()}}},
 )
 def download_modes(
     store: TheStore,
     modal_table_id: Identity,
-    form: Literal["uff", "csv"] = "uff",
+    form: Literal["uff", "uff-single", "csv", "mat"] = "uff",
     fuel: Fuel = 0.5,
 ) -> StreamingResponse:
-    """Return the modes at one fuel fraction as a universal file or CSV, in SI units."""
+    """Return the modes at one fuel fraction as a universal, CSV or MATLAB file, in SI units."""
     modes = gather_modes(store, modal_table_id, fuel)
-    text = write_universal(modes) if form == "uff" else write_csv(modes)
-    name = f"modes-{modal_table_id}-fuel-{fuel:g}.{form}"
+    content: Iterable[str | bytes]
+    if form == "mat":
+        content = [write_matlab(modes)]
+    elif form == "csv":
+        content = write_csv(modes)
+    else:
+        content = write_universal(modes, single=form == "uff-single")
+    name = f"modes-{modal_table_id}-fuel-{fuel:g}.{form.partition('-')[0]}"
     return StreamingResponse(
-        text,
-        media_type="text/csv" if form == "csv" else "text/plain",
+        content,
+        media_type=_MEDIA_TYPES[form],
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
 
 
-@router.post(
-    "/{modal_table_id}/corrections",
-    response_model=ModeCorrection,
-    status_code=status.HTTP_201_CREATED,
-)
+@router.post("/{modal_table_id}/corrections", status_code=201)
 def correct_mode(
     store: TheStore, analyst: TheAnalyst, modal_table_id: Identity, body: CorrectionRequest
-) -> Json:
+) -> ModeCorrection:
     """Correct the name and symmetry of a mode, with a reason."""
     table = store.modal_tables.get(modal_table_id)
     if body.number not in table.numbers:
         raise BadInput(f"table '{table.name}' has no mode {body.number}", code="unknown-mode")
     if not body.reason.strip():
         raise BadInput("the reason is empty; give the reason of the correction", code="no-reason")
-    correction = ModeCorrection(
-        modal_table_id=modal_table_id,
-        number=body.number,
-        name=body.name,
-        symmetric=body.symmetric,
-        reason=body.reason.strip(),
-        author=analyst,
+    correction = body.make_record(
+        ModeCorrection, modal_table_id=modal_table_id, reason=body.reason.strip(), author=analyst
     )
-    return Json(store.mode_corrections.add(correction), status.HTTP_201_CREATED)
+    return store.mode_corrections.add(correction)
 
 
-@router.delete("/{modal_table_id}", status_code=status.HTTP_204_NO_CONTENT)
-def delete_modal_table(store: TheStore, modal_table_id: Identity) -> Response:
+@router.post("/{modal_table_id}/updates", status_code=201)
+def save_updated_table(
+    store: TheStore, modal_table_id: Identity, body: UpdateRequest
+) -> ModalTable:
+    """Store a new modal table with frequencies and damping from tests and flights."""
+    return update_modal_table(store, modal_table_id, body.name, body.test_ids, body.run_ids)
+
+
+@router.delete("/{modal_table_id}", status_code=204)
+def delete_modal_table(store: TheStore, modal_table_id: Identity) -> None:
     """Delete a modal table; refused if runs refer to it."""
     store.modal_tables.delete(modal_table_id)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)

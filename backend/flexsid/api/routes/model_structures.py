@@ -5,29 +5,29 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, status
+from fastapi import APIRouter, Header, Path
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.errors import Problem
-from flexsid.api.responses import ModelStructureList, StaleStructure, StructureVersionList
+from flexsid.api.responses import StaleStructure
 from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
-from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion
+from flexsid.storage.paging import Items, Page
 from flexsid.workflow.model_structures import model_structures
 
-router = APIRouter(prefix="/model-structures", tags=["model-structures"])
+router = APIRouter(prefix="/model-structures", tags=["model-structures"], route_class=JsonRoute)
 
 Version = Annotated[int, Path(ge=1, le=2**31 - 1, description="Version of the record.")]
 IfMatch = Annotated[str | None, Header(description='Version that was edited, e.g. `"3"`.')]
 
 
-@router.get("", response_model=ModelStructureList)
-def list_model_structures(store: TheStore, aircraft_id: Reference = None) -> Json:
+@router.get("")
+def list_model_structures(store: TheStore, aircraft_id: Reference = None) -> Page[ModelStructure]:
     """List the newest versions of the model structures of one aircraft, or of all."""
-    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(ModelStructureList(items=store.model_structures.find(**filters)))
+    return Page(items=store.model_structures.find(**drop_none(aircraft_id=aircraft_id)))
 
 
 @router.get("/{structure_id}", response_model=ModelStructure)
@@ -36,34 +36,28 @@ def get_model_structure(store: TheStore, structure_id: Identity) -> Json:
     return _respond_with_etag(store.model_structures.get(structure_id))
 
 
-@router.get("/{structure_id}/versions", response_model=StructureVersionList)
-def list_structure_versions(store: TheStore, structure_id: Identity) -> Json:
+@router.get("/{structure_id}/versions")
+def list_structure_versions(store: TheStore, structure_id: Identity) -> Items[StructureVersion]:
     """List every version of one model structure, oldest first."""
     store.model_structures.get(structure_id)
     found = store.structure_versions.find(structure_id=structure_id)
-    return Json(StructureVersionList(items=found))
+    return Items(items=found)
 
 
-@router.get("/{structure_id}/versions/{version}", response_model=StructureVersion)
-def get_structure_version(store: TheStore, structure_id: Identity, version: Version) -> Json:
+@router.get("/{structure_id}/versions/{version}")
+def get_structure_version(
+    store: TheStore, structure_id: Identity, version: Version
+) -> StructureVersion:
     """Return one version of one model structure."""
-    return Json(model_structures.get_version(store, structure_id, version))
+    return model_structures.get_version(store, structure_id, version)
 
 
-@router.post("", response_model=ModelStructure, status_code=status.HTTP_201_CREATED)
+@router.post("", response_model=ModelStructure, status_code=201)
 def add_model_structure(store: TheStore, body: ModelStructureRequest, analyst: TheAnalyst) -> Json:
     """Store a model structure under a name."""
-    stored = model_structures.add_structure(
-        store,
-        ModelStructure(
-            aircraft_id=body.aircraft_id,
-            name=body.name,
-            structure=body.structure.to_record(),
-            note=body.note,
-            author=analyst,
-        ),
-    )
-    return _respond_with_etag(stored, status.HTTP_201_CREATED)
+    structure = body.structure.to_record()
+    record = body.make_record(ModelStructure, structure=structure, author=analyst)
+    return _respond_with_etag(model_structures.add_structure(store, record), 201)
 
 
 @router.put(
@@ -117,8 +111,8 @@ def read_edited_version(in_body: int | None, if_match: str | None) -> int:
     return versions.pop()
 
 
-def _respond_with_etag(record: ModelStructure, code: int = status.HTTP_200_OK) -> Json:
+def _respond_with_etag(record: ModelStructure, code: int = 200) -> Json:
     headers = {"ETag": f'"{record.version}"'}
-    if code == status.HTTP_201_CREATED:
+    if code == 201:
         headers["Location"] = f"/api/v1/model-structures/{record.id}"
     return Json(record, code, headers)

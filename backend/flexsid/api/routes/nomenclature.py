@@ -6,34 +6,33 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from flexsid.api.responses import Glossary, GlossaryEntry
-from flexsid.api.serialization import Json, split_names
-from flexsid.nomenclature import GLOSSARY, Symbol, describe
+from flexsid.api.responses import AxisNames, GlossaryEntry, extend_record
+from flexsid.api.serialization import JsonRoute
+from flexsid.nomenclature import GLOSSARY, TERMS, explain
+from flexsid.storage.paging import Page
+from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.text import split_names
 
-router = APIRouter(prefix="/nomenclature", tags=["nomenclature"])
+router = APIRouter(prefix="/nomenclature", tags=["nomenclature"], route_class=JsonRoute)
 
 
-@router.get("", response_model=Glossary)
-async def list_nomenclature(
+@router.get("")
+def list_nomenclature(
     names: Annotated[
         str | None,
         Query(
             max_length=4_000,
-            description="Channels, derivatives or symbols, separated by commas; all if omitted.",
+            description="Channels, derivatives, symbols or terms, by commas; all if omitted.",
         ),
     ] = None,
-) -> Json:
-    """List all quantities with unit and meaning, or those of the given names."""
+) -> Page[GlossaryEntry]:
+    """List all quantities and terms with unit and meaning, or those of the given names."""
     requested = split_names(names)
-    symbols = GLOSSARY if requested is None else tuple(describe(name) for name in requested)
-    return Json(Glossary(items=[_make_entry(symbol) for symbol in symbols]))
+    symbols = (*GLOSSARY, *TERMS) if requested is None else tuple(map(explain, requested))
+    return Page(items=[extend_record(GlossaryEntry, symbol) for symbol in symbols])
 
 
-def _make_entry(symbol: Symbol) -> GlossaryEntry:
-    return GlossaryEntry(
-        symbol=symbol.symbol,
-        unit=symbol.unit,
-        display_unit=symbol.display_unit,
-        label=symbol.label,
-        meaning=symbol.meaning,
-    )
+@router.get("/axes")
+def list_axes() -> Page[AxisNames]:
+    """List the axes of models, with the coefficients and motions that name derivatives."""
+    return Page(items=[extend_record(AxisNames, body) for body in RIGID_BODIES.values()])

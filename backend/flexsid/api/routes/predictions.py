@@ -4,31 +4,48 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, status
 
-from flexsid.api.context import TheStore
-from flexsid.api.responses import DerivativeValue, PredictionDetail, PredictionList, extend_record
-from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.context import TheContext, TheStore
+from flexsid.api.prediction_requests import ComputePredictionRequest
+from flexsid.api.responses import DerivativeValue, PredictionDetail, extend_record
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
+from flexsid.api.submission import submit_job
+from flexsid.jobs.kinds import PREDICTION
+from flexsid.records.aircraft import DerivativePrediction
+from flexsid.storage.job_list import JobItem
+from flexsid.storage.paging import Page
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
+from flexsid.workflow.modal_data.computed_predictions import check_prediction
 
-router = APIRouter(prefix="/predictions", tags=["predictions"])
+router = APIRouter(prefix="/predictions", tags=["predictions"], route_class=JsonRoute)
 
 
-@router.get("", response_model=PredictionList)
-def list_predictions(store: TheStore, aircraft_id: Reference = None) -> Json:
+@router.get("")
+def list_predictions(store: TheStore, aircraft_id: Reference = None) -> Page[DerivativePrediction]:
     """List predictions, of one aircraft or of all."""
-    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    return Json(PredictionList(items=store.predictions.find(**filters)))
+    return Page(items=store.predictions.find(**drop_none(aircraft_id=aircraft_id)))
 
 
-@router.get("/{prediction_id}", response_model=PredictionDetail)
+@router.post("", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+def compute_prediction(
+    context: TheContext, body: ComputePredictionRequest, analyst: TheAnalyst
+) -> Json:
+    """Compute derivatives from a planform by a doublet lattice, as a job."""
+    request = body.to_request()
+    check_prediction(context.store, request)
+    return submit_job(context, PREDICTION, request, analyst, request.source)
+
+
+@router.get("/{prediction_id}")
 def get_prediction(
     store: TheStore,
     prediction_id: Identity,
     fuel: Annotated[
         float | None, Query(ge=0, le=1, description="Fuel fraction; by default the first.")
     ] = None,
-) -> Json:
+) -> PredictionDetail:
     """Return one prediction with its derivatives at a fuel fraction."""
     prediction = store.predictions.get(prediction_id)
     at_fuel = prediction.fuel[0] if fuel is None else fuel
@@ -36,6 +53,4 @@ def get_prediction(
         DerivativeValue(name=name, value=value, std_error=std_error)
         for name, (value, std_error) in interpolate_prediction(store, prediction, at_fuel).items()
     ]
-    return Json(
-        extend_record(PredictionDetail, prediction, at_fuel=at_fuel, derivatives=derivatives)
-    )
+    return extend_record(PredictionDetail, prediction, at_fuel=at_fuel, derivatives=derivatives)

@@ -10,7 +10,8 @@ from fastapi import APIRouter, Query, Response
 from flexsid import reports
 from flexsid.api.context import Context, TheContext
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.serialization import Identity, split_ids
+from flexsid.api.serialization import Identity
+from flexsid.text import split_ids
 
 _FILE = {media: {"schema": {"type": "string"}} for media in ("text/html", "application/pdf")}
 router = APIRouter(prefix="/reports", tags=["reports"], responses={200: {"content": _FILE}})

@@ -8,63 +8,60 @@ from typing import Annotated
 import anyio.to_thread
 import numpy as np
 import orjson
-from fastapi import APIRouter, Query, Request, Response, status
+from fastapi import APIRouter, Query, Request, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.decision_requests import FreezeRequest, RulesRequest
 from flexsid.api.decision_responses import (
-    BaselineList,
     ManeuverBaseline,
-    ManeuverBaselineList,
     RulesHistory,
 )
-from flexsid.api.serialization import Identity, Json, split_ids
+from flexsid.api.serialization import Identity, Json, JsonRoute, RequiredReference
 from flexsid.api.subrequests import get_internally
 from flexsid.errors import BadInput
 from flexsid.records.decision import FrozenFigure, ReviewRules
-from flexsid.storage.repository import LARGEST_ID
+from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
-from flexsid.workflow.model_structures.baselines import find_baseline, list_baselines
+from flexsid.text import split_ids
+from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, list_baselines
 from flexsid.workflow.review import decision_review, notifications
 
-router = APIRouter(tags=["review"])
+router = APIRouter(tags=["review"], route_class=JsonRoute)
 
 _MAX_MANEUVERS = 200
 _UNIT = "application/json"
 
 
-@router.get("/review-rules/{aircraft_id}", response_model=RulesHistory)
-def get_review_rules(store: TheStore, aircraft_id: Identity) -> Json:
+@router.get("/review-rules/{aircraft_id}")
+def get_review_rules(store: TheStore, aircraft_id: Identity) -> RulesHistory:
     """Return the review rules of a campaign, current and earlier ones."""
     current = decision_review.get_rules(store, aircraft_id)
-    return Json(
-        RulesHistory(current=current, items=store.review_rules.find(aircraft_id=aircraft_id))
+    return RulesHistory(current=current, items=store.review_rules.find(aircraft_id=aircraft_id))
+
+
+@router.put("/review-rules/{aircraft_id}")
+def change_review_rules(
+    store: TheStore, aircraft_id: Identity, body: RulesRequest, analyst: NamedAnalyst
+) -> ReviewRules:
+    """Change the review rules of a campaign; earlier ones remain readable."""
+    return decision_review.change_rules(
+        store, body.make_record(ReviewRules, aircraft_id=aircraft_id, author=analyst)
     )
 
 
-@router.put("/review-rules/{aircraft_id}", response_model=ReviewRules)
-def change_review_rules(
-    store: TheStore, aircraft_id: Identity, body: RulesRequest, analyst: NamedAnalyst
-) -> Json:
-    """Change the review rules of a campaign; earlier ones remain readable."""
-    return Json(decision_review.change_rules(store, body.to_record(aircraft_id, analyst)))
-
-
-@router.get("/baselines", response_model=BaselineList)
-def list_campaign_baselines(
-    store: TheStore, aircraft_id: Annotated[int, Query(ge=1, le=LARGEST_ID)]
-) -> Json:
+@router.get("/baselines")
+def list_campaign_baselines(store: TheStore, aircraft_id: RequiredReference) -> Items[Baseline]:
     """List the approved model structures of a campaign, most recently approved first."""
     store.aircraft.get(aircraft_id)
-    return Json(BaselineList(items=list_baselines(store, aircraft_id)))
+    return Items(items=list_baselines(store, aircraft_id))
 
 
-@router.get("/maneuver-baselines", response_model=ManeuverBaselineList)
+@router.get("/maneuver-baselines")
 def list_maneuver_baselines(
     store: TheStore,
     maneuver_ids: Annotated[str, Query(description="Ids of maneuvers, separated by commas.")],
-) -> Json:
+) -> Items[ManeuverBaseline]:
     """Return the approved model structure that runs of each maneuver use by default."""
     ids = split_ids(maneuver_ids, "maneuver_ids")
     if not 1 <= len(ids) <= _MAX_MANEUVERS:
@@ -75,19 +72,19 @@ def list_maneuver_baselines(
         )
         for number in ids
     ]
-    return Json(ManeuverBaselineList(items=items))
+    return Items(items=items)
 
 
-@router.post("/frozen-figures", response_model=FrozenFigure, status_code=status.HTTP_201_CREATED)
+@router.post("/frozen-figures", response_model=FrozenFigure, status_code=201)
 async def freeze_figure(
     request: Request, store: TheStore, body: FreezeRequest, analyst: NamedAnalyst
 ) -> Response:
     """Store a figure in its current state, independent of later changes of the data."""
     code, content = await get_internally(request, f"/api/v1/figures/{body.kind}", body.query)
-    if code != status.HTTP_200_OK:
+    if code != 200:
         return Response(content, code, media_type="application/problem+json")
     stored = await anyio.to_thread.run_sync(partial(_store_figure, store, body, analyst, content))
-    return Json(stored, status.HTTP_201_CREATED)
+    return Json(stored, 201)
 
 
 def _store_figure(store: Store, body: FreezeRequest, analyst: str, content: bytes) -> FrozenFigure:
@@ -99,47 +96,36 @@ def _store_figure(store: Store, body: FreezeRequest, analyst: str, content: byte
         raise BadInput(f"the response of '{body.kind}' is not a figure; omit format")
     with store.transaction():
         array = store.arrays.put(np.frombuffer(content, dtype=np.uint8), _UNIT)
-        return store.frozen_figures.add(
-            FrozenFigure(
-                kind=body.kind,
-                query=body.query,
-                title=body.title,
-                array=array,
-                author=analyst,
-            )
-        )
+        return store.frozen_figures.add(body.make_record(FrozenFigure, array=array, author=analyst))
 
 
-@router.get("/frozen-figures/{figure_id}", response_model=FrozenFigure)
-def get_frozen_figure(store: TheStore, figure_id: Identity) -> Json:
+@router.get("/frozen-figures/{figure_id}")
+def get_frozen_figure(store: TheStore, figure_id: Identity) -> FrozenFigure:
     """Return kind, query, title and author of a frozen figure; `GET /figures/frozen` draws it."""
-    return Json(store.frozen_figures.get(figure_id))
+    return store.frozen_figures.get(figure_id)
 
 
-@router.get("/notifications", response_model=notifications.Notifications)
-def get_notifications(store: TheStore, analyst: NamedAnalyst) -> Json:
+@router.get("/notifications")
+def get_notifications(store: TheStore, analyst: NamedAnalyst) -> notifications.Notifications:
     """Return the decisions awaiting an analyst, and the changes since their last visit."""
-    return Json(notifications.list_notifications(store, analyst))
+    return notifications.list_notifications(store, analyst)
 
 
-@router.post("/notifications/seen", status_code=status.HTTP_204_NO_CONTENT)
-def mark_notifications_seen(store: TheStore, analyst: NamedAnalyst) -> Response:
+@router.post("/notifications/seen", status_code=204)
+def mark_notifications_seen(store: TheStore, analyst: NamedAnalyst) -> None:
     """Mark all notifications of an analyst as seen."""
     notifications.mark_all_seen(store, analyst)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-@router.post("/decisions/{decision_id}/seen", status_code=status.HTTP_204_NO_CONTENT)
-def mark_decision_seen(store: TheStore, decision_id: Identity, analyst: NamedAnalyst) -> Response:
+@router.post("/decisions/{decision_id}/seen", status_code=204)
+def mark_decision_seen(store: TheStore, decision_id: Identity, analyst: NamedAnalyst) -> None:
     """Mark a decision as seen by an analyst."""
     decision = store.decisions.get(decision_id)
     notifications.mark_seen(store, analyst, f"decision {decision_id}", decision.version)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-@router.post("/model-structures/{structure_id}/seen", status_code=status.HTTP_204_NO_CONTENT)
-def mark_structure_seen(store: TheStore, structure_id: Identity, analyst: NamedAnalyst) -> Response:
+@router.post("/model-structures/{structure_id}/seen", status_code=204)
+def mark_structure_seen(store: TheStore, structure_id: Identity, analyst: NamedAnalyst) -> None:
     """Mark the newest version of a model structure as seen by an analyst."""
     structure = store.model_structures.get(structure_id)
     notifications.mark_seen(store, analyst, f"structure {structure_id}", structure.version)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)

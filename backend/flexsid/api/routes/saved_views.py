@@ -4,34 +4,35 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response, status
+from fastapi import APIRouter, Query
 
+from flexsid.api.analyst import TheAnalyst, choose_author
 from flexsid.api.context import TheStore
 from flexsid.api.requests import SavedViewRequest
-from flexsid.api.responses import SavedViewList
-from flexsid.api.serialization import Identity, Json
+from flexsid.api.serialization import Identity, JsonRoute, drop_none
 from flexsid.records.saved_view import SavedView
+from flexsid.storage.paging import Items
 
-router = APIRouter(prefix="/saved-views", tags=["saved views"])
+router = APIRouter(prefix="/saved-views", tags=["saved views"], route_class=JsonRoute)
 
 
-@router.get("", response_model=SavedViewList)
+@router.get("")
 def list_saved_views(
     store: TheStore, page: Annotated[str | None, Query(max_length=64)] = None
-) -> Json:
+) -> Items[SavedView]:
     """List saved views, of one page or of all."""
-    found = store.saved_views.find() if page is None else store.saved_views.find(page=page)
-    return Json(SavedViewList(items=sorted(found, key=lambda view: view.name.casefold())))
+    found = store.saved_views.find(**drop_none(page=page))
+    return Items(items=sorted(found, key=lambda view: view.name.casefold()))
 
 
-@router.post("", response_model=SavedView, status_code=status.HTTP_201_CREATED)
-def add_saved_view(store: TheStore, body: SavedViewRequest) -> Json:
+@router.post("", status_code=201)
+def add_saved_view(store: TheStore, body: SavedViewRequest, analyst: TheAnalyst) -> SavedView:
     """Store the filters of a page under a name; refused if the name is in use."""
-    return Json(store.saved_views.add(body.to_record()), status.HTTP_201_CREATED)
+    author = choose_author(body.author, analyst)
+    return store.saved_views.add(body.make_record(SavedView, author=author))
 
 
-@router.delete("/{view_id}", status_code=status.HTTP_204_NO_CONTENT)
-def delete_saved_view(store: TheStore, view_id: Identity) -> Response:
+@router.delete("/{view_id}", status_code=204)
+def delete_saved_view(store: TheStore, view_id: Identity) -> None:
     """Delete a saved view."""
     store.saved_views.delete(view_id)
-    return Response(status_code=status.HTTP_204_NO_CONTENT)

@@ -4,68 +4,50 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, status
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Id
+from flexsid.api.requests import Id, Request
 from flexsid.api.run_requests import Frequency, StructureRequest
 from flexsid.api.run_responses import Run, build_run_response
-from flexsid.api.serialization import Identity, Json, Reference
+from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (
     Algorithm,
+    InitialTerms,
     SearchSettings,
-    SearchStart,
     StructureSearch,
 )
+from flexsid.storage import queue
+from flexsid.storage.paging import Items
 from flexsid.workflow.structure_determination import searches
 
 router = APIRouter(prefix="/searches", tags=["searches"])
 
-_STRICT: Any = ConfigDict(extra="forbid")
 Threshold = Annotated[float, Field(strict=True, gt=0.0, le=1e6, allow_inf_nan=False)]
 Index = Annotated[int, Path(ge=0, le=10_000, description="Index of the candidate, from 0.")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SearchSettingsRequest:
+class SearchSettingsRequest(Request):
     """Criteria and algorithm of the search; see ``SearchSettings``."""
 
     algorithm: Algorithm = Algorithm.STEPWISE
-    begin: SearchStart = SearchStart.ALL
+    initial_terms: InitialTerms = InitialTerms.ALL
     f_in: Threshold = 20.0
     f_out: Threshold = 20.0
     pse_noise: Threshold = 25.0
-    draws: Annotated[int, Field(strict=True, ge=0, le=500)] = 30
+    resamplings: Annotated[int, Field(strict=True, ge=0, le=500)] = 30
     validate_on: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
     band_hz: tuple[Frequency, Frequency] | None = None
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 100
     noise: Literal["diagonal", "full"] = "diagonal"
 
-    __pydantic_config__ = _STRICT
 
-    def to_record(self) -> SearchSettings:
-        """Return the record to be stored."""
-        return SearchSettings(
-            algorithm=self.algorithm,
-            begin=self.begin,
-            f_in=self.f_in,
-            f_out=self.f_out,
-            pse_noise=self.pse_noise,
-            draws=self.draws,
-            validate_on=self.validate_on,
-            band_hz=self.band_hz,
-            max_iterations=self.max_iterations,
-            noise=self.noise,
-        )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SearchRequest:
+class SearchRequest(Request):
     """Maneuvers of a search, and a structure whose free derivatives are the candidate terms."""
 
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=200)]
@@ -75,8 +57,6 @@ class SearchRequest:
     modal_table_id: Id | None = None
     damping_table_id: Id | None = None
     prediction_id: Id | None = None
-
-    __pydantic_config__ = _STRICT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,13 +74,6 @@ class SearchItem:
     created_at: datetime | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SearchList:
-    """Searches, newest first."""
-
-    items: list[SearchItem]
-
-
 @router.post("", response_model=StructureSearch, status_code=status.HTTP_202_ACCEPTED)
 def request_search(context: TheContext, body: SearchRequest, analyst: TheAnalyst) -> Json:
     """Queue a model structure determination; ``Location`` is the address of the search."""
@@ -108,29 +81,24 @@ def request_search(context: TheContext, body: SearchRequest, analyst: TheAnalyst
     first = store.maneuvers.get(body.maneuver_ids[0])
     stored = searches.add_search(
         store,
-        StructureSearch(
+        body.make_record(
+            StructureSearch,
             aircraft_id=first.aircraft_id,
-            maneuver_ids=body.maneuver_ids,
-            method=body.method,
             structure=body.structure.to_record(),
-            settings=body.settings.to_record(),
-            modal_table_id=body.modal_table_id,
-            damping_table_id=body.damping_table_id,
-            prediction_id=body.prediction_id,
+            settings=body.settings.make_record(SearchSettings),
             author=analyst,
         ),
     )
-    context.searches.submit(stored)
+    context.dispatcher.wake()
     location = {"Location": f"/api/v1/searches/{stored.id}"}
     return Json(stored, status.HTTP_202_ACCEPTED, location)
 
 
-@router.get("", response_model=SearchList)
+@router.get("", response_model=Items[SearchItem])
 def list_searches(store: TheStore, aircraft_id: Reference = None) -> Json:
     """List searches, newest first."""
-    filters = {} if aircraft_id is None else {"aircraft_id": aircraft_id}
-    found = store.searches.find(**filters)
-    return Json(SearchList(items=[_make_item(one) for one in reversed(found)]))
+    found = store.searches.find(**drop_none(aircraft_id=aircraft_id))
+    return Json(Items(items=[_make_item(one) for one in reversed(found)]))
 
 
 @router.get("/{search_id}", response_model=StructureSearch)
@@ -140,17 +108,21 @@ def get_search(store: TheStore, search_id: Identity) -> Json:
 
 
 @router.post("/{search_id}/cancel", response_model=StructureSearch)
-def cancel_search(store: TheStore, search_id: Identity) -> Json:
+def cancel_search(context: TheContext, search_id: Identity) -> Json:
     """Cancel a search that has not ended."""
-    return Json(searches.cancel_search(store, search_id))
+    found = context.store.searches.get(search_id)
+    if found.job_id is not None:
+        queue.request_cancel(context.store, found.job_id)
+        context.dispatcher.wake()
+    return Json(context.store.searches.get(search_id))
 
 
-@router.post("/{search_id}/candidates/{place}/run", response_model=Run)
+@router.post("/{search_id}/candidates/{index}/run", response_model=Run)
 def create_candidate_run(
-    context: TheContext, search_id: Identity, place: Index, analyst: TheAnalyst
+    context: TheContext, search_id: Identity, index: Index, analyst: TheAnalyst
 ) -> Json:
     """Return the run of a candidate; it is queued by the first request."""
-    run = searches.create_candidate_run(context.store, search_id, place, analyst)
+    run = searches.create_candidate_run(context.store, search_id, index, analyst)
     context.dispatcher.wake()
     return Json(
         build_run_response(context.store, run), headers={"Location": f"/api/v1/runs/{run.id}"}

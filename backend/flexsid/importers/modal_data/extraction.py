@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data.axes import TO_BODY, parse_axes
 from flexsid.importers.modal_data.fuel_states import join_modes, read_masses
-from flexsid.importers.modal_data.import_notes import list_unused_content
+from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import collect_trace_lines
-from flexsid.importers.modal_data.options import ModalDataOptions
+from flexsid.importers.modal_data.options import TO_BODY, ModalDataOptions, parse_axes
 from flexsid.importers.modal_data.units import resolve_units
 from flexsid.importers.modal_files import convert_csv_modes
 from flexsid.importers.source import SourceFile, Sources
-from flexsid.records.modal_table import ModalKind
+from flexsid.records.modal_data import ModalKind
 
 _UNIT_MASS = 1e-3
 """Tolerance on a unit generalised mass, above the round-off of a normalised mode."""
@@ -52,12 +51,11 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         fuel weights do not have the same nodes.
     """
     sources = Sources(tuple(convert_csv_modes(source) for source in sources.items))
-    results = [source for source in sources.items if "shape/values" in source.arrays]
+    results = sources.list_holders("shape/values")
     if not results:
-        printed = any("mode/radians" in source.arrays for source in sources.items)
         raise BadInput(
             "the files hold frequencies but no mode shapes; import the .op2 or .pch as well"
-            if printed
+            if sources.has("mode/radians")
             else "the files hold no mode shapes",
             code="no-shapes",
         )
@@ -92,9 +90,8 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
     scale = np.concatenate([length * TO_BODY, TO_BODY])
     shape = np.empty((len(parts), n_modes, first.ids.size, 6), dtype=precision)
     for row, part in enumerate(parts):
-        values = part.shape[:n_modes]
-        shape[row, ..., :3] = values[..., :3] @ turn.T
-        shape[row, ..., 3:] = values[..., 3:] @ turn.T
+        for half in (slice(0, 3), slice(3, 6)):
+            shape[row, ..., half] = part.shape[:n_modes, :, half] @ turn.T
     shape *= scale.astype(precision)
     nodes = length * ((first.places + np.asarray(options.origin)) @ turn.T)
     mass = _stack([part.mass for part in parts], n_modes)

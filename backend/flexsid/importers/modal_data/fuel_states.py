@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.nodes import check_finite, join_frames
@@ -49,16 +50,13 @@ def join_modes(
     best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
     found = best.arrays
     notes = _check_same_modes(best, results, fuel)
-    frames = join_frames([*results, *(s for s in usable if s not in results)])
-    numbers = np.asarray(found["shape/number"])
-    values = np.asarray(found["shape/values"])
+    frames, ids, places = join_frames([*results, *(s for s in usable if s not in results)])
+    numbers, values, node = (found[f"shape/{name}"] for name in ("number", "values", "node"))
     for name in ("values", "imaginary", "radians", "damping", "mass"):
         if f"shape/{name}" in found:
-            check_finite(np.asarray(found[f"shape/{name}"]), f"{best.name}: its mode shapes")
+            check_finite(found[f"shape/{name}"], f"{best.name}: its mode shapes")
     if "shape/imaginary" in found:
-        values, collinearity = compute_real_shapes(
-            values + 1j * np.asarray(found["shape/imaginary"])
-        )
+        values, collinearity = compute_real_shapes(values + 1j * found["shape/imaginary"])
         complex_modes = numbers[collinearity < _COLLINEAR]
         notes.append("Complex shapes were rotated to their principal direction.")
         if complex_modes.size:
@@ -66,45 +64,40 @@ def join_modes(
                 f"Modes {', '.join(map(str, complex_modes))} are far from real "
                 "(collinearity below 0.9)."
             )
-    node = np.asarray(found["shape/node"])
-    ids, place = np.asarray(frames[1]), {int(n): row for row, n in enumerate(frames[1])}
-    missing = [int(n) for n in node if int(n) not in place]
-    if missing:
+    missing = np.setdiff1d(node, ids)
+    if missing.size:
         raise BadInput(
             f"{best.name}: node {missing[0]} of the shapes is in none of the files; import the "
             "deck with all files that it includes, or the file with the geometry",
             code="missing-node",
-            node=missing[0],
+            node=int(missing[0]),
         )
     if "shape/basic" not in found:
-        values = frames[0].turn(node, values)
+        values = frames.turn(node, values)
     if ids.size > node.size:
         notes.append(f"Shapes are given at {node.size} of the {ids.size} nodes.")
-    rows = [place[int(n)] for n in node]
-    omega = _better_frequencies(np.asarray(found["shape/radians"], dtype=float), numbers, usable)
-    selected = (
-        np.ones(numbers.size, dtype=bool) if options.rigid_modes else omega > RIGID_BODY_OMEGA
-    )
+    rows = np.searchsorted(ids, node)  # ids are sorted
+    omega = _better_frequencies(found["shape/radians"], numbers, usable)
+    selected = (omega > RIGID_BODY_OMEGA) | options.rigid_modes
     if not selected.any():
         raise BadInput("the files hold rigid-body modes only", code="no-modes")
     if not selected.all():
         notes.append(f"{int((~selected).sum())} rigid-body modes below 0.05 Hz are excluded.")
-    zeta = np.asarray(found["shape/damping"])[selected] if "shape/damping" in found else None
     mass = None
     if options.generalized_mass in (None, "file"):
         mass = _masses(best, usable, numbers[selected], omega[selected], notes)
     largest = next((s.arrays["shape/largest"] for s in usable if "shape/largest" in s.arrays), None)
     if largest is not None and largest.shape[0] == numbers.size:
-        own = np.abs(np.asarray(found["shape/values"])).max(axis=1)
+        own = np.abs(found["shape/values"]).max(axis=1)
         error = float(np.max(np.abs(own - largest)) / max(float(np.max(largest)), 1e-30))
         notes.append(f"Shapes agree with the largest displacements printed, to {error:.0e}.")
     return FuelState(
-        numbers=tuple(int(number) for number in numbers[selected]),
+        numbers=tuple(numbers[selected].tolist()),
         omega=omega[selected],
-        zeta=zeta,
+        zeta=found["shape/damping"][selected] if "shape/damping" in found else None,
         mass=mass,
         ids=ids[rows],
-        places=frames[2][rows],
+        places=places[rows],
         shape=values[selected],
         notes=notes,
     )
@@ -112,26 +105,23 @@ def join_modes(
 
 def _check_same_modes(best: SourceFile, results: Sequence[SourceFile], fuel: float) -> list[str]:
     """Reject result files of one fuel weight that hold different modes."""
-    numbers = np.asarray(best.arrays["shape/number"])
-    omega = np.asarray(best.arrays["shape/radians"], dtype=float)
-    left = []
-    for other in results:
-        if other is best:
-            continue
-        others = np.asarray(other.arrays["shape/radians"], dtype=float)
-        same = np.array_equal(np.asarray(other.arrays["shape/number"]), numbers)
-        if not same or not np.allclose(others, omega, rtol=_SAME_FREQUENCY, atol=RIGID_BODY_OMEGA):
+    omega = _read_by_mode(best, "shape/radians")
+    left = [other for other in results if other is not best]
+    for other in left:
+        known = _read_by_mode(other, "shape/radians")
+        if list(known) != list(omega) or not _agree([*known.values()], [*omega.values()]).all():
             raise BadInput(
                 f"{best.name} and {other.name} hold different modes for fuel fraction {fuel:g}; "
                 "give each file of results its fuel fraction, or import them one by one",
                 code="two-results",
             )
-        left.append(other.name)
-    return (
-        [f"Shapes are those of {best.name}; {', '.join(left)} holds the same shapes."]
-        if left
-        else []
-    )
+    names = ", ".join(other.name for other in left)
+    return [f"Shapes are those of {best.name}; {names} holds the same shapes."] if left else []
+
+
+def _agree(omega: ArrayLike, other: ArrayLike) -> np.ndarray:
+    """Return where two frequencies are those of one mode."""
+    return np.isclose(omega, other, rtol=_SAME_FREQUENCY, atol=RIGID_BODY_OMEGA)
 
 
 def _masses(
@@ -142,22 +132,16 @@ def _masses(
     notes: list[str],
 ) -> np.ndarray | None:
     """Return generalised masses of these modes, from a file with the same frequencies."""
-    for source in dict.fromkeys([best.name, *(s.name for s in usable)]):
-        file = next(s for s in (best, *usable) if s.name == source)
+    for file in (best, *(source for source in usable if source is not best)):
         masses = read_masses(file)
         if masses is None:
             continue
-        of = "shape" if "shape/mass" in file.arrays else "mode"
-        radians = dict(
-            zip(
-                np.asarray(file.arrays[f"{of}/number"]).tolist(),
-                np.asarray(file.arrays[f"{of}/radians"], dtype=float).tolist(),
-                strict=True,
-            )
+        radians = _read_by_mode(
+            file, f"{'shape' if 'shape/mass' in file.arrays else 'mode'}/radians"
         )
-        known = np.array([masses.get(int(number), 0.0) for number in numbers])
-        at = np.array([radians.get(int(number), np.nan) for number in numbers])
-        other = ~np.isclose(at, omega, rtol=_SAME_FREQUENCY, atol=RIGID_BODY_OMEGA)
+        known = np.array([masses.get(number, 0.0) for number in numbers.tolist()])
+        at = np.array([radians.get(number, np.nan) for number in numbers.tolist()])
+        other = ~_agree(at, omega)
         if other.any():
             row = int(np.argmax(other))
             printed = "none" if np.isnan(at[row]) else f"{at[row] / (2.0 * np.pi):.4g} Hz"
@@ -181,14 +165,8 @@ def _better_frequencies(
     """Replace frequencies by those of an eigenvalue table that has them for all modes."""
     for source in files:
         if "mode/radians" in source.arrays:
-            known = dict(
-                zip(
-                    np.asarray(source.arrays["mode/number"]).tolist(),
-                    np.asarray(source.arrays["mode/radians"]).tolist(),
-                    strict=True,
-                )
-            )
-            table = np.array([known.get(int(number), np.nan) for number in numbers])
+            known = _read_by_mode(source, "mode/radians")
+            table = np.array([known.get(number, np.nan) for number in numbers.tolist()])
             moving = omega > RIGID_BODY_OMEGA
             if moving.any() and np.allclose(table[moving], omega[moving], rtol=_SAME_FREQUENCY):
                 return np.where(np.isfinite(table), table, omega)
@@ -197,9 +175,13 @@ def _better_frequencies(
 
 def read_masses(source: SourceFile) -> dict[int, float] | None:
     """Return the generalised mass of each mode as printed; None if the file has none."""
-    for name in ("shape", "mode"):
-        if f"{name}/mass" in source.arrays:
-            numbers = np.asarray(source.arrays[f"{name}/number"]).tolist()
-            masses = np.asarray(source.arrays[f"{name}/mass"]).tolist()
-            return dict(zip(numbers, masses, strict=True))
+    for path in ("shape/mass", "mode/mass"):
+        if path in source.arrays:
+            return _read_by_mode(source, path)
     return None
+
+
+def _read_by_mode(source: SourceFile, path: str) -> dict[int, float]:
+    """Return the values of a field by the numbers of the modes."""
+    numbers = source.arrays[f"{path.partition('/')[0]}/number"]
+    return dict(zip(numbers.tolist(), source.arrays[path].tolist(), strict=True))

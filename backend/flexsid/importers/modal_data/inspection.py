@@ -1,19 +1,22 @@
-"""Content of modal data files, and the options that they leave open."""
+"""Content of modal data files, its unused part, and the options that they leave open."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 import numpy as np
 
 from flexsid.importers.modal_data.fuel_states import read_masses
-from flexsid.importers.modal_data.import_notes import list_missing_includes, list_refused
 from flexsid.importers.modal_data.units import LENGTHS, MASSES
 from flexsid.importers.modal_files import convert_csv_modes
 from flexsid.importers.source import SourceFile, Sources
 
+_MOST = 12
+"""Largest number of notes per file; a damaged file may give thousands."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@dataclass(frozen=True, slots=True)
 class ModalQuery:
     """An option that no file states."""
 
@@ -46,38 +49,26 @@ def inspect_modal_data(sources: Sources) -> ModalFiles:
     """Return the content of files and the options that they leave open."""
     sources = Sources(tuple(convert_csv_modes(source) for source in sources.items))
     files = tuple(_describe(source, sources) for source in sources.items)
-    results = [source for source in sources.items if "shape/values" in source.arrays]
     queries: list[ModalQuery] = []
-    if not any("unit/length" in source.arrays for source in sources.items):
-        queries.append(
+    if not sources.has("unit/length"):
+        queries += [
+            ModalQuery("length_unit", "Unit of coordinates and displacements", LENGTHS),
             ModalQuery(
-                field="length_unit",
-                text="Unit of coordinates and displacements",
-                choices=LENGTHS,
-            )
-        )
-        queries.append(
-            ModalQuery(
-                field="mass_unit",
-                text="Unit of mass in generalised masses (mass times length squared)",
-                choices=MASSES,
-            )
-        )
-    if not any(read_masses(source) is not None for source in sources.items):
-        queries.append(
-            ModalQuery(
-                field="generalized_mass",
-                text="No file gives generalised masses: scaling of the shapes",
-                choices=("unit", "unknown"),
-            )
-        )
-    hertz = ()
-    if results:
-        radians = np.asarray(results[0].arrays["shape/radians"], dtype=float)
-        hertz = tuple(map(float, radians / (2.0 * np.pi)))
-    grids = [source.arrays["grid/id"] for source in sources.items if "grid/id" in source.arrays]
+                "mass_unit",
+                "Unit of mass in generalised masses (mass times length squared)",
+                MASSES,
+            ),
+        ]
+    if all(read_masses(source) is None for source in sources.items):
+        text = "No file gives generalised masses: scaling of the shapes"
+        queries.append(ModalQuery("generalized_mass", text, ("unit", "unknown")))
+    results = sources.list_holders("shape/values")
+    hertz = results[0].arrays["shape/radians"] / (2.0 * np.pi) if results else np.empty(0)
+    grids = [source.arrays["grid/id"] for source in sources.list_holders("grid/id")]
     n_nodes = np.unique(np.concatenate(grids)).size if grids else 0
-    return ModalFiles(files=files, frequencies_hz=hertz, n_nodes=n_nodes, queries=tuple(queries))
+    return ModalFiles(
+        files=files, frequencies_hz=tuple(hertz.tolist()), n_nodes=n_nodes, queries=tuple(queries)
+    )
 
 
 def _describe(source: SourceFile, sources: Sources) -> ModalFile:
@@ -102,10 +93,43 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
     functions = [path for path in found if path.startswith("function/") and path[-2:] != " x"]
     if functions:
         holds.append(f"{len(functions)} measured functions")
-    refused = [*list_refused(source), *list_missing_includes(source, sources)]
     return ModalFile(
         name=source.name,
         holds=tuple(holds) or ("no modal data",),
-        refused=tuple(refused),
+        refused=tuple(_list_unused(source, sources)),
         has_modes="shape/values" in found,
     )
+
+
+def list_unused_content(sources: Sources) -> list[str]:
+    """Return notes on the content of these files that is not used, for the stored table."""
+    notes = []
+    for source in sources.items:
+        left = _list_unused(source, sources)
+        notes += [f"{source.name}: {text}." for text in left[:_MOST]]
+        if len(left) > _MOST:
+            notes.append(f"{source.name}: {len(left) - _MOST} further parts are not used.")
+        if "deck/wtmass" in source.arrays:
+            notes.append(
+                f"{source.name}: PARAM,WTMASS is {source.arrays['deck/wtmass'][0]:g}; generalised "
+                "masses are in the unit that this factor leads to, not in that of the masses of "
+                "the deck."
+            )
+    return notes
+
+
+def _list_unused(source: SourceFile, sources: Sources) -> list[str]:
+    """Return the content that the reader does not use, and the includes that are missing."""
+    present = {_name(one.name) for one in sources.items}
+    return [
+        *map(str, source.arrays.get("refused", ())),
+        *(
+            f"it includes {name}, which is not among the files; import that file too"
+            for name in map(str, source.arrays.get("deck/include", ()))
+            if _name(name) not in present
+        ),
+    ]
+
+
+def _name(path: str) -> str:
+    return PurePosixPath(path.replace("\\", "/").split(":")[-1]).name.lower()

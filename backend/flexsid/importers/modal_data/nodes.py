@@ -34,9 +34,9 @@ def join_frames(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.nda
     names: list[str] = []
     for source in files:
         if "grid/id" in source.arrays:
-            own = {name: np.asarray(source.arrays[f"grid/{name}"]) for name in grids}
+            own = {name: source.arrays[f"grid/{name}"] for name in grids}
             if default is not None and "deck/left_open" in source.arrays:
-                left = np.asarray(source.arrays["deck/left_open"]).astype(bool)
+                left = source.arrays["deck/left_open"]
                 for column, name in enumerate(("cp", "cd")):
                     own[name] = np.where(left[:, column], default[column], own[name])
             for name, values in own.items():
@@ -44,7 +44,7 @@ def join_frames(files: Sequence[SourceFile]) -> tuple[Frames, np.ndarray, np.nda
             names += [source.name] * own["id"].size
         for path, values in source.arrays.items():
             if path.startswith("frame/"):
-                frames.setdefault(path.removeprefix("frame/"), []).append(np.asarray(values))
+                frames.setdefault(path.removeprefix("frame/"), []).append(values)
     if not names:
         raise BadInput(
             "no file gives the coordinates of the nodes; import the deck (.bdf) with all files "
@@ -133,12 +133,11 @@ def _check_repeated(
 
 def collect_trace_lines(sources: Sources, ids: np.ndarray) -> np.ndarray:
     """Return trace lines as pairs of node rows; lines to nodes without shape are omitted."""
-    row = {int(node): place for place, node in enumerate(ids)}
+    row = {node: index for index, node in enumerate(ids.tolist())}
     pairs = [
-        (row[int(a)], row[int(b)])
-        for source in sources.items
-        if "line/nodes" in source.arrays
-        for a, b in source.arrays["line/nodes"]
-        if int(a) in row and int(b) in row
+        (row[a], row[b])
+        for source in sources.list_holders("line/nodes")
+        for a, b in source.arrays["line/nodes"].tolist()
+        if a in row and b in row
     ]
     return np.array(pairs, dtype=np.int32).reshape(-1, 2)

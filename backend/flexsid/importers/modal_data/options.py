@@ -1,10 +1,21 @@
-"""Options of an import of modal data."""
+"""Options of an import of modal data, and the axes that they name."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from flexsid.records.modal_table import ModalKind
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.modal_data import ModalKind
+
+_DIRECTIONS = {
+    "aft": (1, 0, 0), "forward": (-1, 0, 0),
+    "right": (0, 1, 0), "left": (0, -1, 0),
+    "up": (0, 0, 1), "down": (0, 0, -1),
+}  # fmt: skip
+TO_BODY = np.array([-1.0, 1.0, -1.0])
+"""Rotation by 180 deg about y from structural axes (x aft, z up) to body axes, also for angles."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,3 +39,20 @@ class ModalDataOptions:
     fuel: dict[str, float] = field(default_factory=dict)
     rigid_modes: bool = False
     points: dict[str, int] = field(default_factory=dict)
+
+
+def parse_axes(text: str) -> np.ndarray:
+    """Return the file's x, y and z directions as columns in structural axes (aft, right, up)."""
+    words = text.lower().replace(",", " ").split()
+    if len(words) != 3 or any(word not in _DIRECTIONS for word in words):
+        raise BadInput(
+            f"axes '{text}' must be three of {', '.join(_DIRECTIONS)}, of x, y and z",
+            code="bad-axes",
+        )
+    turn = np.array([_DIRECTIONS[word] for word in words], dtype=float).T
+    if round(float(np.linalg.det(turn))) != 1:
+        raise BadInput(
+            f"axes '{text}' are not a right-handed system; expected axes such as 'aft right up'",
+            code="bad-axes",
+        )
+    return turn

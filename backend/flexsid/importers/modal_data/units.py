@@ -17,7 +17,7 @@ MASSES = ("kg", "t", "lb", "slug", "slinch")
 
 def resolve_units(sources: Sources, options: ModalDataOptions) -> tuple[float, float, list[str]]:
     """Return metres and kilograms per unit of the files, and notes on their source."""
-    stating = [s for s in sources.items if "unit/length" in s.arrays]
+    stating = sources.list_holders("unit/length")
     _check_one_system(stating)
     stated = stating[0].arrays if stating else None
     notes: list[str] = []
@@ -25,8 +25,7 @@ def resolve_units(sources: Sources, options: ModalDataOptions) -> tuple[float, f
         notes += [
             f"{s.name} states no units; the units of {stating[0].name} are used."
             for s in sources.items
-            if "unit/length" not in s.arrays
-            and ("grid/id" in s.arrays or "shape/values" in s.arrays)
+            if s not in stating and {"grid/id", "shape/values"} & set(s.arrays)
         ]
     if stated is not None and options.length_unit is None:
         length, force = (float(stated[f"unit/{name}"][0]) for name in ("length", "force"))
@@ -88,9 +87,8 @@ def resolve_length_unit(sources: Sources, unit: str | None) -> float:
     """
     if unit is not None:
         return units.factor(unit, "length")
-    for source in sources.items:
-        if "unit/length" in source.arrays:
-            return float(source.arrays["unit/length"][0])
+    for source in sources.list_holders("unit/length"):
+        return float(source.arrays["unit/length"][0])
     raise BadInput(
         f"the unit of coordinates and displacements is not given; expected {', '.join(LENGTHS)}",
         code="unit-needed",

@@ -8,7 +8,7 @@ entry may be in another file of the deck.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Content, Field
+from flexsid.importers.nastran.frames import Point, list_geometry
+from flexsid.importers.source import Field
 
 _CARD = re.compile(
     rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+ {1,7}\d+ |\$ )",
@@ -34,19 +35,19 @@ def recognises(head: bytes) -> bool:
     return _CARD.search(head) is not None and b"\0" not in head
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read nodes and coordinate systems of a deck, or of one of its parts."""
-    return Content(read_text(path.read_text(encoding="latin-1")))
+    return read_text(path.read_text(encoding="latin-1"))
 
 
 @dataclass(slots=True)
 class _Deck:
-    grids: dict[int, tuple[int | None, tuple[float, ...], int | None]] = field(default_factory=dict)
-    frames: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
+    grids: dict[int, tuple[int | None, Point, int | None]] = field(default_factory=dict)
+    frames: dict[int, tuple[int, int, Point]] = field(default_factory=dict)
     by_grid: dict[int, tuple[int, ...]] = field(default_factory=dict)
     includes: list[str] = field(default_factory=list)
     defaults: tuple[int, int] | None = None
-    weight_to_mass: float | None = None
+    weight_to_mass: tuple[float, ...] = ()
 
 
 def read_text(text: str) -> Iterator[Field]:
@@ -61,36 +62,37 @@ def read_text(text: str) -> Iterator[Field]:
                 row=line,
             ) from error
     yield Field("deck/n_grids", np.array([len(deck.grids)]))
-    if deck.grids:
-        ids = sorted(deck.grids)
-        rows = [deck.grids[i] for i in ids]
-        default_cp, default_cd = deck.defaults or (0, 0)
-        cp = [default_cp if row[0] is None else row[0] for row in rows]
-        cd = [default_cd if row[2] is None else row[2] for row in rows]
-        yield Field("grid/id", np.array(ids, dtype=np.int64))
-        yield Field("grid/cp", np.array(cp, dtype=np.int64))
-        yield Field("grid/xyz", np.array([row[1] for row in rows], dtype=float))
-        yield Field("grid/cd", np.array(cd, dtype=np.int64))
-        if deck.defaults is None:
-            left = [[row[0] is None, row[2] is None] for row in rows]
-            yield Field("deck/left_open", np.array(left, dtype=np.int64))
-    if deck.defaults is not None:
-        yield Field("deck/grdset", np.array(deck.defaults, dtype=np.int64))
-    if deck.weight_to_mass is not None:
-        yield Field("deck/wtmass", np.array([deck.weight_to_mass]))
-    if deck.frames:
-        ids = sorted(deck.frames)
-        yield Field("frame/id", np.array(ids, dtype=np.int64))
-        yield Field("frame/kind", np.array([deck.frames[i][0] for i in ids], dtype=np.int64))
-        yield Field("frame/reference", np.array([deck.frames[i][1] for i in ids], dtype=np.int64))
-        yield Field("frame/points", np.array([deck.frames[i][2] for i in ids], dtype=float))
-    if deck.by_grid:
-        yield Field("frame/by_grid", np.array(list(deck.by_grid.values()), dtype=np.int64))
-    if deck.includes:
-        yield Field("deck/include", np.array(deck.includes, dtype=np.str_))
+    default_cp, default_cd = deck.defaults or (0, 0)
+    grids = {
+        number: (default_cp if cp is None else cp, xyz, default_cd if cd is None else cd)
+        for number, (cp, xyz, cd) in deck.grids.items()
+    }
+    yield from list_geometry(grids, deck.frames)
+    if deck.grids and deck.defaults is None:
+        rows = [deck.grids[number] for number in sorted(deck.grids)]
+        yield Field("deck/left_open", np.array([[cp is None, cd is None] for cp, _, cd in rows]))
+    for name, values in (
+        ("deck/grdset", deck.defaults),
+        ("deck/wtmass", deck.weight_to_mass),
+        ("frame/by_grid", list(deck.by_grid.values())),
+        ("deck/include", deck.includes),
+    ):
+        if values:
+            yield Field(name, np.array(values))
 
 
-def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
+def list_entries(text: str, names: frozenset[str]) -> Iterator[tuple[int, list[str]]]:
+    """Yield the entries of these names as lists of fields, and their first line."""
+    return _cards(text, _Deck(), names.__contains__)
+
+
+def _is_read(name: str) -> bool:
+    return name in ("GRID", "GRDSET", "PARAM") or re.fullmatch(r"CORD[12][RCS]", name) is not None
+
+
+def _cards(
+    text: str, deck: _Deck, is_read: Callable[[str], bool] = _is_read
+) -> Iterator[tuple[int, list[str]]]:
     """Yield entries with their continuations as lists of fields, and their first line."""
     current: list[str] = []
     begun = 0
@@ -110,69 +112,63 @@ def _cards(text: str, deck: _Deck) -> Iterator[tuple[int, list[str]]]:
                 current.extend(rest)
             continue
         if head[0] == "=":
-            if current and not _is_read(current[0]):
+            if current and not is_read(current[0]):
                 continue  # of an entry that is not read
-            for made in _replicate(line, number, head, rest, current, pattern):
-                yield begun, current
-                current, begun = made, number
+            try:
+                for made in _replicate(head, rest, current, pattern):
+                    yield begun, current
+                    current, begun = made, number
+            except ValueError as error:
+                raise UnreadableFile(
+                    f"line {number}: '{line[:60]}' {error}.", row=number
+                ) from error
             continue
-        if current and _is_read(current[0]):
+        if current and is_read(current[0]):
             yield begun, current
         current, begun, pattern[:] = [head.rstrip("*").upper(), *rest], number, []
-        if _is_read(current[0]) and any(part.strip() for part in line.split(",")[len(rest) + 2 :]):
+        if is_read(current[0]) and any(part.strip() for part in line.split(",")[len(rest) + 2 :]):
             raise UnreadableFile(
                 f"line {number}: '{line[:60]}' has more fields than one line may have; "
                 "continue it on the next line.",
                 row=number,
             )
-    if current and _is_read(current[0]):
+    if current and is_read(current[0]):
         yield begun, current
 
 
-def _is_read(name: str) -> bool:
-    return name in ("GRID", "GRDSET", "PARAM") or re.fullmatch(r"CORD[12][RCS]", name) is not None
-
-
 def _replicate(
-    line: str, number: int, head: str, rest: list[str], current: list[str], pattern: list[str]
+    head: str, rest: list[str], current: list[str], pattern: list[str]
 ) -> Iterator[list[str]]:
     """Yield entries replicated from the one before: ``=``, ``==``, ``*(step)``, ``=(n)``."""
     repeat = _REPEAT.fullmatch(head)
     if not current or (repeat is not None and (any(rest) or not pattern)):
-        raise UnreadableFile(f"line {number}: '{line[:60]}' has no entry to repeat.", row=number)
+        raise ValueError("has no entry to repeat")
     if repeat is None:
         if head not in ("=", "=="):
-            raise UnreadableFile(
-                f"line {number}: '{line[:60]}' is not a replication that can be read.", row=number
-            )
+            raise ValueError("is not a replication that can be read")
         pattern[:] = ["=="] if head == "==" else rest
     for _ in range(1 if repeat is None else int(repeat[1])):
         made, whole = [current[0]], False
         before = (current[1:] + [""] * len(pattern))[: max(len(pattern), len(current) - 1)]
-        for place, value in enumerate(before):
-            asked = pattern[place] if place < len(pattern) else ""
+        for index, value in enumerate(before):
+            asked = pattern[index] if index < len(pattern) else ""
             whole = whole or asked == "=="
-            made.append(value if whole or asked == "=" else _add_step(asked, value, line, number))
+            made.append(value if whole or asked == "=" else _add_step(asked, value))
         current = made
         yield made
 
 
-def _add_step(asked: str, value: str, line: str, number: int) -> str:
+def _add_step(asked: str, value: str) -> str:
     if not asked.startswith(("*", "=", "%")):
         return asked
     step = _STEP.fullmatch(asked)
     try:
-        if step is None:
-            raise ValueError(asked)
-        if re.fullmatch(r"[-+]?\d+", value) and re.fullmatch(r"[-+]?\d+", step[1]):
+        if step is not None and all(re.fullmatch(r"[-+]?\d+", part) for part in (value, step[1])):
             return str(int(value) + int(step[1]))
-        return repr(_real(value) + _real(step[1]))
+        return repr(read_real(value) + read_real(asked if step is None else step[1]))
     except ValueError as error:
-        raise UnreadableFile(
-            f"line {number}: '{asked}' in '{line[:60]}' is not a step that can be added to "
-            f"'{value}'.",
-            row=number,
-        ) from error
+        problem = f"has '{asked}', which is not a step that can be added to '{value}'"
+        raise ValueError(problem) from error
 
 
 def _split(line: str) -> tuple[str, list[str]]:
@@ -191,17 +187,17 @@ def _take(deck: _Deck, entries: list[str]) -> None:
     name, *fields = entries
     fields += [""] * 16
     if name == "GRDSET":
-        deck.defaults = _integer(fields[1], 0), _integer(fields[5], 0)
+        deck.defaults = int(fields[1] or 0), int(fields[5] or 0)
     elif name == "PARAM":
         if fields[0].upper() == "WTMASS":
-            deck.weight_to_mass = _real(fields[1])
+            deck.weight_to_mass = (read_real(fields[1]),)
     elif name == "GRID":
-        place = tuple(_real(value) for value in fields[2:5])
+        place = tuple(read_real(value) for value in fields[2:5])
         cp, cd = (int(fields[k]) if fields[k] else None for k in (1, 5))
         _define(deck.grids, int(fields[0]), (cp, place, cd), "node")
     elif name.startswith("CORD2"):
-        points = tuple(_real(value) for value in fields[2:11])
-        frame = (_KINDS[name[5]], _integer(fields[1], 0), points)
+        points = tuple(read_real(value) for value in fields[2:11])
+        frame = (_KINDS[name[5]], int(fields[1] or 0), points)
         _define(deck.frames, int(fields[0]), frame, "coordinate system")
     elif name.startswith("CORD1"):
         for first in (0, 4):
@@ -216,11 +212,7 @@ def _define(known: dict[int, _Entry], number: int, what: _Entry, kind: str) -> N
         raise ValueError(f"{kind} {number} has two different definitions")
 
 
-def _integer(text: str, default: int) -> int:
-    return int(text) if text else default
-
-
-def _real(text: str) -> float:
+def read_real(text: str) -> float:
     """Read a number in Nastran format: 1.5, 1.5E3, 1.5D3, 1.5+3, -.2-4; blank is zero."""
     if not text:
         return 0.0

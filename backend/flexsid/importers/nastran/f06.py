@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.bulk import read_real
 from flexsid.importers.nastran.flutter import FlutterPages
 from flexsid.importers.nastran.vectors import Vectors
-from flexsid.importers.source import Content, Field
+from flexsid.importers.source import Field
 
 _VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")
 _EIGENVALUE = re.compile(r"^\s*EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*$")
@@ -28,12 +29,9 @@ def recognises(head: bytes) -> bool:
     return b"\0" not in head
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read the modes and flutter summaries of a printout."""
-    return Content(_fields(path.read_text(encoding="latin-1").splitlines()))
-
-
-def _fields(lines: list[str]) -> Iterator[Field]:
+    lines = path.read_text(encoding="latin-1").splitlines()
     printed = _Printout(buckling=any(_BUCKLING.search(line) for line in lines))
     for number, line in enumerate(lines, start=1):
         try:
@@ -101,7 +99,7 @@ class _Printout:
             self._superelement = 0
         else:
             if (value := _EIGENVALUE.search(line)) is not None:
-                self._eigenvalue = _number(value[1])
+                self._eigenvalue = read_real(value[1])
             self._take(line)
 
     def _nothing(self, line: str) -> None:
@@ -119,7 +117,7 @@ class _Printout:
             self._tables.pop()
         if mode in self._tables[-1].rows:
             raise ValueError(f"mode {mode} is repeated")
-        self._tables[-1].rows[mode] = (_number(parts[3]), _number(parts[5]))
+        self._tables[-1].rows[mode] = (read_real(parts[3]), read_real(parts[5]))
 
     def _continues_table(self, mode: int) -> bool:
         """Return whether the table of a new page continues that of the page before."""
@@ -152,32 +150,31 @@ class _Printout:
             return
         if self._vector is None:
             self._vector = self._vectors.begin(self._subcase, self._mode, self._eigenvalue)
-        row = [_number(part) for part in parts[2:]]
+        row = [read_real(part) for part in parts[2:]]
         known = self._vector.setdefault(int(parts[0]), row)
         if not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
             raise ValueError(f"mode {self._mode} has two different values at node {parts[0]}")
 
     def _skip(self, what: str) -> None:
         self._take = self._nothing
-        if what not in self._refused:
-            self._refused.append(what)
+        self._refused.append(what)
 
     def _row_of_largest(self, line: str) -> None:
         """Read a row: largest component of one mode in each direction."""
         parts = line[1:].split()
         if len(parts) == 7 and parts[0].isdigit() and int(parts[0]) == len(self._largest) + 1:
-            self._largest.append([_number(part) for part in parts[1:]])
+            self._largest.append([read_real(part) for part in parts[1:]])
 
     def _table(self) -> _Table | None:
         """Return the eigenvalue table of the subcase of the shapes, without superelements."""
-        first = self._vectors.first()
+        subcase = self._vectors.subcase
         usable = [
             table
             for table in self._tables
             if not self._buckling
             and table.superelement == 0
             and any(mass > 0.0 for _, mass in table.rows.values())
-            and (first is None or table.subcase == first[0])
+            and subcase in (None, table.subcase)
         ]
         if not usable:
             return None
@@ -213,14 +210,10 @@ class _Printout:
         table = self._table()
         if table is not None:
             computed = [mode for mode, (_, mass) in table.rows.items() if mass > 0.0]
-            yield Field("mode/number", np.array(computed, dtype=np.int64))
+            yield Field("mode/number", np.array(computed))
             yield Field("mode/radians", np.array([table.rows[m][0] for m in computed]))
             yield Field("mode/mass", np.array([table.rows[m][1] for m in computed]))
         if self._largest:
             yield Field("shape/largest", np.array(self._largest))
         yield from self._vectors.fields()
         yield from self._flutter.fields()
-
-
-def _number(text: str) -> float:
-    return float(text.upper().replace("D", "E"))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexsid.importers.nastran.bulk import read_real
 from flexsid.importers.source import Field
 
 _VALUE = re.compile(r"[-+]?\d*\.\d+(?:[EeDd]?[-+]\d+)?|[-+]?\d+\.?|\*{3,}|NaN|[-+]?Inf\w*", re.I)
@@ -96,7 +97,7 @@ class FlutterPages:
             symmetry=self._symmetry,
             method="" if method is None else method[1],
             mach=np.nan if mach is None else float(mach[1]),
-            density=np.nan if density is None else float(density[1].upper().replace("D", "E")),
+            density=np.nan if density is None else read_real(density[1]),
         )
         same = [k for k, one in enumerate(self._analyses) if repr(one.page) == repr(page)]
         # A root repeated after another root belongs to a new analysis.
@@ -117,7 +118,8 @@ class FlutterPages:
             return  # whole numbers, of another table
         if len(parts) != len(self._columns):
             raise ValueError(f"{len(self._columns)} numbers are expected, {len(parts)} were found")
-        row = {name: _number(part) for name, part in zip(self._columns, parts, strict=True)}
+        numbers = [np.nan if part.startswith("*") else read_real(part) for part in parts]
+        row = dict(zip(self._columns, numbers, strict=True))  # asterisks: wider than the column
         if not all(np.isfinite(row[name]) for name in _NEEDED):
             raise ValueError("velocity, damping or frequency is not a number")
         analysis = self._analyses[self._current]
@@ -147,10 +149,3 @@ class FlutterPages:
         for name in ("symmetry", "method"):
             text = np.array([getattr(page, name) for page in pages], dtype=np.str_)
             yield Field(f"flutter/{name}", text)
-
-
-def _number(text: str) -> float:
-    if text.startswith("*"):  # wider than its column
-        return np.nan
-    plain = text.upper().replace("D", "E")
-    return float(plain if "E" in plain or "N" in plain else re.sub(r"(?<=\d)([-+])", r"E\1", plain))

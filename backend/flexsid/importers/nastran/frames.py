@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
+from flexsid.importers.source import Field
+
+Point = tuple[float, ...]
+Grids = Mapping[int, tuple[int, Point, int]]
+"""Coordinate system, coordinates and displacement system of each node."""
+
+DefinedFrames = Mapping[int, tuple[int, int, Point]]
+"""Kind, reference system and three points of each coordinate system."""
 
 RECTANGULAR, CYLINDRICAL, SPHERICAL = 1, 2, 3
 
@@ -49,6 +57,19 @@ class Frame:
             ct, st = np.cos(down), np.sin(down)
             local = np.array([[st * c, st * s, ct], [ct * c, ct * s, -st], [-s, c, 0.0]])
         return local @ self.axes
+
+
+def list_geometry(grids: Grids, frames: DefinedFrames) -> Iterator[Field]:
+    """Yield the fields of nodes and coordinate systems, in the order of their numbers."""
+    for group, known, names in (
+        ("grid", grids, ("cp", "xyz", "cd")),
+        ("frame", frames, ("kind", "reference", "points")),
+    ):
+        if known:
+            numbers = sorted(known)
+            yield Field(f"{group}/id", np.array(numbers))
+            for column, name in enumerate(names):
+                yield Field(f"{group}/{name}", np.array([known[n][column] for n in numbers]))
 
 
 BASIC = Frame(RECTANGULAR, np.zeros(3), np.eye(3))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import LARGEST_CONTENT, Content, Field
+from flexsid.importers.source import Field
 
 _GRID = (4501, 45)
 _FRAMES = {(2101, 21): 1, (2001, 20): 2, (2201, 22): 3}
@@ -39,7 +39,7 @@ def recognises(head: bytes) -> bool:
     return head[:4] in (b"\4\0\0\0", b"\0\0\0\4", b"\10\0\0\0", b"\0\0\0\10")
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read the tables of a file with modes and geometry.
 
     Raises
@@ -47,75 +47,7 @@ def read(path: Path) -> Content:
     UnreadableFile
         If the file ends within a record or has none of these tables.
     """
-    return Content(_fields(path.read_bytes()))
-
-
-class _Words:
-    """Fortran records of a file: keys and data."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-        self._at = 0
-        self.order = "<" if data[:4] in (b"\4\0\0\0", b"\10\0\0\0") else ">"
-        self.size = max(data[:4])
-        self.integer = np.dtype(f"{self.order}i{self.size}")
-        self.real = np.dtype(f"{self.order}f{self.size}")
-
-    def _record(self) -> bytes | None:
-        start = self._at + 4
-        if self._at == len(self._data):
-            return None
-        length = int(np.frombuffer(self._data[self._at : start], f"{self.order}i4")[0])
-        end = start + length
-        if length < 0 or end + 4 > len(self._data):
-            raise UnreadableFile(
-                f"byte {self._at}: the file ends within a record of {length} bytes; "
-                "copy it again, as binary.",
-                code="cut-off",
-            )
-        if self._data[end : end + 4] != self._data[self._at : start]:
-            raise UnreadableFile(
-                f"byte {self._at}: a record does not end with its own length; the file was "
-                "copied as text or is damaged."
-            )
-        self._at = end + 4
-        return self._data[start:end]
-
-    def _key(self) -> int | None:
-        record = self._record()
-        if record is None:
-            return None
-        if len(record) != self.size:
-            raise UnreadableFile(
-                f"byte {self._at}: a key of one word is expected, a record of {len(record)} "
-                "bytes was found."
-            )
-        return int(np.frombuffer(record, self.integer)[0])
-
-    def blocks(self) -> Iterator[list[bytes]]:
-        """Yield the logical records of each data block."""
-        block: list[bytes] = []
-        parts: list[bytes] = []
-        while (key := self._key()) is not None:
-            if key > 0:
-                part = self._record()
-                if part is None:
-                    raise UnreadableFile("the file ends before a record.")
-                parts.append(part)
-                continue
-            if parts:
-                block.append(b"".join(parts))
-                parts = []
-            if key == 0:
-                if block:
-                    yield block
-                block = []
-        if block:
-            yield block
-
-
-def _fields(data: bytes) -> Iterator[Field]:
-    words = _Words(data)
+    words = _Words(path.read_bytes())
     found: dict[str, Field] = {}
     refused: list[str] = []
     for block in words.blocks():
@@ -142,7 +74,10 @@ def _fields(data: bytes) -> Iterator[Field]:
             part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
             if not any(path.startswith(f"{group}/") for path in found):
                 found |= part
-            elif not _are_equal(part, found):
+            elif any(
+                path not in found or not np.array_equal(one.samples, found[path].samples)
+                for path, one in part.items()
+            ):
                 refused.append(f"table {name}: a table with other content is read")
     if not found:
         raise UnreadableFile(
@@ -156,11 +91,62 @@ def _fields(data: bytes) -> Iterator[Field]:
         yield Field("refused", np.array(list(dict.fromkeys(refused)), dtype=np.str_))
 
 
-def _are_equal(part: dict[str, Field], found: dict[str, Field]) -> bool:
-    return all(
-        path in found and np.array_equal(one.samples, found[path].samples)
-        for path, one in part.items()
-    )
+class _Words:
+    """Fortran records of a file: keys and data."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self.order = "<" if data[:4] in (b"\4\0\0\0", b"\10\0\0\0") else ">"
+        self.size = max(data[:4])
+        self.integer = np.dtype(f"{self.order}i{self.size}")
+        self.real = np.dtype(f"{self.order}f{self.size}")
+        self.reals = (self.real, np.dtype(f"{self.order}f8"))
+
+    def _records(self) -> Iterator[bytes]:
+        data, at = self._data, 0
+        while at < len(data):
+            length = int(np.frombuffer(data[at : at + 4], f"{self.order}i4")[0])
+            end = at + 4 + length
+            if length < 0 or end + 4 > len(data):
+                raise UnreadableFile(
+                    f"byte {at}: the file ends within a record of {length} bytes; "
+                    "copy it again, as binary.",
+                    code="cut-off",
+                )
+            if data[end : end + 4] != data[at : at + 4]:
+                raise UnreadableFile(
+                    f"byte {at}: a record does not end with its own length; the file was "
+                    "copied as text or is damaged."
+                )
+            yield data[at + 4 : end]
+            at = end + 4
+
+    def blocks(self) -> Iterator[list[bytes]]:
+        """Yield the logical records of each data block."""
+        block: list[bytes] = []
+        parts: list[bytes] = []
+        records = self._records()
+        for record in records:
+            if len(record) != self.size:
+                raise UnreadableFile(
+                    f"a key of one word is expected, a record of {len(record)} bytes was found."
+                )
+            key = int(np.frombuffer(record, self.integer)[0])
+            if key > 0:
+                part = next(records, None)
+                if part is None:
+                    raise UnreadableFile("the file ends before a record.", code="cut-off")
+                parts.append(part)
+                continue
+            if parts:
+                block.append(b"".join(parts))
+                parts = []
+            if key == 0:
+                if block:
+                    yield block
+                block = []
+        if block:
+            yield block
 
 
 def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
@@ -189,36 +175,29 @@ def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
 
 def _frames(body: bytes, words: _Words, kind: int) -> np.ndarray:
     """Return rows of id, kind, reference and three points, in single or double precision."""
-    for real in (words.real, np.dtype(f"{words.order}f8")):
+    for real in words.reals:
         row = np.dtype([("i", words.integer, 4), ("x", real, 9)])
         if len(body) % row.itemsize:
             continue
         part = np.frombuffer(body, row)
-        ids, kinds = part["i"][:, [0]], part["i"][:, 1]
+        ids, kinds = part["i"][:, 0], part["i"][:, 1]
         if (kinds == kind).all() and (ids > 0).all() and np.isfinite(part["x"]).all():
-            kinds = np.full((part.size, 1), kind)
-            return np.hstack([ids, kinds, part["i"][:, [3]], part["x"]]).astype(float)
-    raise UnreadableFile(
-        f"the table GEOM1 has CORD2{' RCS'[kind]} entries of an unknown layout.",
-    )
+            return np.hstack([part["i"][:, [0, 1, 3]], part["x"]]).astype(float)
+    raise UnreadableFile(f"the table GEOM1 has CORD2{' RCS'[kind]} entries of an unknown layout.")
 
 
 def _grids(body: bytes, words: _Words) -> Iterator[Field]:
-    double = f"{words.order}f8"
-    layouts = [
-        np.dtype([("i", words.integer, 2), ("x", words.real, 3), ("j", words.integer, 3)]),
-        np.dtype([("i", words.integer, 2), ("x", double, 3), ("j", words.integer, 3)]),
-    ]
-    for layout in layouts:  # coordinates are in double precision in newer versions
-        if len(body) % layout.itemsize:
+    for real in words.reals:  # coordinates are in double precision in newer versions
+        row = np.dtype([("i", words.integer, 2), ("x", real, 3), ("j", words.integer, 3)])
+        if len(body) % row.itemsize:
             continue
-        rows = np.frombuffer(body, layout)
-        ids = rows["i"][:, 0]
-        if (ids > 0).all() and (rows["j"][:, 0] >= -1).all() and np.isfinite(rows["x"]).all():
-            yield Field("grid/id", ids.astype(np.int64))
-            yield Field("grid/cp", rows["i"][:, 1].astype(np.int64))
+        rows = np.frombuffer(body, row)
+        (ids, cp), cd = rows["i"].T.astype(np.int64), rows["j"][:, 0].astype(np.int64)
+        if (ids > 0).all() and (cd >= -1).all() and np.isfinite(rows["x"]).all():
+            yield Field("grid/id", ids)
+            yield Field("grid/cp", cp)
             yield Field("grid/xyz", rows["x"].astype(float))
-            yield Field("grid/cd", rows["j"][:, 0].astype(np.int64))
+            yield Field("grid/cd", cd)
             return
     raise UnreadableFile("the table GEOM1 has GRID entries of an unknown length.")
 
@@ -260,7 +239,7 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
         if what is not None:
             refused.append(f"table {name} holds {what}")
             continue
-        subcase = int(head[3])
+        subcase, mode = int(head[3]), int(head[4])
         if int(head[9]) != 8 or len(data) % layout.itemsize:
             raise UnreadableFile(
                 f"table {name} is not sorted by mode with real numbers (SORT1, REAL)."
@@ -270,14 +249,10 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
         if not shapes:
             nodes, grids = given, rows["i"][:, 1] == 1
         elif not np.array_equal(given, nodes):
-            raise UnreadableFile(f"table {name} has other nodes for mode {int(head[4])}.")
-        if int(head[4]) in numbers:
-            raise UnreadableFile(
-                f"table {name} has mode {int(head[4])} twice in subcase {subcase}."
-            )
-        if (len(shapes) + 1) * rows.size * 48 > LARGEST_CONTENT:
-            raise UnreadableFile(f"table {name} holds more than {LARGEST_CONTENT} bytes.")
-        numbers.append(int(head[4]))
+            raise UnreadableFile(f"table {name} has other nodes for mode {mode}.")
+        if mode in numbers:
+            raise UnreadableFile(f"table {name} has mode {mode} twice in subcase {subcase}.")
+        numbers.append(mode)
         eigenvalue = float(np.frombuffer(ident, words.real, count=6)[5])
         radians.append(float(np.sqrt(max(eigenvalue, 0.0))))
         shapes.append(rows["x"][grids].astype(float))

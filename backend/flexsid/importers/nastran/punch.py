@@ -11,7 +11,7 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
 from flexsid.importers.nastran.vectors import Vectors
-from flexsid.importers.source import Content, Field
+from flexsid.importers.source import Field
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\$SUBCASE ID\s*=\s*(\d+)", re.IGNORECASE)
@@ -29,12 +29,9 @@ def recognises(head: bytes) -> bool:
     return head[:1] == b"$" or bulk.recognises(head)
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read punched eigenvectors and bulk data."""
-    return Content(_fields(path.read_text(encoding="latin-1")))
-
-
-def _fields(text: str) -> Iterator[Field]:
+    text = path.read_text(encoding="latin-1")
     shapes = Vectors()
     table: dict[int, list[float]] | None = None
     row: list[float] = []
@@ -76,9 +73,6 @@ def _fields(text: str) -> Iterator[Field]:
             raise UnreadableFile(
                 f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
             ) from error
-    if short := shapes.short():
-        mode, node, count = short
-        raise UnreadableFile(f"mode {mode}, node {node} has {count} components, 6 expected.")
     yield from shapes.fields()
     refused += shapes.notes()
     if refused:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Field
 
 _SAME_EIGENVALUE = 1e-5  # relative; printed to six digits
@@ -39,53 +40,58 @@ class Vectors:
         analysis.eigenvalues.setdefault(mode, eigenvalue)
         return analysis.vectors.setdefault(mode, {})
 
-    def first(self) -> tuple[int, dict[int, float]] | None:
-        """Return subcase and eigenvalues of the analysis that is read; None if there is none."""
+    @property
+    def subcase(self) -> int | None:
+        """Subcase of the analysis that is read; None if there is none."""
         found = self._with_rows()
-        return (found[0].subcase, found[0].eigenvalues) if found else None
-
-    def short(self) -> tuple[int, int, int] | None:
-        """Return the first mode and node without six components, and their number."""
-        for analysis in self._analyses:
-            for mode, rows in analysis.vectors.items():
-                for node, values in rows.items():
-                    if len(values) != 6:
-                        return mode, node, len(values)
-        return None
+        return found[0].subcase if found else None
 
     def notes(self) -> list[str]:
         """Return notes on content that is omitted or set to zero."""
         found = self._with_rows()
-        notes = [
-            f"it also holds {len(other.vectors)} mode shapes of {_named(other, found[0])}; those "
-            f"of subcase {found[0].subcase} that come first are read"
-            for other in found[1:]
-        ]
-        if found:
-            nodes = {node for rows in found[0].vectors.values() for node in rows}
-            short = [m for m, rows in sorted(found[0].vectors.items()) if len(rows) < len(nodes)]
-            if short:
-                lacking = min(nodes - set(found[0].vectors[short[0]]))
-                notes.append(
-                    f"mode {short[0]} is not given at node {lacking} ({len(short)} modes lack "
-                    "nodes); its values there are set to zero"
-                )
+        notes = []
+        for other in found[1:]:
+            same = "a further analysis in " if other.subcase == found[0].subcase else ""
+            notes.append(
+                f"it also holds {len(other.vectors)} mode shapes of {same}subcase {other.subcase}; "
+                f"those of subcase {found[0].subcase} that come first are read"
+            )
+        vectors = found[0].vectors if found else {}
+        nodes = {node for rows in vectors.values() for node in rows}
+        short = [mode for mode, rows in sorted(vectors.items()) if len(rows) < len(nodes)]
+        if short:
+            notes.append(
+                f"mode {short[0]} is not given at node {min(nodes - set(vectors[short[0]]))} "
+                f"({len(short)} modes lack nodes); its values there are set to zero"
+            )
         return notes
 
     def fields(self) -> Iterator[Field]:
-        """Yield numbers, frequencies, nodes and shapes (n, K, 6) of the first analysis."""
+        """Yield numbers, frequencies, nodes and shapes (n, K, 6) of the first analysis.
+
+        Raises
+        ------
+        UnreadableFile
+            If a node has not six components.
+        """
         found = self._with_rows()
         if not found:
             return
         vectors, eigenvalues = found[0].vectors, found[0].eigenvalues
         modes = sorted(mode for mode, rows in vectors.items() if rows)
         nodes = sorted({node for mode in modes for node in vectors[mode]})
+        for mode in modes:
+            for node, row in vectors[mode].items():
+                if len(row) != 6:
+                    raise UnreadableFile(
+                        f"mode {mode}, node {node} has {len(row)} components, 6 expected."
+                    )
         zero = [0.0] * 6
         values = [[vectors[mode].get(node, zero) for node in nodes] for mode in modes]
-        yield Field("shape/number", np.array(modes, dtype=np.int64))
+        yield Field("shape/number", np.array(modes))
         radians = [max(eigenvalues[mode], 0.0) ** 0.5 for mode in modes]
         yield Field("shape/radians", np.array(radians))
-        yield Field("shape/node", np.array(nodes, dtype=np.int64))
+        yield Field("shape/node", np.array(nodes))
         yield Field("shape/values", np.array(values, dtype=float).reshape(len(modes), -1, 6))
 
     def _with_rows(self) -> list[_ModalAnalysis]:
@@ -95,9 +101,3 @@ class Vectors:
 def _same(one: float, other: float) -> bool:
     # Eigenvalues of rigid-body modes are round-off, equal in every printout.
     return abs(one - other) <= _SAME_EIGENVALUE * max(abs(one), abs(other))
-
-
-def _named(other: _ModalAnalysis, first: _ModalAnalysis) -> str:
-    if other.subcase != first.subcase:
-        return f"subcase {other.subcase}"
-    return f"a further analysis in subcase {other.subcase}"

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Content, Field
+from flexsid.importers.source import Field
 from flexsid.importers.universal.blocks import UnusableDataSet, iterate_data_sets
 from flexsid.importers.universal.fields import list_fields
 from flexsid.importers.universal.kinds import READERS, Contradiction, FoundKind
@@ -24,7 +24,7 @@ def recognises(head: bytes) -> bool:
     return first == b"-1"
 
 
-def read(path: Path) -> Content:
+def read(path: Path) -> Iterator[Field]:
     """Read the data sets of a universal file.
 
     Raises
@@ -32,10 +32,6 @@ def read(path: Path) -> Content:
     UnreadableFile
         If no data set can be used; the message lists the reasons.
     """
-    return Content(_fields(path))
-
-
-def _fields(path: Path) -> Iterator[Field]:
     found = FoundKind()
     unread: dict[int, list[int]] = {}
     for place, block in enumerate(iterate_data_sets(path), start=1):

@@ -44,17 +44,12 @@ class Block:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Function:
-    """A measured function: abscissa, values, response and reference points."""
+    """A measured function; ``codes`` are the numbers of its points, directions and quantities."""
 
     name: str
     unit: str
     kind: int
-    response_node: int
-    response_direction: int
-    reference_node: int
-    reference_direction: int
-    quantity: int
-    reference_quantity: int
+    codes: dict[str, int]
     abscissa: np.ndarray
     values: np.ndarray
 
@@ -135,9 +130,14 @@ def read_function(block: Block) -> Function:
     if len(block.lines) < 11:
         raise UnusableDataSet("its numbers are not IEEE, or its header is not of 11 lines")
     head = [line.ljust(80) for line in block.lines[:11]]
-    kind = int(head[5][:5])
-    response_node, response_direction = int(head[5][41:51]), int(head[5][51:55])
-    reference_node, reference_direction = int(head[5][66:76]), int(head[5][76:80])
+    codes = {
+        "response_node": int(head[5][41:51]),
+        "response_direction": int(head[5][51:55]),
+        "reference_node": int(head[5][66:76]),
+        "reference_direction": int(head[5][76:80]),
+        "quantity": int(head[8][:10]),
+        "reference_quantity": int(head[9][:10]),
+    }
     data_type, n_points, even = (int(head[6][10 * i : 10 * i + 10]) for i in range(3))
     start, step = (*numbers_in(head[6][30:]), 0.0, 0.0)[:2]
     if not 0 < n_points <= LARGEST_CONTENT // 16:
@@ -160,13 +160,8 @@ def read_function(block: Block) -> Function:
     return Function(
         name=next((name for name in names if name not in ("", "NONE")), ""),
         unit="" if unit == "NONE" else unit,
-        kind=kind,
-        response_node=response_node,
-        response_direction=response_direction,
-        reference_node=reference_node,
-        reference_direction=reference_direction,
-        quantity=int(head[8][:10]),
-        reference_quantity=int(head[9][:10]),
+        kind=int(head[5][:5]),
+        codes=codes,
         abscissa=abscissa,
         values=values,
     )

@@ -9,9 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.frames import list_geometry
 from flexsid.importers.source import Field
 from flexsid.importers.universal.blocks import FUNCTION_TYPES, Function
-from flexsid.importers.universal.kinds import FoundKind, Shape
+from flexsid.importers.universal.kinds import FoundKind
 
 _GLOBAL = 1
 """Largest number of an undefined coordinate system that denotes the global one."""
@@ -20,33 +21,26 @@ _GLOBAL_POINTS = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 
 def list_fields(found: FoundKind) -> Iterator[Field]:
     """Yield the fields common to all readers of modal data, and the measured functions."""
-    if found.grids:
-        labels = sorted(found.grids)
-        rows = [found.grids[label] for label in labels]
-        yield Field("grid/id", np.array(labels, dtype=np.int64))
-        for name, numbers in (("cp", [cp for cp, _, _ in rows]), ("cd", [cd for _, cd, _ in rows])):
-            systems = [_known_system(found, number) for number in numbers]
-            yield Field(f"grid/{name}", np.array(systems, dtype=np.int64))
-        yield Field("grid/xyz", np.array([row[2] for row in rows]))
-        found.refused += _note_undefined_systems(found)
-    if found.frames:
-        numbers = sorted(found.frames)
-        kinds, references, points = zip(*(found.frames[n] for n in numbers), strict=True)
-        references = [_known_system(found, r) for r in references]
-        yield Field("frame/id", np.array(numbers, dtype=np.int64))
-        yield Field("frame/kind", np.array(kinds, dtype=np.int64))
-        yield Field("frame/reference", np.array(references, dtype=np.int64))
-        yield Field("frame/points", np.array(points))
-    found.refused += _note_missing_nodes(found.shapes)
-    yield from _shape_fields(found.shapes)
+    yield from list_geometry(
+        {
+            label: (_known_system(found, cp), xyz, _known_system(found, cd))
+            for label, (cp, xyz, cd) in found.grids.items()
+        },
+        {
+            number: (kind, _known_system(found, reference), points)
+            for number, (kind, reference, points) in found.frames.items()
+        },
+    )
+    found.refused += _note_undefined_systems(found)
+    yield from _shape_fields(found)
     yield from _line_fields(found)
     for name, factor in found.units.items():
         yield Field(f"unit/{name}", np.array([factor]))
     if found.header:
-        yield Field("header", np.array(found.header, dtype=np.str_))
+        yield Field("header", np.array(found.header))
     yield from _function_fields(found)
     if found.refused:
-        yield Field("refused", np.array(found.refused, dtype=np.str_))
+        yield Field("refused", np.array(found.refused))
 
 
 def _known_system(found: FoundKind, number: int) -> int:
@@ -61,20 +55,20 @@ def _known_system(found: FoundKind, number: int) -> int:
 
 def _note_undefined_systems(found: FoundKind) -> list[str]:
     """Return notes on systems that nodes refer to and no data set defines."""
-    named = {number for row in found.grids.values() for number in row[:2]}
+    named = {number for cp, _, cd in found.grids.values() for number in (cp, cd)}
     left = sorted(number for number in named if number and not _known_system(found, number))
+    exported = sorted({n for n in found.exported.values() if _is_local(found, n)})
     notes = []
     if left:
-        listed = ", ".join(map(str, left))
         notes.append(
-            f"coordinate systems {listed} are not defined by a data set and are treated as global"
+            f"coordinate systems {', '.join(map(str, left))} are not defined by a data set and "
+            "are treated as global"
         )
-    exported = sorted({n for n in found.exported.values() if _is_local(found, n)})
     if exported:
-        listed = ", ".join(map(str, exported))
         notes.append(
-            f"nodes of data set 2411 are exported from coordinate systems {listed}; their "
-            "coordinates are read in the part system, as defined for the data set"
+            f"nodes of data set 2411 are exported from coordinate systems "
+            f"{', '.join(map(str, exported))}; their coordinates are read in the part system, "
+            "as defined for the data set"
         )
     return notes
 
@@ -87,19 +81,25 @@ def _is_local(found: FoundKind, number: int) -> bool:
     return kind != 1 or not np.allclose(points, _GLOBAL_POINTS, atol=1e-9)
 
 
-def _shape_fields(shapes: list[Shape]) -> Iterator[Field]:
+def _shape_fields(found: FoundKind) -> Iterator[Field]:
+    shapes = found.shapes
     if not shapes:
         return
     nodes = sorted({node for shape in shapes for node in shape.values})
+    short = [place for place, shape in enumerate(shapes, start=1) if len(shape.values) < len(nodes)]
+    if short:
+        found.refused.append(
+            f"{len(short)} mode shapes (first: {short[0]}) lack nodes; these values are zero"
+        )
     zero = [0j] * 6
     values = np.array([[shape.values.get(node, zero) for node in nodes] for shape in shapes])
     numbers = [shape.number for shape in shapes]
     if len(set(numbers)) != len(numbers) or min(numbers) < 1:
         numbers = list(range(1, len(shapes) + 1))
     frequency = np.array([shape.frequency_hz for shape in shapes])
-    yield Field("shape/number", np.array(numbers, dtype=np.int64))
+    yield Field("shape/number", np.array(numbers))
     yield Field("shape/radians", 2.0 * np.pi * frequency)
-    yield Field("shape/node", np.array(nodes, dtype=np.int64))
+    yield Field("shape/node", np.array(nodes))
     yield Field("shape/values", np.ascontiguousarray(np.real(values)))
     if np.any(np.imag(values) != 0):
         yield Field("shape/imaginary", np.ascontiguousarray(np.imag(values)))
@@ -109,27 +109,13 @@ def _shape_fields(shapes: list[Shape]) -> Iterator[Field]:
             yield Field(f"shape/{name}", known)
 
 
-def _note_missing_nodes(shapes: list[Shape]) -> list[str]:
-    """Return a note on modes that are not given at all nodes."""
-    nodes = {node for shape in shapes for node in shape.values}
-    short = [place for place, shape in enumerate(shapes, start=1) if len(shape.values) < len(nodes)]
-    if not short:
-        return []
-    return [f"{len(short)} mode shapes (first: {short[0]}) lack nodes; these values are zero"]
-
-
 def _line_fields(found: FoundKind) -> Iterator[Field]:
     """Yield lines between nodes as pairs: trace lines, and the edges of elements."""
-    pairs: set[tuple[int, int]] = set()
-    for first, second in pairwise(found.lines):
-        if first and second:
-            pairs.add((min(first, second), max(first, second)))
+    ends = [pair for pair in pairwise(found.lines) if all(pair)]
     for nodes in found.elements:
-        closed = [*nodes, nodes[0]] if len(nodes) > 2 else nodes
-        for first, second in pairwise(closed):
-            pairs.add((min(first, second), max(first, second)))
-    if pairs:
-        yield Field("line/nodes", np.array(sorted(pairs), dtype=np.int64))
+        ends += pairwise([*nodes, nodes[0]] if len(nodes) > 2 else nodes)
+    if ends:
+        yield Field("line/nodes", np.unique(np.sort(np.array(ends), axis=1), axis=0))
 
 
 def _function_fields(found: FoundKind) -> Iterator[Field]:
@@ -162,18 +148,9 @@ def _function_fields(found: FoundKind) -> Iterator[Field]:
         values = np.stack([function.values for function in best])
         yield Field("frf/real", np.ascontiguousarray(np.real(values)))
         yield Field("frf/imaginary", np.ascontiguousarray(np.imag(values)))
-        for name in (
-            "response_node",
-            "response_direction",
-            "reference_node",
-            "reference_direction",
-            "quantity",
-            "reference_quantity",
-        ):
-            numbers = [getattr(function, name) for function in best]
-            yield Field(f"frf/{name}", np.array(numbers, dtype=np.int64))
-        units = [function.unit for function in best]
-        yield Field("frf/unit", np.array(units, dtype=np.str_))
+        for name in best[0].codes:
+            yield Field(f"frf/{name}", np.array([function.codes[name] for function in best]))
+        yield Field("frf/unit", np.array([function.unit for function in best]))
         others = Counter(f.kind for f in found.functions if not f.is_response)
         found.refused += [
             f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are not "

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexsid.importers.modal_files import EXACT
+from flexsid.importers.nastran.frames import Point
 from flexsid.importers.universal.blocks import (
     Block,
     Function,
@@ -46,8 +47,8 @@ class FoundKind:
     coordinates are in the part system.
     """
 
-    grids: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
-    frames: dict[int, tuple[int, int, tuple[float, ...]]] = field(default_factory=dict)
+    grids: dict[int, tuple[int, Point, int]] = field(default_factory=dict)
+    frames: dict[int, tuple[int, int, Point]] = field(default_factory=dict)
     has_systems: bool = False
     exported: dict[int, int] = field(default_factory=dict)
     shapes: list[Shape] = field(default_factory=list)
@@ -60,34 +61,27 @@ class FoundKind:
 
 
 def _nodes_15(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    for line in lines:
+    for line in block.lines:
         if line.strip():
             label, cp, cd = (int(line[10 * i : 10 * i + 10]) for i in range(3))
-            _add_node(found, label, (cp, cd, _three(numbers_in(line[40:]))))
+            _add_node(found, label, cp, line[40:], cd)
 
 
-def _nodes_2411(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    for head, place in zip(lines[::2], lines[1::2], strict=True):
-        label, exported, cd = integers_in(head)[:3]
-        _add_node(found, label, (0, cd, _three(numbers_in(place))))
-        found.exported[label] = exported
+def _nodes_2411_781(found: FoundKind, block: Block) -> None:
+    for head, place in zip(block.lines[::2], block.lines[1::2], strict=True):
+        label, system, cd = integers_in(head)[:3]
+        if block.kind == 2411:
+            found.exported[label], system = system, 0
+        _add_node(found, label, system, place, cd)
 
 
-def _nodes_781(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    for head, place in zip(lines[::2], lines[1::2], strict=True):
-        label, cp, cd = integers_in(head)[:3]
-        _add_node(found, label, (cp, cd, _three(numbers_in(place))))
-
-
-def _add_node(found: FoundKind, label: int, node: tuple[int, int, tuple[float, ...]]) -> None:
+def _add_node(found: FoundKind, label: int, cp: int, place: str, cd: int) -> None:
+    node = (cp, _three(numbers_in(place)), cd)
     if found.grids.setdefault(label, node) != node:
         raise Contradiction(f"node {label} has two different definitions")
 
 
-def _three(numbers: list[float]) -> tuple[float, ...]:
+def _three(numbers: list[float]) -> Point:
     if len(numbers) < 3:
         raise UnusableDataSet(f"it has {len(numbers)} coordinates at a node, 3 are expected")
     return tuple(numbers[:3])
@@ -98,13 +92,11 @@ def _frames_18(found: FoundKind, block: Block) -> None:
     lines = block.lines
     for row in range(0, len(lines) - 3, 4):
         number, kind, reference = integers_in(lines[row])[:3]
-        o, x, p = np.array(numbers_in(lines[row + 2]) + numbers_in(lines[row + 3]))[:9].reshape(
-            3, 3
-        )
+        numbers = numbers_in(lines[row + 2]) + numbers_in(lines[row + 3])
+        o, x, p = np.array(numbers[:9]).reshape(3, 3)
         along, in_plane = x - o, p - o
         normal = np.cross(np.cross(along, in_plane), along)  # z, in the plane of x and p
-        points = np.concatenate([o, o + normal, x])
-        _add_frame(found, number, (kind + 1, reference, tuple(map(float, points))))
+        _add_frame(found, number, kind + 1, reference, [o, o + normal, x])
 
 
 def _frames_2420(found: FoundKind, block: Block) -> None:
@@ -126,19 +118,20 @@ def _frames_2420(found: FoundKind, block: Block) -> None:
                 f"the matrix of coordinate system {number} does not consist of right-handed "
                 "unit vectors"
             )
-        points = np.concatenate([origin, origin + axes[2], origin + axes[0]])
-        _add_frame(found, number, (kind + 1, 0, tuple(map(float, points))))
+        _add_frame(found, number, kind + 1, 0, [origin, origin + axes[2], origin + axes[0]])
 
 
-def _add_frame(found: FoundKind, number: int, frame: tuple[int, int, tuple[float, ...]]) -> None:
+def _add_frame(
+    found: FoundKind, number: int, kind: int, reference: int, points: list[np.ndarray]
+) -> None:
+    frame = (kind, reference, tuple(np.concatenate(points).tolist()))
     if found.frames.setdefault(number, frame) != frame:
         raise Contradiction(f"coordinate system {number} has two different definitions")
 
 
 def _lines_82(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    count = integers_in(lines[0])[1]
-    nodes = [node for line in lines[2:] for node in integers_in(line)]
+    count = integers_in(block.lines[0])[1]
+    nodes = [node for line in block.lines[2:] for node in integers_in(line)]
     found.lines += [0, *nodes[:count]]
 
 
@@ -157,12 +150,8 @@ def _elements_2412(found: FoundKind, block: Block) -> None:
 
 def _shape_55(found: FoundKind, block: Block) -> None:
     lines = block.lines
-    kinds = integers_in(lines[5])
-    _, analysis, _, _, data_type, count = kinds[:6]
-    integers = integers_in(lines[6])
-    numbers = numbers_in(lines[7])
-    mode = integers[3] if len(integers) > 3 else 0
-    _append_shape(found, analysis, data_type, count, mode, numbers, lines[8:])
+    mode = (integers_in(lines[6]) + [0] * 4)[3]
+    _append_shape(found, integers_in(lines[5]), mode, numbers_in(lines[7]), lines[8:])
 
 
 def _shape_2414(found: FoundKind, block: Block) -> None:
@@ -170,31 +159,26 @@ def _shape_2414(found: FoundKind, block: Block) -> None:
     location = integers_in(lines[2])[0]
     if location != 1:
         raise UnusableDataSet("it holds data on elements, data at nodes are expected")
-    _, analysis, _, _, data_type, count = integers_in(lines[8])[:6]
+    kinds = integers_in(lines[8])
     mode = (integers_in(lines[9]) + [0] * 6)[5]
     times = (numbers_in(lines[11]) + [0.0] * 6)[:6]
     eigen = (numbers_in(lines[12]) + [0.0] * 6)[:6]
     _, frequency, _, mass, viscous, hysteretic = times
     numbers = [frequency, mass, viscous, hysteretic]
-    if _MODES.get(analysis) == "complex" and any(eigen[:2]):
+    if _MODES.get(kinds[1]) == "complex" and any(eigen[:2]):
         numbers = eigen
     for line in lines[3:8]:
         if line.startswith(EXACT):
             exact = [float(part) for part in line.removeprefix(EXACT).split()]
             if len(exact) == 3 and np.isclose(exact[0], frequency, rtol=1e-4):
                 numbers = [exact[0], exact[2], exact[1], 0.0]
-    _append_shape(found, analysis, data_type, count, mode, numbers, lines[13:])
+    _append_shape(found, kinds, mode, numbers, lines[13:])
 
 
 def _append_shape(
-    found: FoundKind,
-    analysis: int,
-    data_type: int,
-    count: int,
-    mode: int,
-    numbers: list[float],
-    lines: list[str],
+    found: FoundKind, kinds: list[int], mode: int, numbers: list[float], lines: list[str]
 ) -> None:
+    _, analysis, _, _, data_type, count = kinds[:6]
     if analysis not in _MODES:
         raise UnusableDataSet(
             f"its analysis is of type {analysis}; mode shapes (2, 3, 7) are expected"
@@ -204,28 +188,22 @@ def _append_shape(
     if _MODES[analysis] == "complex" and len(numbers) >= 6:
         eigenvalue = complex(numbers[0], numbers[1])
         size = abs(eigenvalue)
-        frequency, damping, mass = (
-            size / (2.0 * np.pi),
-            (-eigenvalue.real / size if size > 0 else 0.0),
-            0.0,
-        )
+        frequency, mass = size / (2.0 * np.pi), 0.0
+        damping = -eigenvalue.real / size if size > 0 else 0.0
     else:
         frequency, mass, viscous, hysteretic = (numbers + [0.0] * 4)[:4]
         damping = viscous or 0.5 * hysteretic
     is_complex = data_type in _COMPLEX
     values: dict[int, list[complex]] = {}
     n_values = count * (2 if is_complex else 1)
-    row = 0
-    while row < len(lines):
-        if not lines[row].strip():
-            row += 1
-            continue
-        node = integers_in(lines[row])[0]
-        row += 1
+    rows = (line for line in lines if line.strip())
+    for head in rows:
+        node = integers_in(head)[0]
         read: list[float] = []
-        while len(read) < n_values:
-            read += numbers_in(lines[row])
-            row += 1
+        while len(read) < n_values and (line := next(rows, None)) is not None:
+            read += numbers_in(line)
+        if len(read) < n_values:
+            raise UnusableDataSet(f"it has {len(read)} values at node {node}, not {n_values}")
         parts = np.array(read[:n_values])
         shape = parts[::2] + 1j * parts[1::2] if is_complex else parts.astype(complex)
         values[node] = [*map(complex, shape), *[0j] * (6 - count)]
@@ -235,13 +213,11 @@ def _append_shape(
 
 
 def _header_151(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    found.header += [line.strip() for line in lines[:2] if line.strip() not in ("", "NONE")]
+    found.header += [line.strip() for line in block.lines[:2] if line.strip() not in ("", "NONE")]
 
 
 def _units_164(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    factors = [number for line in lines[1:] for number in numbers_in(line)]
+    factors = [number for line in block.lines[1:] for number in numbers_in(line)]
     length, force = factors[:2]
     if not (length > 0 and force > 0):
         raise UnusableDataSet(
@@ -265,8 +241,8 @@ READERS = {
     82: _lines_82,
     151: _header_151,
     164: _units_164,
-    781: _nodes_781,
-    2411: _nodes_2411,
+    781: _nodes_2411_781,
+    2411: _nodes_2411_781,
     2412: _elements_2412,
     2414: _shape_2414,
     2420: _frames_2420,

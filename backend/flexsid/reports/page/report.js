@@ -3,8 +3,10 @@
 const AXIS = {
   gridcolor: "#e9ecef", zerolinecolor: "#adb5bd", linecolor: "#adb5bd", tickcolor: "#adb5bd",
   tickfont: { color: "#495057" }, title: { font: { color: "#495057", size: 12 }, standoff: 8 },
-  automargin: true, zeroline: false,
+  automargin: true, zeroline: false, exponentformat: "power",
 };
+// The printed report has lower figures, of which several stand on a page.
+const IS_PRINTED = location.hash === "#print";
 const LAYOUT = {
   width: 880, // of the text; on paper the style sheet makes it smaller
   paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
@@ -26,6 +28,7 @@ function under(defaults, own) {
 
 function height(layout) {
   const rows = Math.max(1, layout.meta?.rows ?? 1);
+  if (IS_PRINTED) return rows <= 2 ? 150 + 120 * rows : 80 + rows * (rows <= 4 ? 110 : 62);
   return rows <= 2 ? 180 + 200 * rows : 90 + rows * (rows <= 4 ? 200 : 150);
 }
 

@@ -38,7 +38,7 @@ def optimise_amplitudes_minimax(
     limits
         Largest allowed value of every limited quantity, infinite where there is no limit.
     targets
-        Parameters that the criterion includes; all by default.
+        Parameters that the criterion includes; all reported ones by default.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def optimise_amplitudes_minimax(
     Peaks are limited through powers by their ratio to the root mean square, which is computed
     again after each round until the true peaks are within the limits.
     """
-    counts = np.ones(fisher_information.theta.size, dtype=bool) if targets is None else targets
+    counts = fisher_information.reported if targets is None else targets
     reference = fisher_information.theta**2
     if not counts.any() or np.any(reference[counts] == 0.0):
         raise BadInput(
@@ -95,18 +95,25 @@ def optimise_amplitudes_minimax(
 def optimise_amplitudes_d_optimal(
     fisher_information: FisherInformation, limits: Float[np.ndarray, " n_limited"]
 ) -> Float[np.ndarray, " n_u"]:
-    """Compute the input gains that minimise the volume of the confidence ellipsoid."""
+    """Compute the input gains that minimise the volume of the confidence ellipsoid.
+
+    Nuisance parameters are marginalised: the volume is that of the reported parameters.
+    """
+    own = np.ix_(fisher_information.reported, fisher_information.reported)
 
     def volume(x: np.ndarray) -> tuple[float, np.ndarray]:
         inverse, middle = fisher_information.sandwich_factors(x)
-        value = np.linalg.slogdet(middle)[1] + 2.0 * np.linalg.slogdet(inverse)[1]
+        C = inverse @ middle @ inverse
+        inner = np.zeros_like(C)
+        inner[own] = np.linalg.inv(C[own])
+        outer, across = inverse @ inner @ inverse, C @ inner @ inverse
         slopes = [
-            np.trace(np.linalg.solve(middle, score)) - 2.0 * np.sum(inverse * part)
+            np.sum(outer * score) - 2.0 * np.sum(across * part)
             for part, score in zip(
                 fisher_information.information, fisher_information.score_covariance, strict=True
             )
         ]
-        return float(value), np.array(slopes)
+        return float(np.linalg.slogdet(C[own])[1]), np.array(slopes)
 
     return _optimise(fisher_information, limits, [volume])
 

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import Sensitivity
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.leave_one_out import compute_leave_one_out_residuals
@@ -44,12 +43,18 @@ class Covariance:
 
 @dataclass(frozen=True, slots=True)
 class FinalSpectra:
-    """Sensitivities, residuals and weights of one maneuver at the estimate."""
+    """Sensitivities, residuals and weights of one maneuver at the estimate.
+
+    ``neighbours`` is the number of segments on either side in the density of the residuals;
+    ``noise`` the residuals of the source data points, None: from those of this maneuver.
+    """
 
     form: NormalForm
     sensitivity: Sensitivity
     residuals: np.ndarray
     weights: noise.SpectralMatrix
+    neighbours: int = 2
+    noise: np.ndarray | None = None
 
     @property
     def shares_noise(self) -> bool:
@@ -141,39 +146,57 @@ def score_covariance(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_theta"
     """Compute Re sum J^H W S W J, twice the covariance of Re sum J^H W nu, for any residuals."""
     experiment = final.form.model.experiment
     if experiment.source is not None and experiment.gain is not None:
-        return _compute_shared(final, experiment.source, experiment.gain)
-    middle = _smooth_residuals(experiment, final.residuals).between(final.weights)
+        weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
+        A, S = weight_score_noise(final, weighted)
+        n_theta = A.shape[2]
+        return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
+    middle = estimate_noise(final).between(final.weights)
     return final.form.matrix(final.sensitivity, middle)
 
 
-def _compute_shared(
-    final: FinalSpectra, source: Experiment, gain: np.ndarray
-) -> Float[np.ndarray, "n_theta n_theta"]:
-    """Compute the same for data points that share the noise of source data points.
+def weight_score_noise(
+    final: FinalSpectra, weighted: Complex[np.ndarray, "n_omega n_y n_c"]
+) -> tuple[Complex[np.ndarray, "n_source n_y n_c"], noise.SpectralMatrix]:
+    """Return A and S, for which Re sum X^H nu has the covariance 1/2 Re sum A^H S A.
+
+    Parameters
+    ----------
+    final
+        Residuals nu, of which S is estimated.
+    weighted
+        X, sensitivities times weights.
 
     Notes
     -----
+    A is X, unless data points share the noise of source data points.
     The residual of a frequency response times the deflection of its input at the same
     frequency is the residual of the outputs after subtraction of the response to all other
     inputs. Source frequencies of inputs that are not in the model take the density of
     neighbouring frequencies.
     """
     experiment = final.form.model.experiment
-    weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
-    n_y, n_theta = weighted.shape[1:]
-    A = (gain.conj().T @ weighted.reshape(weighted.shape[0], -1)).reshape(-1, n_y, n_theta)
+    source, gain = experiment.source, experiment.gain
+    if source is None or gain is None:
+        return weighted, estimate_noise(final)
+    n_y, n_c = weighted.shape[1:]
+    A = (gain.conj().T @ weighted.reshape(weighted.shape[0], -1)).reshape(-1, n_y, n_c)
+    if final.noise is not None:
+        one_group = np.zeros(len(final.noise), dtype=int)
+        return A, noise.smooth_density(final.noise, one_group, 1, final.neighbours)
     order = np.argsort(experiment.omega, kind="stable")
     omega = experiment.omega[order]
     deflections = source.inputs[np.searchsorted(source.omega, omega)]
     own = np.sum(experiment.inputs[order] * deflections, axis=1, keepdims=True)
     found = noise.smooth_density(final.residuals[order] * own, np.zeros(omega.size, int), 1)
     nearest = np.searchsorted(0.5 * (omega[1:] + omega[:-1]), source.omega)
-    S = noise.SpectralMatrix(found.blocks, found.block[nearest])
-    return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
+    return A, noise.SpectralMatrix(found.blocks, found.block[nearest])
 
 
-def _smooth_residuals(experiment: Experiment, residuals: np.ndarray) -> noise.SpectralMatrix:
-    return noise.smooth_density(residuals, experiment.group, len(experiment.group_names))
+def estimate_noise(final: FinalSpectra) -> noise.SpectralMatrix:
+    """Estimate the noise covariance of the data points from neighbouring residuals."""
+    experiment = final.form.model.experiment
+    n_groups = len(experiment.group_names)
+    return noise.smooth_density(final.residuals, experiment.group, n_groups, final.neighbours)
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import linalg, stats
+from scipy import linalg, special
 
 from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, standard_errors
 
@@ -116,4 +116,4 @@ def whiteness(residual: Complex[np.ndarray, " n_omega"], lags: int = 10) -> floa
     for lag in range(1, lags + 1):
         r = np.vdot(nu[:-lag], nu[lag:]) / power
         statistic += 2.0 * n * (n + 2) / (n - lag) * float(np.abs(r) ** 2)
-    return float(stats.chi2.sf(statistic, 2 * lags))
+    return float(special.chdtrc(2 * lags, statistic))

@@ -22,6 +22,7 @@ class Elimination:
         self._is_faster = n_r <= _LARGEST and n_omega >= _FEWEST
         self._rows = np.empty((n_r, n_r, n_omega), dtype=complex)
         self._taken = np.empty_like(self._rows)
+        self._pivots = np.empty((n_r, n_omega), dtype=complex)
 
     def inverse(
         self, K: Complex[np.ndarray, "n_omega n_r n_r"]
@@ -31,12 +32,10 @@ class Elimination:
             return _invert_with_pivoting(K)
         rows, taken = self._rows, self._taken
         rows[:] = K.transpose(1, 2, 0)
-        accurate = np.ones(len(K), dtype=bool)
-        original = [_square(rows[p, p]) for p in range(len(rows))]
+        original, pivots = rows.diagonal().T.copy(), self._pivots
         with np.errstate(all="ignore"):
-            for p, before in enumerate(original):
-                change = _square(rows[p, p]) / before
-                accurate &= (change > 1.0 / _LARGEST_CHANGE) & (change < _LARGEST_CHANGE)
+            for p in range(len(rows)):
+                pivots[p] = rows[p, p]
                 column = rows[:, p].copy()
                 rows[p, p] = 1.0
                 row = rows[p] * (1.0 / column[p])
@@ -45,6 +44,8 @@ class Elimination:
                 rows[:, p] = 0.0
                 np.multiply(column[:, None], row, out=taken)
                 np.subtract(rows, taken, out=rows)
+            change = _square(pivots) / _square(original)
+        accurate = np.all((change > 1.0 / _LARGEST_CHANGE) & (change < _LARGEST_CHANGE), axis=0)
         inverse = np.ascontiguousarray(rows.transpose(2, 0, 1))
         if not accurate.all():
             inverse[~accurate] = _invert_with_pivoting(K[~accurate])
@@ -64,5 +65,7 @@ def _invert_with_pivoting(
         return inverse
 
 
-def _square(values: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_omega"]:
+def _square(
+    values: Complex[np.ndarray, "n_r n_omega"],
+) -> Float[np.ndarray, "n_r n_omega"]:
     return np.real(values) ** 2 + np.imag(values) ** 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from jaxtyping import Complex, Float
 
@@ -9,16 +11,15 @@ from flexsid.errors import BadInput
 from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, Outcome
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
+from flexsid.sysid.estimation.regression import ErrorsInVariables, Regression, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.signals import FrequencyData, check_finite
 
 
 def compute_aerodynamic_coefficients(
     model: AeroelasticModel, motion: ReconstructedMotion
 ) -> Complex[np.ndarray, "n_omega n_rows"]:
-    """Compute the spectra of C_Z, C_m and C_Qi from the motion. [s]"""
+    """Compute the spectra of the coefficients of force, moments and modes from the motion. [s]"""
     K = model.known_dynamics(motion.omega)
     return np.matmul(K, motion.values[:, :, None])[:, :, 0] / model.row_factors()
 
@@ -26,10 +27,23 @@ def compute_aerodynamic_coefficients(
 def build_regressors(
     model: AeroelasticModel, motion: ReconstructedMotion, inputs: FrequencyData
 ) -> Complex[np.ndarray, "n_omega n_w"]:
-    """Compute the spectra of alpha, q c/2V, eta, etadot c/2V and the inputs. [s]"""
-    rates = 1j * motion.omega[:, None] * motion.values[:, 2:]
+    """Compute the spectra of nondimensional motions, eta, etadot c/2V and the inputs. [s]
+
+    Without a frequency shape, by which ``shape_regressors`` multiplies those of each row.
+    """
+    rates = 1j * motion.omega[:, None] * motion.values[:, model.n_rigid :]
     u = inputs.pick(model.inputs).values
     return np.concatenate([motion.values, rates, u], axis=1) * model.column_factors()
+
+
+def shape_regressors(
+    X: Complex[np.ndarray, "n_omega n_w"],
+    factors: Complex[np.ndarray, "n_omega n_rows n_w"] | None,
+    row: int | np.ndarray,
+    columns: np.ndarray | slice = slice(None),
+) -> Complex[np.ndarray, "n_omega n_c"]:
+    """Select the regressors of a row (or one row for each column), with its frequency shape."""
+    return X[:, columns] if factors is None else X[:, columns] * factors[:, row, columns]
 
 
 def equation_error(
@@ -70,6 +84,26 @@ def equation_error(
     with little signal, and plain least squares then biases their derivatives
     towards zero with standard errors that are too small.
     """
+    rows = range(len(model.coefficients))
+    return equation_error_rows(model, motion, inputs, parameters, rows, compensate=compensate)[0]
+
+
+def equation_error_rows(
+    model: AeroelasticModel,
+    motion: ReconstructedMotion,
+    inputs: FrequencyData,
+    parameters: Parameters,
+    rows: Iterable[int],
+    *,
+    compensate: bool = True,
+) -> tuple[Estimate, dict[int, Regression]]:
+    """Estimate the derivatives of some coefficients; see ``equation_error``.
+
+    Returns
+    -------
+    Estimate, dict
+        The estimate, and the regression of every coefficient with free derivatives, by row.
+    """
     if parameters.extras:
         raise BadInput(
             "equation error estimates derivatives only; delays, scale factors and structural "
@@ -79,6 +113,7 @@ def equation_error(
     check_finite(inputs.pick(model.inputs).values, model.inputs)
     X = build_regressors(model, motion, inputs)
     z = compute_aerodynamic_coefficients(model, motion)
+    factors = model.derivative_factors(motion.omega)
     motion_noise = MotionNoise(model, motion.with_coloured_errors()) if compensate else None
     held = parameters.base.values.copy()
     held[parameters.rows, parameters.columns] = 0.0
@@ -87,28 +122,33 @@ def equation_error(
     covariance = np.zeros((size, size))
     corrected = np.zeros((size, size))
     lines = []
-    for row, name in enumerate(coefficients(model.modes.numbers)):
+    regressions: dict[int, Regression] = {}
+    names = model.coefficients
+    for row in rows:
+        name = names[row]
         own = np.flatnonzero(parameters.rows == row)
-        fitted = X @ held[row]
+        fitted = shape_regressors(X, factors, row) @ held[row]
         if own.size:
             columns = parameters.columns[own]
             errors = None
             if motion_noise is not None:
                 errors = motion_noise.compute_row_errors(row, held[row], columns)
+            mine = shape_regressors(X, factors, row, columns)
             result = regress(
-                X[:, columns],
+                mine,
                 z[:, row] - fitted,
                 tuple(parameters.names[i] for i in own),
                 errors,
             )
+            regressions[row] = result
             values[own] = result.values
             covariance[np.ix_(own, own)] = result.covariance
             corrected[np.ix_(own, own)] = result.corrected_covariance
-            fitted = fitted + X[:, columns] @ result.values
+            fitted = fitted + mine @ result.values
         lines.append(
             FittedSpectra(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None])
         )
-    return Estimate(
+    estimate = Estimate(
         names=parameters.names,
         values=values,
         start=parameters.start,
@@ -119,19 +159,27 @@ def equation_error(
         outcome=Outcome.CONVERGED,
         message="Solved directly: one linear regression per coefficient.",
     )
+    return estimate, regressions
+
+
+def build_variable_matrix(
+    model: AeroelasticModel, s: Complex[np.ndarray, " n_omega"]
+) -> Complex[np.ndarray, "n_omega n_w n_r"]:
+    """Build the matrix from the motion to the variables without factors: rates are s eta."""
+    n_r, n = len(model.motions), len(model.modes.numbers)
+    L = np.zeros((s.size, len(model.variables), n_r), dtype=complex)
+    L[:, np.arange(n_r), np.arange(n_r)] = 1.0
+    L[:, n_r + np.arange(n), model.n_rigid + np.arange(n)] = s[:, None]
+    return L
 
 
 class MotionNoise:
     """Propagation of the error of the reconstructed motion to regressors and coefficients."""
 
     def __init__(self, model: AeroelasticModel, motion: ReconstructedMotion) -> None:
-        n = len(model.modes.numbers)
-        n_w = 2 + 2 * n + len(model.inputs)
         s = 1j * motion.omega
-        L = np.zeros((s.size, n_w, 2 + n), dtype=complex)
-        L[:, np.arange(2 + n), np.arange(2 + n)] = 1.0
-        L[:, 2 + n + np.arange(n), 2 + np.arange(n)] = s[:, None]
-        self.regressor = L * model.column_factors()[:, None]
+        self.regressor = build_variable_matrix(model, s) * model.column_factors()[:, None]
+        self.factors = model.derivative_factors(motion.omega)
         self.coefficient = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
         self.spread = self.regressor @ motion.covariance
         self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
@@ -143,21 +191,28 @@ class MotionNoise:
         self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray
     ) -> ErrorsInVariables:
         """Compute the errors of the free regressors and dependent variable of one row."""
-        dependent = self.coefficient[:, row] - np.tensordot(held, self.regressor, axes=(0, 1))
-        cross = np.matmul(self.spread, dependent.conj()[:, :, None])[:, :, 0]
+        regressor, spread, regressors = self.regressor, self.spread, self.regressors
+        if self.factors is not None:
+            regressor = self.factors[:, row, :, None] * regressor
+            spread = self.factors[:, row, :, None] * spread
+            regressors = np.real(spread @ regressor.conj().transpose(0, 2, 1))
+        dependent = self.coefficient[:, row] - np.tensordot(held, regressor, axes=(0, 1))
+        cross = np.matmul(spread, dependent.conj()[:, :, None])[:, :, 0]
         own = np.matmul(self.covariance, dependent.conj()[:, :, None])[:, :, 0]
         return ErrorsInVariables(
-            self.regressors[:, columns[:, None], columns],
+            regressors[:, columns[:, None], columns],
             np.real(cross[:, columns]),
             np.real(np.sum(dependent * own, axis=1)),
             self.relative_std,
-            self._compute_systematic(dependent, columns),
+            self._compute_systematic(dependent, regressor[:, columns]),
         )
 
     def _compute_systematic(
-        self, dependent: Complex[np.ndarray, "n_omega n_r"], columns: np.ndarray
+        self,
+        dependent: Complex[np.ndarray, "n_omega n_r"],
+        regressor: Complex[np.ndarray, "n_omega p n_r"],
     ) -> Complex[np.ndarray, "n_omega n_y p_1"] | None:
         if self.disagreement is None:
             return None
-        rows = np.concatenate([self.regressor[:, columns], dependent[:, None, :]], axis=1)
+        rows = np.concatenate([regressor, dependent[:, None, :]], axis=1)
         return self.disagreement @ rows.transpose(0, 2, 1)

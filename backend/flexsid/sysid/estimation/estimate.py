@@ -59,6 +59,19 @@ def count_iterations(count: int) -> str:
 
 
 @dataclass(frozen=True, slots=True)
+class NoiseEstimate:
+    """Noise estimate behind the weights of a fit: its description and degrees of freedom.
+
+    ``degrees_of_freedom`` is the number of complex data points in each estimate; ``converged``
+    is False where the fit weighted with the noise spectrum did not converge.
+    """
+
+    description: str
+    degrees_of_freedom: int
+    converged: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class FittedSpectra:
     """Measured and modelled spectra of one group of frequencies.
 
@@ -84,8 +97,10 @@ class FittedSpectra:
 class Estimate:
     """Values with covariance, fitted spectra and outcome.
 
-    ``covariance`` is valid for white residuals that are independent between outputs,
-    ``corrected_covariance`` for coloured and correlated residuals.
+    ``covariance`` is valid for white residuals that are independent between outputs, or for
+    noise of the estimated spectrum where the fit is weighted with it,
+    ``corrected_covariance`` for coloured and correlated residuals. ``nuisance`` are the
+    parameters that are no results.
     """
 
     names: tuple[str, ...]
@@ -97,6 +112,22 @@ class Estimate:
     steps: tuple[IterationStep, ...]
     outcome: Outcome
     message: str
+    nuisance: frozenset[str] = frozenset()
+    noise: NoiseEstimate | None = None
+
+    def select(self, names: Sequence[str]) -> Estimate:
+        """Return the estimate of some parameters; the others are marginalised."""
+        index = [self.names.index(name) for name in names]
+        pick = np.ix_(index, index)
+        return replace(
+            self,
+            names=tuple(names),
+            values=self.values[index],
+            start=self.start[index],
+            covariance=self.covariance[pick],
+            corrected_covariance=self.corrected_covariance[pick],
+            nuisance=self.nuisance & frozenset(names),
+        )
 
     def scale_covariance(self, factor: float) -> Estimate:
         """Return the estimate with variances multiplied, as for frequencies closer than 1/T."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
+from scipy import linalg
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.experiment import Experiment
@@ -46,7 +47,9 @@ class FisherInformation:
 
     ``score_covariance`` is the covariance of the score under the true noise: the covariance
     of the parameters is I^-1 (score covariance) I^-1, which is I^-1 for white noise.
-    ``prior`` adds to both. ``waves`` are deflections [rad] and load factor [1] over time.
+    ``prior`` adds to both. ``nuisance`` parameters are estimated along, but not asked for.
+    ``waves`` are deflections [rad] and load factor [1] over time; in the lateral axis that of
+    the side force.
     """
 
     names: tuple[str, ...]
@@ -58,6 +61,12 @@ class FisherInformation:
     limited: tuple[str, ...]
     waves: Float[np.ndarray, "n_u n_time n_limited"]
     lines: tuple[PredictedSpectra, ...] = ()
+    nuisance: frozenset[str] = frozenset()
+
+    @property
+    def reported(self) -> Bool[np.ndarray, " n_theta"]:
+        """Parameters that are not nuisance parameters."""
+        return np.array([name not in self.nuisance for name in self.names])
 
     def covariance(
         self, gains: Float[np.ndarray, " n_u"] | None = None
@@ -91,13 +100,16 @@ class FisherInformation:
 
         Notes
         -----
-        tr(I_k I^-1): the derivative of the D-optimal criterion with respect to the log power
-        of harmonic k. Without priors the sum over all harmonics is the number of parameters.
+        The derivative of log det C_rr, of the reported parameters, with respect to the log power
+        of harmonic k: tr(C_rr^-1 [C I_k C]_rr) for C = I^-1. Without priors and nuisance
+        parameters the sum over all harmonics is the number of parameters.
         """
         inverse, _ = self.sandwich_factors(self._powers(None))
-        half = np.linalg.cholesky(inverse)
+        reported = self.reported
+        half = np.linalg.cholesky(inverse[np.ix_(reported, reported)])
+        through = linalg.solve_triangular(half, inverse[reported], lower=True).T
         return [
-            2.0 * np.sum(np.abs(one.sensitivity @ half) ** 2, axis=(1, 2)) for one in self.lines
+            2.0 * np.sum(np.abs(one.sensitivity @ through) ** 2, axis=(1, 2)) for one in self.lines
         ]
 
     def _powers(self, gains: Float[np.ndarray, " n_u"] | None) -> Float[np.ndarray, " n_u"]:
@@ -110,6 +122,7 @@ def predict_cramer_rao_bounds(
     multisine: Multisine,
     flight_noise: FlightNoiseModel,
     priors: Mapping[str, float] | None = None,
+    nuisance: frozenset[str] = frozenset(),
 ) -> FisherInformation:
     """Compute the Fisher information of output error for a multisine.
 
@@ -125,6 +138,8 @@ def predict_cramer_rao_bounds(
         Command-to-surface responses and spectra of the output noise.
     priors
         Standard deviations of prior knowledge by parameter.
+    nuisance
+        Free parameters that are not asked for.
 
     Notes
     -----
@@ -159,6 +174,7 @@ def predict_cramer_rao_bounds(
         flight_noise,
         period + flight_noise.margin_s,
         priors,
+        nuisance,
     )
 
 
@@ -169,6 +185,7 @@ def predict_cramer_rao_bounds_from_history(
     flight_noise: FlightNoiseModel,
     band_hz: tuple[float, float],
     priors: Mapping[str, float] | None = None,
+    nuisance: frozenset[str] = frozenset(),
 ) -> FisherInformation:
     """Compute the Fisher information of any input history, all surfaces as one input.
 
@@ -203,7 +220,10 @@ def predict_cramer_rao_bounds_from_history(
     )
     waves = compute_waves(model, parameters, history, flight_noise)[None]
     limited = (*model.inputs, LOAD_FACTOR)
-    return _gather(parameters, ("all",), limited, [spectrum], waves, flight_noise, duration, priors)
+    return _gather(
+        *(parameters, ("all",), limited, [spectrum], waves),
+        *(flight_noise, duration, priors, nuisance),
+    )
 
 
 def compute_waves(
@@ -299,8 +319,17 @@ def _stack_limited(
     inputs: Complex[np.ndarray, "n_omega n_u"],
     motion: Complex[np.ndarray, "n_omega n_r"],
 ) -> Complex[np.ndarray, "n_omega n_limited"]:
-    """Stack deflections and the load factor at the centre of gravity, V (q - alpha-dot) / g."""
-    load = model.condition.airspeed / GRAVITY * (motion[:, 1] - 1j * omega * motion[:, 0])
+    """Stack deflections and the load factor at the centre of gravity.
+
+    Notes
+    -----
+    V (q - alpha-dot) / g; of lateral-directional motion the side force over the weight,
+    V (beta-dot + r cos alpha0 - p sin alpha0) / g - phi cos theta0.
+    """
+    load = motion[:, 1] - 1j * omega * motion[:, 0]
+    if model.body.acts_by_gravity:
+        load = np.einsum("kr,kr->k", model.known_dynamics(omega)[:, 0], motion)
+    load = model.condition.airspeed / GRAVITY * load
     return np.column_stack([inputs, load])
 
 
@@ -313,6 +342,7 @@ def _gather(
     flight_noise: FlightNoiseModel,
     record_s: float,
     priors: Mapping[str, float] | None,
+    nuisance: frozenset[str],
 ) -> FisherInformation:
     known = dict(priors or {})
     prior = np.array([known[n] ** -2.0 if n in known else 0.0 for n in parameters.names])
@@ -346,6 +376,7 @@ def _gather(
             PredictedSpectra(spectrum.omega, spectrum.outputs / level, own)
             for spectrum, own, level in zip(spectra, parts[0], parts[2], strict=True)
         ),
+        nuisance=nuisance,
     )
 
 

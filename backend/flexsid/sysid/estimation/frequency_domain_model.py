@@ -4,6 +4,8 @@ The derivatives enter force rows only, so the sensitivity of every output to
 derivative (i, j) is G_i w_j: the output's response to a unit force in row i times
 the variable j. A factor on a mode's frequency or damping acts like one more variable
 of that mode's row; a delay or scale factor affects one output only.
+
+With a frequency shape the variable j of row i is s_ij w_j: every row has variables of its own.
 """
 
 from __future__ import annotations
@@ -52,6 +54,8 @@ class FrequencyDomainModel:
     ----------
     pair_rows, pair_columns
         Force row and variable of every parameter that acts as a force.
+    factors
+        Factors of the frequency shape on the derivatives, None for a quasi-steady model.
     own_outputs
         Output of every parameter that affects one output only.
     order
@@ -64,11 +68,13 @@ class FrequencyDomainModel:
         self.parameters = parameters
         self.s = 1j * experiment.omega
         self.sensors = experiment.instruments[:, :, None] * model.sensors.response(experiment.omega)
+        self.n_rigid = model.n_rigid
         self.dynamics = model.known_dynamics(experiment.omega)
         self._powers = np.stack([np.ones_like(experiment.omega), experiment.omega], axis=1)
         self.rows = model.row_factors()
         self.columns = model.column_factors()
         self._factors = self.rows[:, None] * self.columns
+        self.factors = model.derivative_factors(experiment.omega)
         self._inputs = np.ascontiguousarray(experiment.inputs.T)
         first = parameters.rows.size
         extras = list(enumerate(parameters.extras, start=first))
@@ -79,10 +85,14 @@ class FrequencyDomainModel:
         own = [(k, e) for k, e in extras if e.kind not in ("omega", "zeta")]
         self.own_outputs = np.array([e.output for _, e in own], dtype=int)
         self.pair_rows = np.array(
-            [*parameters.rows.tolist(), *(2 + e.mode for _, e in self._modal)], dtype=int
+            [*parameters.rows.tolist(), *(self.n_rigid + e.mode for _, e in self._modal)], dtype=int
         )
-        added = self.columns.size + np.arange(len(self._modal))
-        self.pair_columns = np.append(parameters.columns, added).astype(int)
+        variable, n_variables = parameters.columns, self.columns.size
+        if self.factors is not None:
+            variable = parameters.rows * n_variables + variable
+            n_variables *= self.rows.size
+        added = n_variables + np.arange(len(self._modal))
+        self.pair_columns = np.append(variable, added).astype(int)
         known = self._factors[parameters.rows, parameters.columns]
         self.scale = np.append(known, np.ones(len(self._modal)))
         self.order = np.array([*range(first), *(k for k, _ in self._modal), *(k for k, _ in own)])
@@ -94,16 +104,22 @@ class FrequencyDomainModel:
     def respond(self, theta: Float[np.ndarray, " n_theta"]) -> ModelResponse:
         """Compute the outputs at theta: one small inverse per frequency."""
         n_r = self.dynamics.shape[1]
-        n = n_r - 2
+        n = n_r - self.n_rigid
         forces = self._factors * self.parameters.table(theta).values
-        by_power = np.zeros((2, n_r, n_r, 2))  # of omega: 0 is real, 1 is imaginary
-        by_power[0, :, :, 0] = forces[:, :n_r]
-        by_power[1, :, 2:, 1] = forces[:, n_r : n_r + n]
-        K = (self._powers @ by_power.reshape(2, -1)).view(complex).reshape(self.dynamics.shape)
+        if self.factors is None:
+            by_power = np.zeros((2, n_r, n_r, 2))  # of omega: 0 is real, 1 is imaginary
+            by_power[0, :, :, 0] = forces[:, :n_r]
+            by_power[1, :, self.n_rigid :, 1] = forces[:, n_r : n_r + n]
+            K = (self._powers @ by_power.reshape(2, -1)).view(complex).reshape(self.dynamics.shape)
+            load = self.experiment.inputs @ forces[:, n_r + n :].T
+        else:
+            shaped = forces * self.factors
+            K = shaped[:, :, :n_r].copy()
+            K[:, :, self.n_rigid :] += self.s[:, None, None] * shaped[:, :, n_r : n_r + n]
+            load = np.matmul(shaped[:, :, n_r + n :], self.experiment.inputs[:, :, None])[:, :, 0]
         np.subtract(self.dynamics, K, out=K)
         if self._modal:
             self._tune_modes(theta, K)
-        load = self.experiment.inputs @ forces[:, n_r + n :].T
         # The columns of the inverse are the motion under unit forces.
         unit_motion = self._elimination.inverse(K)
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
@@ -123,25 +139,23 @@ class FrequencyDomainModel:
             forces *= response.delayed[:, :, None]
         motion = response.motion.T
         n_r, n_w = motion.shape[0], self.columns.size
-        variables = np.empty((n_w + len(self._modal), self.s.size), dtype=complex)
+        n_x = 2 * n_r - self.n_rigid
+        first_modal = n_w if self.factors is None else n_r * n_w
+        variables = np.empty((first_modal + len(self._modal), self.s.size), dtype=complex)
         variables[:n_r] = motion
-        np.multiply(self.s, motion[2:], out=variables[n_r : 2 * n_r - 2])
-        variables[2 * n_r - 2 : n_w] = self._inputs
-        for column, (k, extra) in enumerate(self._modal, start=n_w):
+        np.multiply(self.s, motion[self.n_rigid :], out=variables[n_r:n_x])
+        variables[n_x:n_w] = self._inputs
+        if self.factors is not None:
+            of_rows = variables[:first_modal].reshape(n_r, n_w, -1)
+            np.multiply(self.factors.transpose(1, 2, 0), variables[:n_w].copy(), out=of_rows)
+        for column, (k, extra) in enumerate(self._modal, start=first_modal):
             change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
-            variables[column] = -change * response.motion[:, 2 + extra.mode]
+            variables[column] = -change * response.motion[:, self.n_rigid + extra.mode]
         return Sensitivity(forces, variables, self._compute_own_sensitivity(theta, response))
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
         """Expand all sensitivities, where the Kronecker form is not applicable."""
-        G, w = sensitivity.forces, sensitivity.variables.T
-        n_pairs = self.pair_rows.size
-        J = np.zeros((*G.shape[:2], self.order.size), dtype=complex)
-        J[:, :, self.order[:n_pairs]] = (
-            G[:, :, self.pair_rows] * (w[:, self.pair_columns] * self.scale)[:, None, :]
-        )
-        J[:, self.own_outputs, self.order[n_pairs:]] = sensitivity.own.T
-        return J
+        return expand_sensitivity(self, sensitivity)
 
     def _tune_modes(
         self,
@@ -152,7 +166,7 @@ class FrequencyDomainModel:
         modes = self.experiment.model.modes
         frequency, damping = self._collect_modal_factors(theta)
         w, z = modes.omega * frequency, modes.zeta * damping
-        modal = np.arange(2, 2 + modes.omega.size)
+        modal = self.n_rigid + np.arange(modes.omega.size)
         K[:, modal, modal] += (
             2.0 * self.s[:, None] * (z * w - modes.zeta * modes.omega) + w**2 - modes.omega**2
         )
@@ -182,7 +196,7 @@ class FrequencyDomainModel:
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
         sensors = self.sensors.copy()
         for k, extra in self._shapes:
-            sensors[:, extra.output, 2 + extra.mode] *= theta[k]
+            sensors[:, extra.output, self.n_rigid + extra.mode] *= theta[k]
         return sensors
 
     def _compute_delay_factors(
@@ -208,8 +222,42 @@ class FrequencyDomainModel:
             elif extra.kind == "scale":
                 np.divide(response.outputs[:, extra.output], theta[k], out=row)
             else:
-                seen = response.sensors[:, extra.output, 2 + extra.mode] / theta[k]
-                np.multiply(seen, response.motion[:, 2 + extra.mode], out=row)
+                mode = self.n_rigid + extra.mode
+                seen = response.sensors[:, extra.output, mode] / theta[k]
+                np.multiply(seen, response.motion[:, mode], out=row)
                 if response.delayed is not None:
                     row *= response.delayed[:, extra.output]
         return own
+
+
+@dataclass(frozen=True, slots=True)
+class FactoredModel:
+    """Places of the columns of a factored sensitivity, as ``FrequencyDomainModel`` has them.
+
+    ``rows`` and ``columns`` have one entry for each force and variable, ``sensors`` is of the
+    shape of the forces.
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    pair_rows: np.ndarray
+    pair_columns: np.ndarray
+    scale: np.ndarray
+    own_outputs: np.ndarray
+    order: np.ndarray
+    sensors: np.ndarray
+    s: np.ndarray
+
+
+def expand_sensitivity(
+    model: FrequencyDomainModel | FactoredModel, sensitivity: Sensitivity
+) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
+    """Expand all sensitivities of a factored form."""
+    G, w = sensitivity.forces, sensitivity.variables.T
+    n_pairs = model.pair_rows.size
+    J = np.zeros((*G.shape[:2], model.order.size), dtype=complex)
+    J[:, :, model.order[:n_pairs]] = (
+        G[:, :, model.pair_rows] * (w[:, model.pair_columns] * model.scale)[:, None, :]
+    )
+    J[:, model.own_outputs, model.order[n_pairs:]] = sensitivity.own.T
+    return J

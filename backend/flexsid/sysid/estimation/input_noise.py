@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from jaxtyping import Float
 
@@ -18,6 +20,7 @@ def compute_input_noise_errors(
     parameters: Parameters,
     estimate: Estimate,
     input_noise: Float[np.ndarray, "n_omega n_u"],
+    priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> Float[np.ndarray, " n_theta"]:
     """Compute the standard errors due to input noise alone in an output-error estimate.
 
@@ -27,6 +30,8 @@ def compute_input_noise_errors(
         A finished fit.
     input_noise
         Variance of the spectrum of each deflection at each frequency. [(rad s)^2]
+    priors
+        Mean and standard deviation of the parameters with prior knowledge in the fit.
 
     Notes
     -----
@@ -44,6 +49,10 @@ def compute_input_noise_errors(
     W = density.inverse()
     form = NormalForm(model)
     information, _ = form.equations(sensitivity, residuals, W)
+    known = priors or {}
+    information += 0.5 * np.diag(
+        [known[n][1] ** -2.0 if n in known else 0.0 for n in estimate.names]
+    )
     n_u = experiment.inputs.shape[1]
     table = parameters.table(estimate.values).values
     load = (model.rows[:, None] * table * model.columns)[:, -n_u:]

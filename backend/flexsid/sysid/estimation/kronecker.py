@@ -3,7 +3,8 @@
 With J = G_i w_j the normal matrix is N[(i,j),(i',j')] = Re sum_k A_ii' conj(w_j) w_j',
 A = G^H W G. The real part of a sum of complex products is one real matrix product of
 their interleaved parts, so no complex product is formed; as A and w w^H are
-Hermitian, half of each is enough.
+Hermitian, half of each is enough. With a frequency shape each row has variables of its own,
+and there is one product for each pair of rows.
 """
 
 from __future__ import annotations
@@ -13,26 +14,35 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, Sensitivity
+from flexsid.sysid.estimation.frequency_domain_model import (
+    FactoredModel,
+    FrequencyDomainModel,
+    Sensitivity,
+)
 from flexsid.sysid.estimation.noise import SpectralMatrix
 
 
 class NormalForm:
     """Normal matrix and gradient of a line model in Kronecker form."""
 
-    def __init__(self, model: FrequencyDomainModel) -> None:
+    def __init__(self, model: FrequencyDomainModel, factored: FactoredModel | None = None) -> None:
         self.model = model
-        n_r, n_w = model.rows.size, model.columns.size
-        n_w += int(np.count_nonzero(model.pair_columns >= n_w))
-        self._upper = _index_upper(n_r)
-        pairs = (tuple(model.pair_rows.tolist()), tuple(model.pair_columns.tolist()))
-        self._indices = _index_pairs(*pairs, n_r, n_w)
-        self._scales = np.outer(model.scale, model.scale)
+        self._factored = model if factored is None else factored
+        places = self._factored
+        n_r, n_w = places.rows.size, places.columns.size
+        self._scales = np.outer(places.scale, places.scale)
         # Reserved once: new memory takes as long to obtain as to fill.
-        self._weighted = np.empty(model.sensors.shape, dtype=complex)
-        self._outer = np.empty((n_w * (n_w + 1) // 2, model.s.size), dtype=complex)
-        self._blocks = np.empty((2, self._upper.size, model.s.size), dtype=complex)
-        self._in_order = bool((model.order[1:] > model.order[:-1]).all())
+        self._weighted = np.empty(places.sensors.shape, dtype=complex)
+        self._of_row = [np.flatnonzero(places.pair_rows == row) for row in range(n_r)]
+        self._is_shaped = model.factors is not None
+        if not self._is_shaped:
+            n_w += int(np.count_nonzero(places.pair_columns >= n_w))
+            self._upper = _index_upper(n_r)
+            pairs = (tuple(places.pair_rows.tolist()), tuple(places.pair_columns.tolist()))
+            self._indices = _index_pairs(*pairs, n_r, n_w)
+            self._outer = np.empty((n_w * (n_w + 1) // 2, places.s.size), dtype=complex)
+            self._blocks = np.empty((2, self._upper.size, places.s.size), dtype=complex)
+        self._in_order = bool((places.order[1:] > places.order[:-1]).all())
 
     def equations(
         self,
@@ -71,7 +81,7 @@ class NormalForm:
         weights: SpectralMatrix,
     ) -> Float[np.ndarray, " n_theta"]:
         """Compute Re sum J^H W nu from weighted forces."""
-        model, own = self.model, self.model.own_outputs
+        model, own = self._factored, self._factored.own_outputs
         b = np.matmul(self._weighted.transpose(0, 2, 1), residuals[:, :, None])[:, :, 0]
         pull = _multiply_real(np.ascontiguousarray(b.T), sensitivity.variables)
         g = pull[model.pair_rows, model.pair_columns] * model.scale
@@ -85,17 +95,20 @@ class NormalForm:
         self, sensitivity: Sensitivity, weights: SpectralMatrix
     ) -> Float[np.ndarray, "n_theta n_theta"]:
         """Compute Re sum J^H W J."""
-        model = self.model
+        model = self._factored
         G, w = sensitivity.forces, sensitivity.variables
         weighted = weights.times(G, out=self._weighted)
         np.conjugate(weighted, out=weighted)
         A = np.matmul(weighted.transpose(0, 2, 1), G).reshape(G.shape[0], -1)
-        self._blocks[0] = A.T[self._upper]
-        np.conjugate(self._blocks[0], out=self._blocks[1])
-        sums = _multiply_real(self._blocks.reshape(-1, w.shape[1]), self._multiply_outer(w))
         p, own = model.pair_rows.size, model.own_outputs
         N = np.empty((p + own.size,) * 2)
-        np.multiply(sums.ravel()[self._indices], self._scales, out=N[:p, :p])
+        if self._is_shaped:
+            np.multiply(self._sum_by_rows(A.T, w), self._scales, out=N[:p, :p])
+        else:
+            self._blocks[0] = A.T[self._upper]
+            np.conjugate(self._blocks[0], out=self._blocks[1])
+            sums = _multiply_real(self._blocks.reshape(-1, w.shape[1]), self._multiply_outer(w))
+            np.multiply(sums.ravel()[self._indices], self._scales, out=N[:p, :p])
         if own.size:
             E = sensitivity.own
             loads = np.empty((own.size, G.shape[2], w.shape[1]), dtype=complex)
@@ -107,6 +120,22 @@ class NormalForm:
             N[p:, p:] = _multiply_own(E, own, weights)
         return self._reorder(N)
 
+    def _sum_by_rows(
+        self, A: Complex[np.ndarray, "n_r2 n_omega"], w: Complex[np.ndarray, "n_w n_omega"]
+    ) -> Float[np.ndarray, "n_pairs n_pairs"]:
+        """Compute Re sum A_ii' conj(w_j) w_j' of every pair of parameters, row by row."""
+        columns = self._factored.pair_columns
+        n_r = len(self._of_row)
+        sums = np.empty((columns.size, columns.size))
+        for i, own in enumerate(self._of_row):
+            mine = w[columns[own]]
+            for j in range(i, n_r):
+                other = self._of_row[j]
+                block = _multiply_real(A[i * n_r + j] * w[columns[other]], mine)
+                sums[np.ix_(other, own)] = block
+                sums[np.ix_(own, other)] = block.T
+        return sums
+
     def output_gradients(
         self,
         sensitivity: Sensitivity,
@@ -114,14 +143,14 @@ class NormalForm:
         weights: SpectralMatrix,
     ) -> Float[np.ndarray, "n_groups n_theta n_y"]:
         """Compute Re sum J^H W nu of every output, by group of frequencies; W diagonal."""
-        model = self.model
+        model = self._factored
         pull = (weights.expand_blocks() * residuals).T
         n_y, n_r = sensitivity.forces.shape[1:]
         loads = np.empty((n_y, n_r, pull.shape[1]), dtype=complex)
         np.conjugate(sensitivity.forces.transpose(1, 2, 0), out=loads)
         loads *= pull[:, None, :]
         n_pairs, own = model.pair_rows.size, model.own_outputs
-        parts = np.zeros((weights.blocks.shape[0], self.model.order.size, n_y))
+        parts = np.zeros((weights.blocks.shape[0], self._factored.order.size, n_y))
         for part, lines in zip(parts, weights.block_slices(), strict=True):
             spread = _multiply_real(
                 np.ascontiguousarray(loads[:, :, lines]).reshape(n_y * n_r, -1),
@@ -146,7 +175,7 @@ class NormalForm:
 
         Hermitian matrices, as one row of real numbers for each parameter.
         """
-        model, own = self.model, self.model.own_outputs
+        model, own = self._factored, self._factored.own_outputs
         n_y, n_r = sensitivity.forces.shape[1:]
         n_pairs = model.pair_rows.size
         parts = []
@@ -182,7 +211,7 @@ class NormalForm:
     ) -> Float[np.ndarray, "n_theta n_theta"]:
         if self._in_order:
             return N
-        back = np.argsort(self.model.order)
+        back = np.argsort(self._factored.order)
         return N[np.ix_(back, back)]
 
 

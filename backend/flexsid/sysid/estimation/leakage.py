@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import linalg
 
+from flexsid.errors import Cancelled
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, append_stage
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, ModelResponse
@@ -60,8 +61,8 @@ def compute_leakage_responses(
 
     Notes
     -----
-    Attitude is excluded: it need not return to trim, and its record is extended with its last
-    value before the transform. Where the motion would grow or decay by more than
+    The pitch angle is excluded: it need not return to trim, and its record is extended with its
+    last value before the transform. Where the motion would grow or decay by more than
     ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned.
     """
     system = model.state_space(derivatives)
@@ -69,7 +70,9 @@ def compute_leakage_responses(
     if not growth < _LARGEST_GROWTH:
         return np.empty((omega.size, delays_s.size, 0), dtype=complex)
     n = system.A.shape[0]
-    states = [k for k, name in enumerate(system.states) if name != "theta"]
+    body = model.body
+    excluded = () if body.acts_by_gravity else (body.attitude,)
+    states = [k for k, name in enumerate(system.states) if name not in excluded]
     s = 1j * omega
     identity = np.broadcast_to(np.eye(n, dtype=complex), (s.size, n, n))
     free = system.C @ np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, identity)
@@ -189,7 +192,7 @@ def correct_leakage(
                 report(begun + iteration, cost)
 
         again = maximize(lines, replace(parameters, start=before.values), settings, report_on)
-        estimate = _join_histories(before, again)
+        estimate = join_histories(before, again)
         if estimate.outcome is Outcome.CANCELLED:
             return lines, estimate
         # Standard errors of noise-free data are smaller than the changes by rounding.
@@ -208,7 +211,38 @@ def correct_leakage(
     return lines, estimate
 
 
-def _join_histories(before: Estimate, again: Estimate) -> Estimate:
+def fit_with_leakage_correction(
+    experiments: Sequence[Experiment],
+    parameters: Parameters,
+    settings: FitSettings,
+    report: Report | None = None,
+) -> tuple[list[Experiment], Estimate]:
+    """Maximise the likelihood, then correct for leakage.
+
+    Parameters
+    ----------
+    experiments, parameters, settings, report
+        As for ``maximize``.
+
+    Returns
+    -------
+    tuple
+        As ``correct_leakage``.
+
+    Raises
+    ------
+    Cancelled
+        If ``report`` raises it.
+    """
+    estimate = maximize(experiments, parameters, settings, report)
+    if estimate.outcome is not Outcome.CANCELLED:
+        experiments, estimate = correct_leakage(experiments, parameters, estimate, settings, report)
+    if estimate.outcome is Outcome.CANCELLED:
+        raise Cancelled(estimate.message)
+    return list(experiments), estimate
+
+
+def join_histories(before: Estimate, again: Estimate) -> Estimate:
     """Return the later fit with the start of the first and the history of both."""
     steps = append_stage(before.steps, again.steps)
     outcome = again.outcome

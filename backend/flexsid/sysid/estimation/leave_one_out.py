@@ -58,6 +58,8 @@ def _force_covariance(
 ) -> Float[np.ndarray, "n_omega n n"]:
     """Transform the inverse normal matrix to real and imaginary parts of the forces."""
     n_r, n_omega = model.rows.size, variables.shape[1]
+    if model.factors is not None:
+        return _sum_force_covariance(model, variables, inverse)
     n_w = len(variables)
     place = model.pair_rows * n_w + model.pair_columns
     C = inverse[: place.size, : place.size]
@@ -73,6 +75,25 @@ def _force_covariance(
     once = (w.reshape(-1, n_w) @ by_first).reshape(n_omega, -1, n_w)
     both = (once @ w.transpose(0, 2, 1)).reshape(n_omega, 2, n_r, n_r, 2)
     return both.transpose(0, 1, 2, 4, 3).reshape(n_omega, 2 * n_r, 2 * n_r)
+
+
+def _sum_force_covariance(
+    model: FrequencyDomainModel,
+    variables: Complex[np.ndarray, "n_w n_omega"],
+    inverse: Float[np.ndarray, "n_theta n_theta"],
+) -> Float[np.ndarray, "n_omega n n"]:
+    """Do the same for rows with variables of their own, row by row."""
+    n_r, n_omega = model.rows.size, variables.shape[1]
+    pairs = model.order[: model.pair_rows.size]
+    C = inverse[np.ix_(pairs, pairs)] * np.outer(model.scale, model.scale)
+    of_row = [np.flatnonzero(model.pair_rows == row) for row in range(n_r)]
+    own = [variables[model.pair_columns[index]] for index in of_row]
+    parts = [np.stack([np.real(w), np.imag(w)]).transpose(2, 0, 1) for w in own]
+    Q = np.empty((n_omega, 2, n_r, 2, n_r))
+    for i, index in enumerate(of_row):
+        for j, other in enumerate(of_row):
+            Q[:, :, i, :, j] = (parts[i] @ C[np.ix_(index, other)]) @ parts[j].transpose(0, 2, 1)
+    return Q.reshape(n_omega, 2 * n_r, 2 * n_r)
 
 
 def _as_real(A: Complex[np.ndarray, "n_omega n_r n_r"]) -> Float[np.ndarray, "n_omega n n"]:

@@ -122,15 +122,16 @@ def maximize(
     NotIdentifiable
         If there are more parameters than independent measured numbers.
     """
+    problem = _Problem(experiments, parameters, settings)
     n_data = sum(2 * e.measured.size for e in experiments)
-    if n_data <= parameters.start.size:
+    n_free = int(np.count_nonzero(problem.prior_information == 0.0))
+    if n_data <= n_free:
         raise NotIdentifiable(
-            f"{parameters.start.size} parameters are free but the data are only {n_data} "
+            f"{n_free} parameters are free but the data are only {n_data} "
             "real numbers; free fewer parameters or widen the band",
-            parameters=parameters.start.size,
+            parameters=n_free,
             data=n_data,
         )
-    problem = _Problem(experiments, parameters, settings)
     return problem.run(report or (lambda iteration, cost: None))
 
 
@@ -148,7 +149,7 @@ class _Problem:
         self.measured_powers = [
             noise.compute_group_powers(e.measured, e.group, len(e.group_names)) for e in experiments
         ]
-        self.prior_mean, self.prior_information = _build_prior(parameters, settings)
+        self.prior_mean, self.prior_information = build_prior(parameters, settings.priors)
 
     def at(self, theta: np.ndarray) -> _State:
         """Compute the state at theta; the cost is infinite without a finite response."""
@@ -335,9 +336,12 @@ class _Problem:
     def _build_estimate(
         self, state: _State, steps: list[IterationStep], outcome: Outcome
     ) -> Estimate:
-        n_theta = state.theta.size
         n_data = sum(2 * e.measured.size for e in self.experiments)
-        inflation = n_data / (n_data - n_theta)
+        uncorrected = self.expand(
+            state, [noise.compute_likelihood_weights(S) for S in state.densities]
+        )
+        n_effective = count_effective_parameters(uncorrected.N, self.prior_information)
+        inflation = n_data / max(n_data - n_effective, 1.0)
         around = self.expand(
             state, [noise.compute_likelihood_weights(S.scaled(inflation)) for S in state.densities]
         )
@@ -427,12 +431,41 @@ def describe_outcome(outcome: Outcome, steps: Sequence[IterationStep]) -> str:
     )
 
 
-def _build_prior(
-    parameters: Parameters, settings: FitSettings
+def count_effective_parameters(
+    information: Float[np.ndarray, "n_theta n_theta"], prior: Float[np.ndarray, " n_theta"]
+) -> float:
+    """Compute the number of parameters that the data determine: n_theta - tr(P N^-1).
+
+    Notes
+    -----
+    N is the whole information and P the diagonal of the priors in it. A parameter that its
+    prior determines takes no degree of freedom from the residuals.
+    Source: MacKay, Bayesian interpolation, Neural Computation 4 (1992), eq. 4.9.
+    """
+    held = np.flatnonzero(prior)
+    if not held.size:
+        return float(prior.size)
+    size = 1.0 / np.sqrt(np.diag(information))
+    right = np.zeros((prior.size, held.size))
+    right[held, np.arange(held.size)] = prior[held] * size[held] ** 2
+    shares = np.linalg.lstsq(information * np.outer(size, size), right, rcond=1e-13)[0]
+    removed = float(np.trace(shares[held]))
+    return prior.size - float(np.clip(removed, 0.0, held.size))
+
+
+def build_prior(
+    parameters: Parameters, priors: Mapping[str, tuple[float, float]] | None
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, " n_theta"]]:
+    """Return mean and information 1/(2 sigma^2) of every parameter; zero without a prior.
+
+    Raises
+    ------
+    BadInput
+        If a prior belongs to no free parameter or has no standard deviation.
+    """
     mean = parameters.start.copy()
     information = np.zeros_like(mean)
-    for name, (value, sigma) in (settings.priors or {}).items():
+    for name, (value, sigma) in (priors or {}).items():
         if name not in parameters.names:
             raise BadInput(
                 f"the prior of '{name}' belongs to no free parameter; free it or drop the prior",

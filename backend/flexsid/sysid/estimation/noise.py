@@ -12,8 +12,11 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Complex, Float
 
-_SEGMENT = 5  # data points
+SEGMENT = 5  # data points
 _NEIGHBOURS = 2  # segments on either side
+SMOOTHED_FREQUENCIES = SEGMENT * (2 * _NEIGHBOURS + 1)
+"""Frequencies from which ``smooth_density`` estimates the density of one frequency."""
+
 _LEAST_SHRINKAGE = 1e-6  # the density of noise-free data stays regular
 _ENOUGH_PER_OUTPUT = 10  # frequencies per output for a full matrix without shrinkage
 _LARGEST_SHRINKAGE = 0.9  # share of the off-diagonal terms
@@ -169,35 +172,38 @@ def compute_likelihood_weights(density: SpectralMatrix) -> SpectralMatrix:
     return SpectralMatrix(weights, density.block)
 
 
-def shrinkage(n_lines: int, n_y: int) -> float:
+def shrinkage(n_frequencies: int, n_y: int) -> float:
     """Compute the share by which off-diagonal terms are reduced so that a full matrix is regular.
 
     Zero with at least ten frequencies per output, one third at three per output.
     """
-    few = n_lines < _ENOUGH_PER_OUTPUT * n_y
-    return float(np.clip(n_y / n_lines, 0.0, _LARGEST_SHRINKAGE)) if few else 0.0
+    few = n_frequencies < _ENOUGH_PER_OUTPUT * n_y
+    return float(np.clip(n_y / n_frequencies, 0.0, _LARGEST_SHRINKAGE)) if few else 0.0
 
 
 def smooth_density(
-    residuals: Complex[np.ndarray, "n_omega n_y"], group: np.ndarray, n_groups: int
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    group: np.ndarray,
+    n_groups: int,
+    neighbours: int = _NEIGHBOURS,
 ) -> SpectralMatrix:
     """Estimate a full density that varies with frequency, from neighbouring frequencies.
 
     The estimator weights with one density per group. The true density (coloured, correlated
     between outputs by noise on the measured inputs) is estimated from about twelve
-    frequencies on either side, in segments of five.
+    frequencies on either side, in segments of five and so many ``neighbours``.
     """
     densities, block = [], np.empty(group.size, dtype=int)
     for g in range(n_groups):
         lines = np.flatnonzero(group == g)
-        segment = np.arange(lines.size) // _SEGMENT
+        segment = np.arange(lines.size) // SEGMENT
         sizes = np.bincount(segment)
-        nu = np.zeros((sizes.size * _SEGMENT, residuals.shape[1]), dtype=complex)
+        nu = np.zeros((sizes.size * SEGMENT, residuals.shape[1]), dtype=complex)
         nu[: lines.size] = residuals[lines]
-        nu = nu.reshape(sizes.size, _SEGMENT, -1)
+        nu = nu.reshape(sizes.size, SEGMENT, -1)
         sums = nu.transpose(0, 2, 1) @ nu.conj()
         at = np.arange(sizes.size)
-        near = np.abs(at[:, None] - at) <= _NEIGHBOURS
+        near = np.abs(at[:, None] - at) <= neighbours
         share = near / (near @ sizes)[:, None]
         block[lines] = sum(len(d) for d in densities) + segment
         smooth = share @ sums.reshape(sizes.size, -1).view(float)

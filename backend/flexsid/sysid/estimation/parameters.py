@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -54,7 +54,7 @@ class Parameters:
         """The full table of derivatives at theta."""
         values = self.base.values.copy()
         values[self.rows, self.columns] = theta[: self.rows.size]
-        return DerivativeTable(self.base.modes, self.base.inputs, values)
+        return replace(self.base, values=values)
 
 
 def select_parameters(
@@ -85,8 +85,8 @@ def select_parameters(
     BadInput
         If a name is unknown, or no parameter is free.
     """
-    row_names = coefficients(start.modes)
-    column_names = variables(start.modes, start.inputs)
+    row_names = coefficients(start.modes, start.body)
+    column_names = variables(start.modes, start.inputs, start.body)
     places = {
         f"{row}_{column}": (i, j)
         for i, row in enumerate(row_names)
@@ -127,7 +127,7 @@ def select_parameters(
     return Parameters(
         names=names,
         start=theta,
-        base=DerivativeTable(start.modes, start.inputs, values),
+        base=replace(start, values=values),
         rows=where[:, 0],
         columns=where[:, 1],
         extras=found,

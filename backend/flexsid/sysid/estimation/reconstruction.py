@@ -1,9 +1,10 @@
 """Rigid and modal motion from redundant sensors, frequency by frequency (Sec. VIII.C).
 
-Every output is a known combination P(s) r of the motion r = [alpha, q, eta], so r
+Every output is a known combination P(s) r of the motion r of rigid body and modes, so r
 follows by weighted least squares at each frequency. Because P contains the forces as
-accelerations, the kinematic relation between normal acceleration, alpha and q holds
-exactly; equation error is then free of the bias due to noise of its regressors.
+accelerations, the kinematic relation between normal acceleration, alpha and q (lateral
+acceleration, beta, p, r and phi) holds exactly; equation error is then free of the bias due to
+noise of its regressors.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ _RANK_TOLERANCE = 1e-6  # of the largest singular value of the scaled sensor row
 
 @dataclass(frozen=True, slots=True)
 class ReconstructedMotion:
-    """Motion r = [alpha, q, eta_1..n] at every frequency, with the covariance of its errors.
+    """Motion r of rigid body and modes at every frequency, with the covariance of its errors.
 
     Where the sensors' noise was estimated, ``colour`` is its variance at each frequency over
     the mean, ``relative_std`` the relative standard deviation of all variances, and
@@ -53,9 +54,8 @@ class ReconstructedMotion:
     disagreement: Complex[np.ndarray, "n_omega n_y n_r"] | None = None
     scale_std: float = 0.0
 
-    def select_modes(self, n_modes: int) -> ReconstructedMotion:
-        """Return the rigid motion and the first modes only."""
-        n_r = 2 + n_modes
+    def select_motions(self, n_r: int) -> ReconstructedMotion:
+        """Return the first motions only: those of the rigid body, and of the first modes."""
         return replace(
             self,
             values=self.values[:, :n_r],
@@ -113,44 +113,71 @@ def reconstruct_motion(
     with nothing but noise.
     """
     z = outputs.pick(model.outputs).values
-    P = instruments[:, :, None] * model.sensors.response(outputs.omega)
-    n_y, n_r = P.shape[1:]
     if noise is None:
         check_signal(z, model.outputs)  # a sensor without signal would also seem to have no noise
+    rows = SensorEquations(
+        outputs.omega,
+        instruments[:, :, None] * model.sensors.response(outputs.omega),
+        z,
+        model.outputs,
+        model.motions,
+    )
+    return solve_sensor_equations(rows, noise, guess)
+
+
+@dataclass(frozen=True, slots=True)
+class SensorEquations:
+    """Equations z = P r of the sensors, with the names of outputs and motions."""
+
+    omega: Float[np.ndarray, " n_omega"]
+    P: Complex[np.ndarray, "n_omega n_y n_r"]
+    z: Complex[np.ndarray, "n_omega n_y"]
+    outputs: tuple[str, ...]
+    motions: tuple[str, ...]
+
+
+def solve_sensor_equations(
+    equations: SensorEquations,
+    noise: Float[np.ndarray, " n_y"] | None = None,
+    guess: Float[np.ndarray, " n_y"] | None = None,
+) -> ReconstructedMotion:
+    """Solve for the motion; see ``reconstruct_motion``."""
+    omega, P, z = equations.omega, equations.P, equations.z
+    n_y, n_r = P.shape[1:]
     if n_y < n_r:
         raise NotIdentifiable(
-            f"{n_y} outputs cannot resolve {n_r} motions (alpha, q and "
-            f"{n_r - 2} modes); use more sensors or fewer modes",
+            f"{n_y} outputs cannot resolve {n_r} motions ({', '.join(equations.motions)}); use "
+            "more sensors or fewer modes",
             outputs=n_y,
             motions=n_r,
         )
     sigma = _guess_noise(z, guess) if noise is None else np.asarray(noise, dtype=float)
-    sensors = _Sensors(model, P, z, sigma)
+    sensors = _Sensors(equations.motions, P, z, sigma)
     if noise is not None:
-        return ReconstructedMotion(outputs.omega, *sensors.solve(sigma), sigma)
+        return ReconstructedMotion(omega, *sensors.solve(sigma), sigma)
     if n_y == n_r:
-        motion = ReconstructedMotion(outputs.omega, *sensors.solve(sigma), sigma)
-        return replace(motion, relative_std=_PRIOR_STD, assumed=model.outputs)
+        motion = ReconstructedMotion(omega, *sensors.solve(sigma), sigma)
+        return replace(motion, relative_std=_PRIOR_STD, assumed=equations.outputs)
     usual = 2.0 * np.log(sigma)
     log_variance = usual
-    colour = np.ones(outputs.omega.size)
+    colour = np.ones(omega.size)
     for _ in range(_ITERATIONS):
         step, colour = sensors.compute_variance_step(log_variance, usual, colour)
         log_variance = log_variance + step
         if np.max(np.abs(step)) < _CONVERGED:
             break
     sigma = np.exp(0.5 * log_variance)
-    information, contrast = sensors.information(sigma), np.eye(n_y) - 1.0 / n_y
+    information, contrast = sensors.compute_information(sigma), np.eye(n_y) - 1.0 / n_y
     share = np.diag(np.linalg.solve(information + _PRIOR_WEIGHT * contrast, information))
-    covariance = np.linalg.inv(outputs.omega.size * information + contrast / _PRIOR_STD**2)
+    covariance = np.linalg.inv(omega.size * information + contrast / _PRIOR_STD**2)
     scale_std = sensors.estimate_scale_std(sigma, colour)
     return ReconstructedMotion(
-        outputs.omega,
+        omega,
         *sensors.solve(sigma),
         sigma,
         colour,
         relative_std=float(np.sqrt(np.mean(np.diag(covariance)))),
-        assumed=tuple(model.outputs[k] for k in np.flatnonzero(share < _RESOLVED)),
+        assumed=tuple(equations.outputs[k] for k in np.flatnonzero(share < _RESOLVED)),
         disagreement=scale_std * sensors.compute_scale_sensitivity(sigma)
         if scale_std > 0.0
         else None,
@@ -212,12 +239,11 @@ class _Sensors:
 
     def __init__(
         self,
-        model: AeroelasticModel,
+        names: tuple[str, ...],
         P: Complex[np.ndarray, "n_omega n_y n_r"],
         z: Complex[np.ndarray, "n_omega n_y"],
         sigma: Float[np.ndarray, " n_y"],
     ) -> None:
-        names = _motion_names(model)
         rows = P / sigma[:, None]
         size = np.linalg.norm(rows, axis=1)  # (n_omega, n_r): columns differ by 1e3
         blind = np.flatnonzero((size == 0).any(axis=0))
@@ -266,11 +292,11 @@ class _Sensors:
         colour = np.maximum(colour / colour.mean(), np.finfo(float).tiny)
         score = (1.0 / colour) @ power / n_omega - self._compute_freedom(inverse, weight)
         prior = _PRIOR_WEIGHT * (np.eye(n_y) - 1.0 / n_y)
-        curvature = self.information(sigma) + np.diag(np.maximum(score, 0.0)) + prior
+        curvature = self.compute_information(sigma) + np.diag(np.maximum(score, 0.0)) + prior
         step = np.linalg.solve(curvature, score - prior @ (log_variance - usual))
         return np.clip(step, -_LARGEST_STEP, _LARGEST_STEP), colour
 
-    def information(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, "n_y n_y"]:
+    def compute_information(self, sigma: Float[np.ndarray, " n_y"]) -> Float[np.ndarray, "n_y n_y"]:
         """Compute the mean information of a frequency on the sensors' log variances."""
         some = slice(None, None, max(1, len(self.q) // _ENOUGH_FREQUENCIES))
         q, _ = np.linalg.qr(self.q[some] * (self.sigma / sigma)[:, None])
@@ -336,7 +362,3 @@ def _bound_condition(r: Complex[np.ndarray, "n_omega n_r n_r"]) -> float:
     """Compute an upper bound of the condition number over all frequencies."""
     size = np.linalg.norm(r, axis=(1, 2)) * np.linalg.norm(np.linalg.inv(r), axis=(1, 2))
     return float(size.max())
-
-
-def _motion_names(model: AeroelasticModel) -> tuple[str, ...]:
-    return ("alpha", "q", *(f"eta{number}" for number in model.modes.numbers))

@@ -71,11 +71,18 @@ class NormalInverse:
 
 @dataclass(frozen=True, slots=True)
 class Regression:
-    """Values, their covariance for white residuals, and the one for the observed residuals."""
+    """Values, their covariance for white residuals, and the one for the observed residuals.
+
+    ``variance`` is that of the equation at every frequency, ``inverse`` the inverse of the
+    normal matrix Re X^H X / variance without noise: an error e of the equation changes the
+    values by inverse Re X^H (e / variance).
+    """
 
     values: Float[np.ndarray, " p"]
     covariance: Float[np.ndarray, "p p"]
     corrected_covariance: Float[np.ndarray, "p p"]
+    variance: Float[np.ndarray, " n_omega"]
+    inverse: Float[np.ndarray, "p p"]
 
 
 def regress(
@@ -107,13 +114,13 @@ def regress(
     s^2 = nu^H nu / (M - p/2) and Cov = 1/2 s^2 [Re X^H X]^-1. The form without the
     factor 1/2, often printed, is twice too large.
     """
-    n_lines, p = X.shape
-    if p >= 2 * n_lines:
+    n_frequencies, p = X.shape
+    if p >= 2 * n_frequencies:
         raise NotIdentifiable(
             f"{p} derivatives of one coefficient are free ({names[0]}...) but the band has only "
-            f"{n_lines} frequencies; free fewer derivatives or widen the band",
+            f"{n_frequencies} frequencies; free fewer derivatives or widen the band",
             parameters=p,
-            lines=n_lines,
+            frequencies=n_frequencies,
         )
     scale = np.linalg.norm(X, axis=0)
     if not scale.all():
@@ -134,7 +141,7 @@ def regress(
         fit, inverse = compensate_bias(X, z, theta, errors)
         return _add_covariance(X, z, fit, inverse, errors)
     directions = invert_triangular(r) / scale[:, None]
-    fit = WeightedFit(theta, np.ones(n_lines), 0.0)
+    fit = WeightedFit(theta, np.ones(n_frequencies), 0.0)
     inverse = NormalInverse(directions, np.ones(p), np.zeros(p), np.zeros((p, p)))
     return _add_covariance(X, z, fit, inverse)
 
@@ -172,11 +179,11 @@ def compensate_bias(
     nearly singular. Standard errors include the remaining bias and the relative standard
     deviation of the noise covariance.
     """
-    n_lines, p = X.shape
-    variance, fraction = np.ones(n_lines), 1.0
+    n_frequencies, p = X.shape
+    variance, fraction = np.ones(n_frequencies), 1.0
     shares, directions, bias = np.zeros(p), np.eye(p), np.zeros(p)
     stacked, target = _as_real(X), _as_real(z)
-    spread = errors.regressors.reshape(n_lines, -1)
+    spread = errors.regressors.reshape(n_frequencies, -1)
     for _ in range(_ITERATIONS):
         variance = _compute_equation_variance(X, z, theta, errors)
         weight = 1.0 / variance
@@ -201,7 +208,7 @@ def compensate_bias(
         bias = noise_normal @ theta - noise_moment
         if moved < _CONVERGED:
             break
-    relative_std = np.hypot(errors.relative_std, 1.0 / np.sqrt(n_lines))
+    relative_std = np.hypot(errors.relative_std, 1.0 / np.sqrt(n_frequencies))
     signal = np.maximum(1.0 - shares * (1.0 + 2.0 * relative_std), _LEAST_SIGNAL)
     left = directions * (1.0 - 1.0 / np.maximum(_MARGIN * shares, 1.0))
     unresolved = np.sum(np.abs(z) ** 2 / variance) * (left @ left.T)
@@ -253,14 +260,14 @@ def _add_covariance(
     inverse: NormalInverse,
     errors: ErrorsInVariables | None = None,
 ) -> Regression:
-    n_lines, p = X.shape
+    n_frequencies, p = X.shape
     theta, variance = fit.values, fit.variance
     nu = (z - X @ theta) / np.sqrt(variance)
-    freedom = n_lines - 0.5 * p
+    freedom = n_frequencies - 0.5 * p
     level = float(np.sum(np.abs(nu) ** 2)) / freedom
-    one_group = np.zeros(n_lines, dtype=int)
+    one_group = np.zeros(n_frequencies, dtype=int)
     density = np.real(noise.smooth_density(nu[:, None], one_group, 1).expand_blocks()[:, 0, 0])
-    density *= n_lines / freedom
+    density *= n_frequencies / freedom
     directions = inverse.directions / inverse.signal
     root = np.sqrt(np.maximum(density, 0.0) / variance)
     scattered = _as_real(X * root[:, None]) @ inverse.directions
@@ -275,4 +282,10 @@ def _add_covariance(
             )
             corrected += moved @ moved.T
     plain = 0.5 * level * (directions @ inverse.directions.T)
-    return Regression(theta, 0.5 * (plain + plain.T), 0.5 * (corrected + corrected.T))
+    return Regression(
+        theta,
+        0.5 * (plain + plain.T),
+        0.5 * (corrected + corrected.T),
+        variance * level,
+        directions @ inverse.directions.T * level,
+    )

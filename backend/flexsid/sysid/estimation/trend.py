@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import stats
+from scipy import special
 
 from flexsid.sysid.estimation.regression import invert_triangular
 
@@ -97,5 +97,5 @@ def fit_trend(
     coefficients = inverse @ (q.T @ whitened)
     chi_square = float(np.sum((whitened - powers @ coefficients) ** 2))
     freedom = x.size - degree - 1
-    probability = float(stats.chi2.sf(chi_square, freedom)) if freedom else None
+    probability = float(special.chdtrc(freedom, chi_square)) if freedom else None
     return Trend(centre, span, coefficients, inverse @ inverse.T, chi_square, freedom, probability)

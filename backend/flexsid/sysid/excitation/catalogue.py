@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Int
 
-from flexsid.sysid.excitation.multisine import Multisine, assign_harmonics, design_multisine
+from flexsid.sysid.excitation.multisine import assign_harmonics
 
 ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
 """Structural modes of LE and HE by their place in order of frequency: modes 7-8 and 9-14 of the
@@ -93,7 +92,7 @@ class FlightTestAid:
         needed = (self.highest_harmonic() if last is None else last) or 0
         reach = max(needed - lowest, steps[-1])
         dealt = lowest + steps * reach // steps[-1]
-        return {name: dealt[place :: len(surfaces)] for place, name in enumerate(surfaces)} | low
+        return {name: dealt[index :: len(surfaces)] for index, name in enumerate(surfaces)} | low
 
 
 def _rows(
@@ -152,42 +151,3 @@ CATALOGUE: dict[int, FlightTestAid] = {
         ),
     )
 }
-
-
-def design_flight_test_aid(
-    number: int,
-    *,
-    order: tuple[str, ...],
-    relative_peaks: Mapping[str, float],
-    peak: float,
-    period_s: float,
-    first_harmonic: int,
-) -> Multisine:
-    """Design the multisine of a flight test aid.
-
-    Parameters
-    ----------
-    number
-        FTA number of Table 1.
-    order
-        Inputs in the order in which harmonics are assigned.
-    relative_peaks
-        Peak of each input relative to ``peak``; they set the order of columns. [1]
-    peak
-        Largest deflection of an input with relative peak 1. [rad]
-    period_s
-        Period T. [s]
-    first_harmonic
-        Lowest harmonic of 1/T.
-
-    Raises
-    ------
-    KeyError
-        If the catalogue has no such flight test aid.
-    """
-    dealt = assign_harmonics(order, CATALOGUE[number].harmonics_per_input, first_harmonic)
-    return design_multisine(
-        {name: dealt[name] for name in relative_peaks},
-        period_s,
-        {name: peak * relative for name, relative in relative_peaks.items()},
-    )

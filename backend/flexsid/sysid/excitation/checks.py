@@ -8,7 +8,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.excitation.designer import compute_peak_factors
+from flexsid.sysid.excitation.extrema import EVALUATION_POINTS
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,17 +56,10 @@ class DesignChecks:
 
 
 def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits) -> DesignChecks:
-    """Evaluate a design as sampled, and the deflections behind the actuators.
+    """Evaluate a design as sampled at a rate [Hz], and the deflections behind the actuators.
 
-    Parameters
-    ----------
-    multisine
-        At the amplitude to be flown.
-    rate_hz
-        Rate of the flight computer. [Hz]
-    actuator
-        Of every surface; its periodic response is exact and linear, so that limits are
-        compared with the unlimited deflection.
+    The multisine is at the amplitude to be flown. The periodic response of the actuator of
+    every surface is exact and linear, so that limits are compared with the unlimited deflection.
     """
     samples = multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))
@@ -73,14 +68,14 @@ def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits)
     rows = []
     for column, (name, tones) in enumerate(multisine.tones.items()):
         omega = 2.0 * np.pi * tones.harmonics / multisine.period_s
-        n = 32 * int(tones.harmonics.max())
-        spectrum = np.zeros(n // 2 + 1, dtype=complex)
-        deflection = -0.5j * n * tones.amplitudes * np.exp(1j * tones.phases)
-        deflection = deflection * actuator.response(omega)
+        response = actuator.response(omega)
         peaks = []
         for order in range(3):
-            spectrum[tones.harmonics] = deflection * (1j * omega) ** order
-            peaks.append(float(np.abs(np.fft.irfft(spectrum, n)).max()))
+            moved = response * (1j * omega) ** order
+            spectrum = HarmonicSpectrum(tones.harmonics, tones.amplitudes * np.abs(moved))
+            n = EVALUATION_POINTS * int(tones.harmonics.max())
+            wave = spectrum.on_grid((tones.phases + np.angle(moved))[None], n)
+            peaks.append(float(np.abs(wave).max()))
         limits = (actuator.position, actuator.rate, actuator.acceleration)
         rows.append(
             InputCheck(

@@ -10,6 +10,7 @@ from jaxtyping import Float
 from flexsid.sysid.signals import TimeHistory
 
 KINDS = ("doublet", "3-2-1-1", "sweep")
+_LENGTHS = 6  # units of time to choose from
 _PULSES = {"doublet": (1, -1), "3-2-1-1": (1, 1, 1, -1, -1, 1, -1)}
 
 
@@ -53,12 +54,12 @@ def design_classic_input(
 
 
 def pulse_lengths(
-    kind: str, duration_s: float, n_inputs: int, rate_hz: float, count: int = 6
-) -> Float[np.ndarray, " count"]:
+    kind: str, duration_s: float, n_inputs: int, rate_hz: float
+) -> Float[np.ndarray, " n_lengths"]:
     """Units of time to choose from, from two samples to half a turn for all pulses. [s]"""
     longest = 0.5 * duration_s / n_inputs / len(_PULSES[kind])
     shortest = min(2.0 / rate_hz, longest)
-    return np.geomspace(shortest, longest, count)
+    return np.geomspace(shortest, longest, _LENGTHS)
 
 
 def _sweep(

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 
 import numpy as np
 from jaxtyping import Float
@@ -67,19 +65,11 @@ class DesignSpecification:
 def design(
     specification: DesignSpecification,
     report: Callable[[str, float, float], None] | None = None,
-    processes: int = 1,
 ) -> Multisine:
     """Search the phases of every input and scale to the low amplitude.
 
-    Parameters
-    ----------
-    specification
-        Inputs, period, rate and amplitudes.
-    report
-        Called with the input, its best relative peak factor so far, and the fraction of
-        the whole that is done; may raise to stop.
-    processes
-        More than one searches that many inputs at a time.
+    ``report`` is called with the input, its best relative peak factor so far, and the fraction
+    of the whole that is done; it may raise to stop.
 
     Raises
     ------
@@ -87,34 +77,19 @@ def design(
         If the specification cannot be fulfilled; the message has the numbers.
     """
     check_specification(specification)
-    tasks = [
-        (_lines(own), EFFORTS[specification.effort], specification.seed + i)
-        for i, own in enumerate(specification.inputs)
-    ]
-    weights = np.array([lines.harmonics.size for lines, _, _ in tasks], dtype=float)
-    done = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
-    found: list[FoundPhases] = []
-    if processes > 1:
-        with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-            for place, best in enumerate(pool.map(_search, tasks)):
-                found.append(best)
-                if report is not None:
-                    report(
-                        specification.inputs[place].name, best.peak_factor, float(done[place + 1])
-                    )
-    else:
-        for place, (lines, effort, seed) in enumerate(tasks):
+    spectra = [_build_spectrum(own) for own in specification.inputs]
+    ends = np.cumsum([spectrum.harmonics.size for spectrum in spectra])
+    phases = {}
+    for place, (own, spectrum) in enumerate(zip(specification.inputs, spectra, strict=True)):
 
-            def report_progress(best: FoundPhases, fraction: float, place: int = place) -> None:
-                if report is not None:
-                    share = done[place] + fraction * (done[place + 1] - done[place])
-                    report(specification.inputs[place].name, best.peak_factor, float(share))
+        def report_input(best: FoundPhases, fraction: float, place: int = place) -> None:
+            if report is not None:
+                done = ends[place] - (1.0 - fraction) * spectra[place].harmonics.size
+                report(specification.inputs[place].name, best.peak_factor, float(done / ends[-1]))
 
-            found.append(search_phases(lines, effort, seed, report_progress))
-    return build_multisine(
-        specification,
-        {own.name: best.phases for own, best in zip(specification.inputs, found, strict=True)},
-    )
+        effort, seed = EFFORTS[specification.effort], specification.seed + place
+        phases[own.name] = search_phases(spectrum, effort, seed, report_input).phases
+    return build_multisine(specification, phases)
 
 
 def build_multisine(
@@ -125,10 +100,13 @@ def build_multisine(
     """Build the multisine of a recipe at one of its three amplitudes, starting at zero."""
     tones = {}
     for own in specification.inputs:
-        lines = _lines(own)
-        shifted = start_at_zero(lines.harmonics, lines.amplitudes, np.asarray(phases[own.name]))
+        spectrum = _build_spectrum(own)
+        harmonics, amplitudes = spectrum.harmonics, spectrum.amplitudes
+        shifted = start_at_zero(harmonics, amplitudes, np.asarray(phases[own.name]))
+        wave = spectrum.on_grid(shifted[None], spectrum.grid_size(_LEAST_POINTS))
         peak = specification.peaks[level] * own.relative_peak
-        tones[own.name] = _scaled(Tones(lines.harmonics, lines.amplitudes, shifted), peak)
+        size = peak / float(np.abs(wave).max())
+        tones[own.name] = Tones(harmonics, amplitudes * size, shifted)
     return Multisine(specification.duration_s, tones)
 
 
@@ -208,19 +186,7 @@ def compute_peak_factors(multisine: Multisine) -> dict[str, float]:
     }
 
 
-def _lines(own: InputSpecification) -> HarmonicSpectrum:
+def _build_spectrum(own: InputSpecification) -> HarmonicSpectrum:
     harmonics = np.array(own.harmonics)
     power = np.ones(harmonics.size) if own.power is None else np.array(own.power, dtype=float)
     return HarmonicSpectrum(harmonics, np.sqrt(2.0 * power / power.sum()))
-
-
-def _scaled(tones: Tones, peak: float) -> Tones:
-    lines = HarmonicSpectrum(tones.harmonics, tones.amplitudes)
-    wave = lines.on_grid(tones.phases[None], lines.grid_size(_LEAST_POINTS))
-    return Tones(
-        tones.harmonics, tones.amplitudes * (peak / float(np.abs(wave).max())), tones.phases
-    )
-
-
-def _search(task: tuple[HarmonicSpectrum, Effort, int]) -> FoundPhases:
-    return search_phases(*task)

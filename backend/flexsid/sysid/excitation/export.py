@@ -12,12 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy import io as matlab
 
-from flexsid.errors import BadInput
-from flexsid.sysid.excitation.designer import (
-    DesignSpecification,
-    InputSpecification,
-    build_multisine,
-)
+from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.text import escape_spreadsheet_cell, make_c_identifiers
 
@@ -36,8 +31,8 @@ def to_csv(multisine: Multisine, rate_hz: float) -> str:
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(("t_s", *map(escape_spreadsheet_cell, multisine.inputs)))
     rows.writerows(
-        [f"{place / rate_hz:.9g}", *(f"{value:.9g}" for value in row)]
-        for place, row in enumerate(samples)
+        [f"{index / rate_hz:.9g}", *(f"{value:.9g}" for value in row)]
+        for index, row in enumerate(samples)
     )
     return text.getvalue()
 
@@ -53,9 +48,9 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
         "inputs": np.array(multisine.inputs, dtype=object),
     }
     # MATLAB reads at most 31 letters of a name in a file of version 5.
-    names = make_c_identifiers(multisine.inputs, longest=25)
+    names = make_c_identifiers(multisine.inputs, longest=21)
     for name, tones in zip(names, multisine.tones.values(), strict=True):
-        content[f"{name}_lines"] = np.column_stack(
+        content[f"{name}_harmonics"] = np.column_stack(
             [tones.harmonics, tones.amplitudes, tones.phases]
         )
     with TemporaryDirectory(prefix="flexsid-") as folder:
@@ -90,35 +85,3 @@ def write_recipe(specification: DesignSpecification, multisine: Multisine) -> st
     return json.dumps(
         {"format": "flexsid-excitation-1", "specification": asdict(specification), "phases": phases}
     )
-
-
-def read_recipe(text: str, level: int = 0) -> tuple[DesignSpecification, Multisine]:
-    """Reproduce a design from its recipe at one of its amplitudes.
-
-    Raises
-    ------
-    BadInput
-        If the text is not a recipe.
-    """
-    try:
-        content = json.loads(text)
-        fields = dict(content.get("specification") or content["wish"])  # earlier name
-        inputs = tuple(
-            InputSpecification(
-                name=str(own["name"]),
-                harmonics=tuple(int(k) for k in own["harmonics"]),
-                relative_peak=float(own["relative_peak"]),
-                power=None if own["power"] is None else tuple(map(float, own["power"])),
-            )
-            for own in fields.pop("inputs")
-        )
-        low, medium, high = map(float, fields.pop("peaks"))
-        specification = DesignSpecification(inputs=inputs, peaks=(low, medium, high), **fields)
-        phases = {own.name: np.array(content["phases"][own.name], dtype=float) for own in inputs}
-        return specification, build_multisine(specification, phases, level)
-    except (ValueError, KeyError, TypeError, IndexError) as error:
-        raise BadInput(
-            f"the text is not an excitation recipe ({type(error).__name__}: {error}); expected the"
-            " JSON that the workbench exports",
-            code="bad-recipe",
-        ) from error

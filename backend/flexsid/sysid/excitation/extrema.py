@@ -13,12 +13,15 @@ from flexsid.sysid.excitation.norms import HarmonicSpectrum
 EVALUATION_POINTS = 32
 """Samples in the shortest period on which a peak factor is evaluated."""
 
-_SEARCHED_POINTS = 16
+_SEARCHED_POINTS = 16  # samples in the shortest period on which extrema are located
 _LEAST_EXTREMUM = 0.93  # of the largest: lower ones have no weight at any temperature
+# of the soft maximum, in sequence, over the root of the summed squared amplitudes
 _TEMPERATURES = (3e-2, 2e-2, 1.3e-2, 8e-3, 5e-3, 3e-3, 1.5e-3, 7e-4, 3e-4, 1e-4, 3e-5)
 
 
-def evaluate_peak_factor(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> float:
+def evaluate_peak_factor(
+    spectrum: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]
+) -> float:
     """Relative peak factor with peaks between samples found by parabolas. [1]
 
     Notes
@@ -26,18 +29,17 @@ def evaluate_peak_factor(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_
     (max - min) / (2 sqrt(2) rms), Sec. V.A. A coarse grid underestimates: 1.170 at
     4 samples per shortest period is 1.208 with interpolated peaks.
     """
-    return float(evaluate_peak_factors(lines, phases[None])[0])
+    return float(evaluate_peak_factors(spectrum, phases[None])[0])
 
 
 def evaluate_peak_factors(
-    lines: HarmonicSpectrum,
+    spectrum: HarmonicSpectrum,
     phases: Float[np.ndarray, "n_starts n_tones"],
-    points: int = EVALUATION_POINTS,
 ) -> Float[np.ndarray, " n_starts"]:
     """Relative peak factors of many phases. [1]"""
-    waves = lines.on_grid(phases, lines.grid_size(points))
+    waves = spectrum.on_grid(phases, spectrum.grid_size(EVALUATION_POINTS))
     span = _parabola_peaks(waves) + _parabola_peaks(-waves)
-    return span / (2.0 * np.sqrt(np.sum(lines.amplitudes**2)))
+    return span / (2.0 * np.sqrt(np.sum(spectrum.amplitudes**2)))
 
 
 def _parabola_peaks(
@@ -64,26 +66,15 @@ class _Extrema:
 
 
 def refine_peaks(
-    lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
+    spectrum: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"], iterations: int = 5
 ) -> Float[np.ndarray, " n_tones"]:
     """Minimise max - min by Levenberg-Marquardt on a soft maximum of the extrema.
 
-    Parameters
-    ----------
-    lines
-        Harmonics and amplitudes.
-    phases
-        Where the norms ended. [rad]
-    iterations
-        Steps for each temperature of the soft maximum.
-
-    Returns
-    -------
-    array
-        Phases of the smallest max - min met. [rad]
+    From the phases where the norms ended, with so many iterations at each temperature of the
+    soft maximum; the phases of the smallest max - min met are returned. [rad]
     """
-    scale = float(np.sqrt(np.sum(lines.amplitudes**2)))
-    unit = HarmonicSpectrum(lines.harmonics, lines.amplitudes / scale)
+    scale = float(np.sqrt(np.sum(spectrum.amplitudes**2)))
+    unit = HarmonicSpectrum(spectrum.harmonics, spectrum.amplitudes / scale)
     now = _find_extrema(unit, phases)
     best, lowest = phases, now.span
     damping = 1e-2
@@ -114,9 +105,9 @@ def refine_peaks(
     return best
 
 
-def _find_extrema(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
-    n = lines.grid_size(_SEARCHED_POINTS)
-    wave = lines.on_grid(phases[None], n)[0]
+def _find_extrema(spectrum: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> _Extrema:
+    n = spectrum.grid_size(_SEARCHED_POINTS)
+    wave = spectrum.on_grid(phases[None], n)[0]
     before, after = np.roll(wave, 1), np.roll(wave, -1)
     places, signs = [], []
     for sign in (1, -1):
@@ -128,9 +119,9 @@ def _find_extrema(lines: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]
     place, sign = np.concatenate(places), np.concatenate(signs)
     bend = before[place] - 2.0 * wave[place] + after[place]
     offset = 0.5 * (before[place] - after[place]) / np.where(bend == 0.0, 1.0, bend)
-    k = lines.harmonics
+    k = spectrum.harmonics
     angles = np.outer(2.0 * np.pi * (place + offset) / n, k) + phases
-    cosines, sines = lines.amplitudes * np.cos(angles), lines.amplitudes * np.sin(angles)
+    cosines, sines = spectrum.amplitudes * np.cos(angles), spectrum.amplitudes * np.sin(angles)
     values = sign * sines.sum(axis=1)
     span = float(values[sign > 0].max() + values[sign < 0].max())
     return _Extrema(span, sign, values, cosines, sines, -(sines @ k.astype(float) ** 2))
@@ -146,10 +137,10 @@ def _soft_span(extrema: _Extrema, temperature: float) -> float:
 
 
 def _soft_derivatives(
-    lines: HarmonicSpectrum, extrema: _Extrema, temperature: float
+    spectrum: HarmonicSpectrum, extrema: _Extrema, temperature: float
 ) -> tuple[Float[np.ndarray, " n_tones"], Float[np.ndarray, "n_tones n_tones"]]:
     """Gradient and a positive Hessian; the time of an extremum changes with the phases, too."""
-    n = lines.harmonics.size
+    n = spectrum.harmonics.size
     gradient, hessian = np.zeros(n), np.zeros((n, n))
     for sign in (1, -1):
         own = extrema.signs == sign
@@ -161,7 +152,7 @@ def _soft_derivatives(
         gradient += mean
         away = (pulls - mean) * np.sqrt(weights / temperature)[:, None]
         hessian += away.T @ away
-        slopes = extrema.sines[own] * lines.harmonics
+        slopes = extrema.sines[own] * spectrum.harmonics
         bends = np.maximum(np.abs(extrema.bends[own]), 1e-9)
         slopes *= np.sqrt(weights / bends)[:, None]
         hessian += slopes.T @ slopes

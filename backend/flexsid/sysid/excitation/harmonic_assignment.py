@@ -9,48 +9,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.multisine import assign_harmonics
 
 _GRID = 2001  # frequencies over which the density of harmonics is evaluated
 _NEAR = 0.05  # standard deviation of the harmonics about a target, of its frequency
-
-
-def assign_harmonics_in_band(
-    order: Sequence[str], per_input: int, duration_s: float, band_hz: tuple[float, float]
-) -> dict[str, Int[np.ndarray, " n_tones"]]:
-    """Assign harmonics of 1/duration to the inputs in turn, evenly over a band.
-
-    Parameters
-    ----------
-    order
-        Inputs in the order in which they are served.
-    per_input
-        Harmonics for each input.
-    duration_s
-        Period. [s]
-    band_hz
-        Lowest and highest frequency. [Hz]
-
-    Raises
-    ------
-    BadInput
-        If the band holds fewer harmonics than asked for.
-    """
-    first = max(1, int(np.ceil(band_hz[0] * duration_s - 1e-9)))
-    last = int(np.floor(band_hz[1] * duration_s + 1e-9))
-    held, asked = max(0, last - first + 1), per_input * len(order)
-    if asked > held:
-        longer = asked / max(band_hz[1] - band_hz[0], 1e-9)
-        raise BadInput(
-            f"{len(order)} inputs with {per_input} harmonics each need {asked}; the band of"
-            f" {band_hz[0]:g} to {band_hz[1]:g} Hz holds {held} harmonics of 1/{duration_s:g} s;"
-            f" ask for fewer, widen the band, or fly {longer:.4g} s",
-            code="too-many-harmonics",
-        )
-    # A whole spacing gives every input equally spaced harmonics without slow beats.
-    spacing = held // asked if asked else 1
-    dealt = assign_harmonics(order, per_input, 1)
-    return {name: first + spacing * (own - 1) for name, own in dealt.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,12 +33,7 @@ def assign_harmonics_to_bands(
 ) -> dict[str, Int[np.ndarray, " n_tones"]]:
     """Assign harmonics to every input in a band of its own, none of them shared.
 
-    Parameters
-    ----------
-    bands
-        By input; bands may overlap.
-    duration_s
-        Period. [s]
+    Bands may overlap; the duration is the period. [s]
 
     Raises
     ------

@@ -54,13 +54,9 @@ class Multisine:
     def sample(
         self, time_s: Float[np.ndarray, " n_samples"]
     ) -> Float[np.ndarray, "n_samples n_inputs"]:
-        """Excitation of every input, one column each. [rad]
+        """Excitation of every input, one column each [rad], at times since its start. [s]
 
-        Parameters
-        ----------
-        time_s
-            Time since the start of the excitation; the design repeats with its
-            period, the caller decides when it ends. [s]
+        The design repeats with its period; the caller decides when it ends.
         """
         cycles = np.asarray(time_s, dtype=float) / self.period_s
         return np.stack([tones.sample(cycles) for tones in self.tones.values()], axis=1)
@@ -93,7 +89,7 @@ def assign_harmonics(
             code="bad-assignment",
         )
     return {
-        name: first + place + len(order) * np.arange(per_input) for place, name in enumerate(order)
+        name: first + index + len(order) * np.arange(per_input) for index, name in enumerate(order)
     }
 
 

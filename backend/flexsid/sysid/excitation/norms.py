@@ -13,9 +13,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import fft
 
-# p - 2 doubles from one norm to the next, so that a power is one more squaring.
+# p = 4, 6, 10 ... 258; p - 2 doubles from one to the next, so that a power is one more squaring.
 _SQUARINGS = (1, 2, 3, 4, 5, 6, 7, 8)
-"""p = 4, 6, 10, 18, 34, 66, 130, 258."""
 
 _POINTS = 8
 """Samples per shortest period; enough for powers up to 258, which weigh the top of a peak."""
@@ -48,50 +47,38 @@ class HarmonicSpectrum:
 
 
 def lower_norms(
-    lines: HarmonicSpectrum,
+    spectrum: HarmonicSpectrum,
     phases: Float[np.ndarray, "n_starts n_tones"],
     iterations: int = 5,
     squarings: tuple[int, ...] = _SQUARINGS,
 ) -> Float[np.ndarray, "n_starts n_tones"]:
     """Lower the L_p norm of every start, p from low to high.
 
-    Parameters
-    ----------
-    lines
-        Harmonics and amplitudes; the scale of the amplitudes does not matter.
-    phases
-        One start per row. [rad]
-    iterations
-        Steps for each p.
-    squarings
-        p = 2 + 2^squarings, in turn.
-
-    Returns
-    -------
-    array
-        Phases, never of a higher norm of the last order than where that order began. [rad]
+    One start per row [rad], ``iterations`` for each p = 2 + 2^squarings in turn. No phases are
+    returned with a higher norm of the last order than where that order began; the scale of the
+    amplitudes does not matter.
 
     Notes
     -----
     Source: Guillaume, Schoukens, Pintelon, Kollar, IEEE Trans. Instrum. Meas. 40
     (1991), for the sequence of norms; the Hessian from one transform is ours.
     """
-    n_samples = lines.grid_size(_POINTS)
+    n_samples = spectrum.grid_size(_POINTS)
     phases = phases.copy()
     damping = np.full(phases.shape[0], 1e-3)
-    waves = lines.on_grid(phases, n_samples)
+    waves = spectrum.on_grid(phases, n_samples)
     for squaring in squarings:
         p = 2 + 2**squaring
         level, weights = _norm(waves, squaring)
         for _ in range(iterations):
-            gradient, hessian = _derivatives(lines, phases, weights, p)
+            gradient, hessian = _derivatives(spectrum, phases, weights, p)
             scale = np.trace(hessian, axis1=1, axis2=2) / phases.shape[1]
             regular = hessian + (damping * scale + 1e-12)[:, None, None] * np.eye(phases.shape[1])
             step = np.linalg.solve(regular, gradient[:, :, None])[:, :, 0]
             # A phase that turns by more than a radian has left its linearisation.
             step /= np.maximum(1.0, np.abs(step).max(axis=1))[:, None]
             tried = phases - step
-            tried_waves = lines.on_grid(tried, n_samples)
+            tried_waves = spectrum.on_grid(tried, n_samples)
             tried_level, tried_weights = _norm(tried_waves, squaring)
             better = tried_level < level
             damping = np.clip(np.where(better, damping * 0.3, damping * 6.0), 1e-6, 1e3)
@@ -122,7 +109,7 @@ def _norm(
 
 
 def _derivatives(
-    lines: HarmonicSpectrum,
+    spectrum: HarmonicSpectrum,
     phases: Float[np.ndarray, "n_starts n_tones"],
     weights: Float[np.ndarray, "n_starts n_samples"],
     p: int,
@@ -131,15 +118,15 @@ def _derivatives(
     Float[np.ndarray, "n_starts n_tones n_tones"],
 ]:
     """Gradient and Gauss-Newton Hessian of the log of the L_p norm."""
-    k, a = lines.harmonics, lines.amplitudes
-    spectrum = np.asarray(fft.rfft(weights, axis=1), dtype=complex) / weights.shape[1]
+    k, a = spectrum.harmonics, spectrum.amplitudes
+    of_weights = np.asarray(fft.rfft(weights, axis=1), dtype=complex) / weights.shape[1]
     difference = k[:, None] - k
     turned = a * np.exp(1j * phases)
     # mean(w z_i z_j) and mean(w z_i conj z_j), with z_i = a_i exp(j (2 pi k_i t + phi_i)).
-    apart: Pairs = spectrum[:, np.abs(difference)]
+    apart: Pairs = of_weights[:, np.abs(difference)]
     np.conjugate(apart, out=apart, where=difference > 0)
     apart *= turned[:, :, None] * turned[:, None, :].conj()
-    summed: Pairs = spectrum[:, k[:, None] + k].conj()
+    summed: Pairs = of_weights[:, k[:, None] + k].conj()
     summed *= turned[:, :, None] * turned[:, None, :]
     gradient = 0.5 * (summed.imag - apart.imag).sum(axis=2)
     hessian = 0.5 * (p - 1) * (summed.real + apart.real)

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import optimize
 
+_CLIP_LEVELS = np.linspace(0.80, 0.99, 300)  # of the largest magnitude, one per iteration
 _ZERO = 1e-9  # of the sum of all amplitudes: rounding where a sum of sines is zero
 _TIE = 0.005  # of the largest running integral: what the grid of crossings resolves
 
@@ -33,7 +34,6 @@ def lower_peak(
     harmonics: Int[np.ndarray, " n_tones"],
     amplitudes: Float[np.ndarray, " n_tones"],
     phases: Float[np.ndarray, " n_tones"],
-    iterations: int = 300,
 ) -> Float[np.ndarray, " n_tones"]:
     """Improve phases by clipping: clip the peaks, retain the phases of the clipped signal.
 
@@ -47,7 +47,7 @@ def lower_peak(
     n_samples = 1 << int(np.ceil(np.log2(16 * harmonics.max())))
     spectrum = np.zeros(n_samples // 2 + 1, dtype=complex)
     best, lowest = phases, np.inf
-    for level in np.linspace(0.80, 0.99, iterations):
+    for level in _CLIP_LEVELS:
         spectrum[harmonics] = amplitudes * np.exp(1j * (phases - np.pi / 2.0)) * n_samples / 2.0
         samples = np.fft.irfft(spectrum, n_samples)
         factor = relative_peak_factor(samples)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from jaxtyping import Float
@@ -12,7 +13,7 @@ from flexsid.sysid.excitation.extrema import evaluate_peak_factors, refine_peaks
 from flexsid.sysid.excitation.norms import HarmonicSpectrum, lower_norms
 from flexsid.sysid.excitation.peak_factor import schroeder_phases
 
-_ELITES = 2
+_ELITES = 2  # of the best phases, perturbed in every round
 _PERTURBATION_RAD = 0.5  # large enough to leave the local minimum of an elite [rad]
 _FROM_ELITE = (3, 4, 5, 6, 7, 8)  # the low norms would change the elite
 
@@ -45,32 +46,23 @@ class FoundPhases:
 
 
 def search_phases(
-    lines: HarmonicSpectrum,
+    spectrum: HarmonicSpectrum,
     effort: Effort = THOROUGH,
     seed: int = 0,
     report: Callable[[FoundPhases, float], None] | None = None,
 ) -> FoundPhases:
     """Find phases of a low relative peak factor; the same seed finds the same.
 
-    Parameters
-    ----------
-    lines
-        Harmonics and amplitudes of one input.
-    effort
-        Number of iterations of the search.
-    seed
-        Seed of starts and perturbations.
-    report
-        Called with the best so far and the fraction done; may raise to stop.
+    ``report`` is called with the best so far and the fraction done; it may raise to stop.
 
     Notes
     -----
     Every candidate is evaluated on 32 points per shortest period with peaks between
     samples, never on the grid that it was optimised on.
     """
-    n = lines.harmonics.size
+    n = spectrum.harmonics.size
     if n == 1:  # a single sine, whatever its phase
-        return _evaluate(lines, np.zeros((1, 1)))[1]
+        return _evaluate(spectrum, np.zeros((1, 1)))[1]
     generator = np.random.default_rng(seed)
     # Short sums have many local minima and cost little.
     count = effort.starts * (1 if effort.starts == 1 else int(np.clip(64 // n, 1, 4)))
@@ -80,31 +72,31 @@ def search_phases(
         if report is not None:
             report(best, step / steps)
 
-    pool = lower_norms(lines, _starts(lines, count, generator), iterations=4)
-    factors, best = _evaluate(lines, pool)
+    pool = lower_norms(spectrum, _starts(spectrum, count, generator), iterations=4)
+    factors, best = _evaluate(spectrum, pool)
     report_progress(1)
     for turn in range(effort.rounds):
         elite = pool[np.argsort(factors)[:_ELITES]]
         scattered = np.repeat(elite, max(1, count // (2 * _ELITES)), axis=0)
         scattered += _PERTURBATION_RAD * generator.standard_normal(scattered.shape)
-        fresh = lower_norms(lines, scattered, iterations=3, squarings=_FROM_ELITE)
+        fresh = lower_norms(spectrum, scattered, iterations=3, squarings=_FROM_ELITE)
         pool = np.vstack([elite, fresh])
-        factors, found = _evaluate(lines, pool)
-        best = min(best, found, key=_peak_factor)
+        factors, found = _evaluate(spectrum, pool)
+        best = min(best, found, key=attrgetter("peak_factor"))
         report_progress(2 + turn)
     for row in np.argsort(factors)[: effort.refined]:
-        refined = refine_peaks(lines, pool[row], effort.steps)
-        best = min(best, _evaluate(lines, refined[None])[1], key=_peak_factor)
+        refined = refine_peaks(spectrum, pool[row], effort.steps)
+        best = min(best, _evaluate(spectrum, refined[None])[1], key=attrgetter("peak_factor"))
         report_progress(1 + effort.rounds)
     report_progress(steps)
     return best
 
 
 def _starts(
-    lines: HarmonicSpectrum, count: int, generator: np.random.Generator
+    spectrum: HarmonicSpectrum, count: int, generator: np.random.Generator
 ) -> Float[np.ndarray, "n_starts n_tones"]:
     """Schroeder's phases, then half as many near them as there are anywhere."""
-    schroeder = schroeder_phases(lines.amplitudes)
+    schroeder = schroeder_phases(spectrum.amplitudes)
     near = generator.normal(scale=_PERTURBATION_RAD, size=(count, schroeder.size))
     starts = schroeder + near
     starts[0] = schroeder
@@ -115,12 +107,8 @@ def _starts(
 
 
 def _evaluate(
-    lines: HarmonicSpectrum, pool: Float[np.ndarray, "n_starts n_tones"]
+    spectrum: HarmonicSpectrum, pool: Float[np.ndarray, "n_starts n_tones"]
 ) -> tuple[Float[np.ndarray, " n_starts"], FoundPhases]:
-    factors = evaluate_peak_factors(lines, pool)
-    place = int(np.argmin(factors))
-    return factors, FoundPhases(pool[place], float(factors[place]))
-
-
-def _peak_factor(found: FoundPhases) -> float:
-    return found.peak_factor
+    factors = evaluate_peak_factors(spectrum, pool)
+    index = int(np.argmin(factors))
+    return factors, FoundPhases(pool[index], float(factors[index]))

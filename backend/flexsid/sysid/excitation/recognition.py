@@ -33,7 +33,7 @@ def recognise_multisine(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones
             " a multisine; give one whole period",
             code="no-multisine",
         )
-    candidates = [(*_lines_of(samples[:period]), period) for period in (n, n - 1)]
+    candidates = [(*_identify_tones(samples[:period]), period) for period in (n, n - 1)]
     share, tones, period = max(candidates, key=lambda found: found[0])
     if share < _EXPLAINED or tones.harmonics.size > n // 4:
         raise BadInput(
@@ -45,14 +45,14 @@ def recognise_multisine(samples: Float[np.ndarray, " n_samples"]) -> tuple[Tones
     return tones, period
 
 
-def _lines_of(samples: Float[np.ndarray, " n_samples"]) -> tuple[float, Tones]:
+def _identify_tones(samples: Float[np.ndarray, " n_samples"]) -> tuple[float, Tones]:
     spectrum = np.fft.rfft(samples) * 2.0 / samples.size
     size = np.abs(spectrum)
     size[0] = 0.0
     if size.max() == 0.0:
         nothing = np.empty(0)
         return 0.0, Tones(nothing.astype(int), nothing, nothing)
-    lines = np.flatnonzero(size > _FAINTEST * size.max())
-    phases = np.mod(np.angle(spectrum[lines]) + 1.5 * np.pi, 2.0 * np.pi) - np.pi
-    share = float(np.sum(size[lines] ** 2) / np.sum(size**2))
-    return share, Tones(lines, size[lines], phases)
+    harmonics = np.flatnonzero(size > _FAINTEST * size.max())
+    phases = np.mod(np.angle(spectrum[harmonics]) + 1.5 * np.pi, 2.0 * np.pi) - np.pi
+    share = float(np.sum(size[harmonics] ** 2) / np.sum(size**2))
+    return share, Tones(harmonics, size[harmonics], phases)

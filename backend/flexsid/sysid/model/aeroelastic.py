@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.model.condition import GRAVITY, FlightCondition
-from flexsid.sysid.model.derivatives import DerivativeTable, variables
+from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.derivatives import (
+    DerivativeTable,
+    coefficients,
+    list_derivative_names,
+    variables,
+)
+from flexsid.sysid.model.frequency_shape import FrequencyShape
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rational_functions import build_lagged_forces
+from flexsid.sysid.model.rigid_body import Kinematics, RigidBody
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, SensorRows
 from flexsid.sysid.modes.shapes import StructuralModes
 
@@ -29,30 +39,6 @@ class StateSpace:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-
-    @classmethod
-    def from_control(cls, system: control.StateSpace) -> StateSpace:
-        """Convert a continuous system of python-control with its names.
-
-        Raises
-        ------
-        BadInput
-            If the system is sampled.
-        """
-        if system.isdtime(strict=True):
-            raise BadInput(
-                f"the system is sampled every {system.dt} s; give a continuous one",
-                code="sampled-system",
-            )
-        return cls(
-            A=np.asarray(system.A, dtype=float),
-            B=np.asarray(system.B, dtype=float),
-            C=np.asarray(system.C, dtype=float),
-            D=np.asarray(system.D, dtype=float),
-            states=tuple(system.state_labels),
-            inputs=tuple(system.input_labels),
-            outputs=tuple(system.output_labels),
-        )
 
     def to_control(self) -> control.StateSpace:
         """Convert to a system of python-control."""
@@ -73,14 +59,61 @@ class StateSpace:
 class AeroelasticModel:
     """Condition, structural modes, inputs and sensors; derivatives are arguments.
 
-    The motion is r = [alpha, q, eta_1..n]; theta = q/s and etadot = s eta are
-    eliminated, so that K(s) r = F u has only 2 + n rows.
+    The motion is r = [rigid-body motions, eta_1..n]; the attitude and etadot = s eta are
+    eliminated, so that K(s) r = F u has a row for each of them only. Without a ``shape`` the
+    air forces are quasi-steady.
     """
 
     condition: FlightCondition
     modes: StructuralModes
     inputs: tuple[str, ...]
     sensors: SensorRows
+    body: RigidBody = LONGITUDINAL
+    shape: FrequencyShape | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a frequency shape of other derivatives.
+
+        Raises
+        ------
+        BadInput
+            If its axis, modes or inputs are not those of the model.
+        """
+        if self.shape is None:
+            return
+        own = (self.body.axis, self.modes.numbers, self.inputs)
+        if (self.shape.body.axis, self.shape.modes, self.shape.inputs) != own:
+            raise BadInput(
+                f"the frequency shape is of the {self.shape.body.axis} axis, modes "
+                f"{self.shape.modes} and inputs {self.shape.inputs}, the model of the {own[0]} "
+                f"axis, modes {own[1]} and inputs {own[2]}; build the shape for those",
+                code="shape-of-other-model",
+            )
+
+    @property
+    def n_rigid(self) -> int:
+        """Number of rigid-body motions, which come first."""
+        return self.body.size
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """Names of the motions."""
+        return self.body.name_motions(self.modes.numbers)
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Names of the rows of the derivatives."""
+        return coefficients(self.modes.numbers, self.body)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Names of the columns of the derivatives."""
+        return variables(self.modes.numbers, self.inputs, self.body)
+
+    @property
+    def derivative_names(self) -> tuple[str, ...]:
+        """Names of all derivatives, row by row."""
+        return list_derivative_names(self.modes.numbers, self.inputs, self.body)
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -89,30 +122,51 @@ class AeroelasticModel:
 
     def with_modes(self, count: int) -> AeroelasticModel:
         """Return the same model with its first modes only."""
-        rows = SensorRows(self.sensors.names, self.sensors.polynomial[:, :, : 2 + count])
+        end = self.n_rigid + count
+        rows = SensorRows(self.sensors.names, self.sensors.polynomial[:, :, :end])
         modes = self.modes.select(self.modes.numbers[:count])
-        return AeroelasticModel(self.condition, modes, self.inputs, rows)
+        shape = None if self.shape is None else self.shape.select(modes.numbers, self.inputs)
+        return replace(self, modes=modes, sensors=rows, shape=shape)
+
+    def fill_table(self, values: Mapping[str, float]) -> DerivativeTable:
+        """Fill a table of this model's derivatives from values by name; others are zero."""
+        return DerivativeTable.from_names(self.modes.numbers, self.inputs, values, self.body)
 
     def row_factors(self) -> Float[np.ndarray, " n_rows"]:
         """Compute the dimensional factors of the coefficient rows (Eq. 12)."""
-        return self.condition.row_factors(self.modes.mass)
+        return self.body.row_factors(self.condition, self.modes.mass)
 
     def column_factors(self) -> Float[np.ndarray, " n_w"]:
         """Compute the dimensional factors of the variables (Eq. 12)."""
-        return self.condition.column_factors(len(self.modes.numbers), len(self.inputs))
+        n = len(self.modes.numbers)
+        return self.body.column_factors(self.condition, n, len(self.inputs))
+
+    def derivative_factors(
+        self, omega: Float[np.ndarray, " n_omega"]
+    ) -> Complex[np.ndarray, "n_omega n_rows n_w"] | None:
+        """Compute the factors on the derivatives by frequency; None where all are one.
+
+        Raises
+        ------
+        BadInput
+            If a frequency is beyond the frequency shape.
+        """
+        if self.shape is None:
+            return None
+        return self.shape.at(np.asarray(omega, dtype=float) * self.condition.rate_factor)
 
     def known_dynamics(
         self, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_r n_r"]:
         """Compute K(s) without aerodynamics: kinematics, thrust, gravity and structure."""
         s = 1j * np.asarray(omega, dtype=float)
-        n = len(self.modes.numbers)
-        K = np.zeros((s.size, 2 + n, 2 + n), dtype=complex)
-        angle, attitude = self._kinematic_terms()
-        K[:, 0, 0] = s - angle
-        K[:, 0, 1] = -1.0 - attitude / s
-        K[:, 1, 1] = s
-        modal = np.arange(2, 2 + n)
+        first, n_r = self.n_rigid, len(self.motions)
+        known = self._compute_kinematics()
+        K = np.zeros((s.size, n_r, n_r), dtype=complex)
+        rigid = s[:, None, None] * known.inertia - known.coupling
+        rigid -= np.outer(known.gravity, known.attitude_rate) / s[:, None, None]
+        K[:, :first, :first] = rigid
+        modal = np.arange(first, n_r)
         w, z = self.modes.omega, self.modes.zeta
         K[:, modal, modal] = s[:, None] ** 2 + 2.0 * z * w * s[:, None] + w**2
         return K
@@ -122,12 +176,8 @@ class AeroelasticModel:
     ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
         """Compute the frequency responses of all outputs to all inputs (Eq. 6), no instruments.
 
-        Parameters
-        ----------
-        derivatives
-            Of exactly this model's modes and inputs.
-        omega
-            Angular frequencies above zero. [rad/s]
+        The derivatives are of exactly this model's modes and inputs, the frequencies above zero.
+        [rad/s]
 
         Raises
         ------
@@ -139,111 +189,94 @@ class AeroelasticModel:
     def motion(
         self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
     ) -> Complex[np.ndarray, "n_omega n_r n_u"]:
-        """Compute the frequency responses of the motion [alpha, q, eta_1..n] to all inputs."""
-        n_r = 2 + len(self.modes.numbers)
+        """Compute the frequency responses of the motion to all inputs.
+
+        Beyond the highest k of a frequency shape its factors are held: only simulations reach
+        there, with what is left of the inputs.
+        """
+        n_r, n_w = len(self.motions), len(self.variables) - len(self.inputs)
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
+        if self.shape is not None:
+            k = np.asarray(omega, dtype=float) * self.condition.rate_factor
+            forces = forces * self.shape.at(np.minimum(k, self.shape.k[-1]))
         s = 1j * np.asarray(omega, dtype=float)
-        K = self.known_dynamics(omega) - forces[:, :n_r]
-        K[:, :, 2:] -= s[:, None, None] * forces[:, n_r : 2 * n_r - 2]
-        load = np.broadcast_to(forces[:, 2 * n_r - 2 :], (s.size, n_r, len(self.inputs)))
+        K = self.known_dynamics(omega) - forces[..., :n_r]
+        K[:, :, self.n_rigid :] -= s[:, None, None] * forces[..., n_r:n_w]
+        load = np.broadcast_to(forces[..., n_w:], (s.size, n_r, len(self.inputs)))
         try:
             return np.linalg.solve(K, load)
         except np.linalg.LinAlgError:
             raise BadInput(
                 "the model has an undamped pole exactly at one of the frequencies, where its "
                 "response is unbounded; change the frequency or the damping",
-                code="pole-on-line",
+                code="pole-at-frequency",
             ) from None
 
     def state_space(self, derivatives: DerivativeTable) -> StateSpace:
-        """Assemble A, B, C, D for these derivatives; instruments are not included.
+        """Assemble A, B, C, D for derivatives of exactly this model's modes and inputs.
 
-        Parameters
-        ----------
-        derivatives
-            Of exactly this model's modes and inputs.
+        Instruments are not included. With a frequency shape, lag states follow those of the
+        motion.
         """
-        n, n_u = len(self.modes.numbers), len(self.inputs)
-        angle, attitude = self._kinematic_terms()
-        forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
-        force_rows, state_columns = self._force_indices()
-        A = np.zeros((3 + 2 * n, 3 + 2 * n))
-        B = np.zeros((3 + 2 * n, n_u))
-        A[np.ix_(force_rows, state_columns)] = forces[:, : 2 + 2 * n]
-        B[force_rows] = forces[:, 2 + 2 * n :]
-        A[0, 0] += angle
-        A[0, 1] += 1.0
-        A[0, 2] += attitude
-        A[2, 1] = 1.0
-        eta, etadot = np.arange(3, 3 + n), np.arange(3 + n, 3 + 2 * n)
+        n, first = len(self.modes.numbers), self.n_rigid
+        known = self._compute_kinematics()
+        forced = self.force_matrix()
+        state_columns = self.variable_states()
+        n_x = forced.shape[0]
+        if self.shape is None:
+            forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
+            A = np.zeros((n_x, n_x))
+            A[:, state_columns] = forced @ forces[:, : state_columns.size]
+            B = forced @ forces[:, state_columns.size :]
+            names = self.variables[: state_columns.size]
+            states = (*names[:first], self.body.attitude, *names[first:])
+        else:
+            lagged = build_lagged_forces(self.shape, self.condition)
+            states = lagged.states
+            loads = np.einsum("rw,rwz->rz", derivatives.values, lagged.loads)
+            forces = forced @ (self.row_factors()[:, None] * loads)
+            A, B = np.hsplit(np.vstack([forces, lagged.lag_rates]), [len(states)])
+        inverse = np.linalg.inv(known.inertia)
+        A[:first, :first] += inverse @ known.coupling
+        A[:first, first] += inverse @ known.gravity
+        A[first, :first] = known.attitude_rate
+        eta, etadot = np.arange(first + 1, first + 1 + n), np.arange(first + 1 + n, n_x)
         A[eta, etadot] = 1.0
         A[etadot, eta] -= self.modes.omega**2
         A[etadot, etadot] -= 2.0 * self.modes.zeta * self.modes.omega
-        C, D = self._outputs(A, B)
-        states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
+        C, D = self.output_matrices(A, B)
         return StateSpace(A, B, C, D, states, self.inputs, self.outputs)
 
-    def read_derivatives(self, system: StateSpace) -> DerivativeTable:
-        """Compute the nondimensional derivatives of a state-space model in these states.
+    def variable_states(self) -> np.ndarray:
+        """Return the states that cause forces, in the order of the variables (no attitude)."""
+        n, first = len(self.modes.numbers), self.n_rigid
+        return np.r_[:first, first + 1 : first + 1 + 2 * n]
 
-        The inverse of ``state_space``: known kinematics and structure are subtracted,
-        then the factors of Eq. 12 are removed.
+    def force_matrix(self) -> Float[np.ndarray, "n_x n_rows"]:
+        """Compute the effect of every dimensional force on the rates of the states.
 
-        Parameters
-        ----------
-        system
-            With this model's states and inputs by name, in any order.
-
-        Raises
-        ------
-        BadInput
-            If a state or input is missing or not of this model.
+        The inverse of the inertia couples the moments; each mode has its own row.
         """
-        n, n_u = len(self.modes.numbers), len(self.inputs)
-        states = ("alpha", "q", "theta", *variables(self.modes.numbers, ())[2:])
-        x = _index_names(states, system.states, "states")
-        A = system.A[np.ix_(x, x)]
-        B = system.B[np.ix_(x, _index_names(self.inputs, system.inputs, "inputs"))]
-        empty = DerivativeTable(self.modes.numbers, self.inputs, np.zeros((2 + n, 2 + 2 * n + n_u)))
-        known = self.state_space(empty).A
-        force_rows, state_columns = self._force_indices()
-        forces = np.concatenate(
-            [(A - known)[np.ix_(force_rows, state_columns)], B[force_rows]], axis=1
-        )
-        values = forces / self.row_factors()[:, None] / self.column_factors()
-        return DerivativeTable(self.modes.numbers, self.inputs, values)
+        n, first = len(self.modes.numbers), self.n_rigid
+        forced = np.zeros((first + 1 + 2 * n, first + n))
+        forced[:first, :first] = np.linalg.inv(self._compute_kinematics().inertia)
+        forced[first + 1 + n :, first:] = np.eye(n)
+        return forced
 
-    def _force_indices(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return rows of x-dot with forces and columns of x that cause them (not theta)."""
-        n = len(self.modes.numbers)
-        return np.r_[0, 1, 3 + n : 3 + 2 * n], np.r_[0, 1, 3 : 3 + 2 * n]
+    def _compute_kinematics(self) -> Kinematics:
+        return self.body.kinematics(self.condition, self.condition.trim)
 
-    def _kinematic_terms(self) -> tuple[float, float]:
-        """Compute the known terms of alpha-dot in alpha and theta (second matrix of Eq. 14a)."""
-        c = self.condition
-        gravity = GRAVITY * np.sin(c.gamma) / c.airspeed
-        return float(gravity - c.thrust * np.cos(c.alpha) / (c.mass * c.airspeed)), -float(gravity)
-
-    def _outputs(
+    def output_matrices(
         self, A: Float[np.ndarray, "n_x n_x"], B: Float[np.ndarray, "n_x n_u"]
     ) -> tuple[Float[np.ndarray, "n_y n_x"], Float[np.ndarray, "n_y n_u"]]:
-        n = len(self.modes.numbers)
+        """Compute C and D of dynamics whose first states are those of ``state_space``."""
+        n, first = len(self.modes.numbers), self.n_rigid
         P = self.sensors.polynomial
-        motion = np.r_[0, 1, 3 : 3 + n]
-        etadot = np.arange(3 + n, 3 + 2 * n)
+        eta = np.arange(first + 1, first + 1 + n)
         C = np.zeros((P.shape[1], A.shape[0]))
-        C[:, motion] = P[POSITION]
-        C[:, 2] = P[INTEGRAL, :, 1]
-        C[:, etadot] += P[RATE, :, 2:]
-        rates = np.r_[0, 1, etadot]  # alpha-dot, q-dot and eta-double-dot come from A and B
-        weights = np.concatenate([P[RATE, :, :2], P[ACCELERATION, :, 2:]], axis=1)
+        C[:, np.r_[:first, eta]] = P[POSITION]
+        C[:, first] = P[INTEGRAL, :, 1]  # the attitude integrates the second motion, and others
+        C[:, eta + n] += P[RATE, :, first:]
+        rates = np.r_[:first, eta + n]  # of the rigid body and of etadot: they come from A and B
+        weights = np.concatenate([P[RATE, :, :first], P[ACCELERATION, :, first:]], axis=1)
         return C + weights @ A[rates], weights @ B[rates]
-
-
-def _index_names(expected: tuple[str, ...], given: tuple[str, ...], what: str) -> list[int]:
-    if sorted(expected) != sorted(given):
-        raise BadInput(
-            f"the system has {what} {', '.join(given)}; expected are {', '.join(expected)}",
-            code="other-system",
-        )
-    return [given.index(name) for name in expected]

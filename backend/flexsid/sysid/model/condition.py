@@ -1,4 +1,4 @@
-"""FlightCondition and the factors that make derivatives nondimensional (Eq. 12)."""
+"""FlightCondition, and the part of it that changes with airspeed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,27 @@ from jaxtyping import Float
 GRAVITY = 9.80665  # standard gravity [m/s2]
 
 
+@dataclass(frozen=True, slots=True)
+class Trim:
+    """Steady flight at one airspeed (arrays without dimension) or at several.
+
+    True airspeed [m/s], dynamic pressure [Pa], angle of attack [rad] and thrust [N].
+    """
+
+    airspeed: Float[np.ndarray, "*n_v"]
+    dynamic_pressure: Float[np.ndarray, "*n_v"]
+    alpha: Float[np.ndarray, "*n_v"]
+    thrust: Float[np.ndarray, "*n_v"]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightCondition:
     """One steady condition, all in SI units and radians.
 
     ``induced_drag`` is K of C_D = C_D0 + K C_L^2; it only enters the
-    forward acceleration.
+    forward acceleration. ``product_of_inertia`` is the integral of x z dm. Span, inertia in
+    roll and yaw are those of the lateral-directional model only, pitch inertia that of the
+    longitudinal one.
     """
 
     airspeed: float
@@ -30,6 +45,10 @@ class FlightCondition:
     x_cg: float = 0.0
     z_cg: float = 0.0
     induced_drag: float = 0.0
+    span: float = 0.0
+    roll_inertia: float = 0.0
+    yaw_inertia: float = 0.0
+    product_of_inertia: float = 0.0
 
     @property
     def dynamic_pressure(self) -> float:
@@ -47,24 +66,8 @@ class FlightCondition:
         """Factor c/2V that makes q and etadot nondimensional. [s]"""
         return self.chord / (2.0 * self.airspeed)
 
-    def row_factors(
-        self, generalized_mass: Float[np.ndarray, " n_modes"]
-    ) -> Float[np.ndarray, " n_rows"]:
-        """Compute the dimensional factors of the rows Z, M, Q_1..n (Eq. 12).
-
-        Z is divided by mV and so enters alpha-dot directly. [1/s, 1/s2, 1/s2...]
-        """
-        force = self.dynamic_pressure * self.area
-        return np.concatenate(
-            [
-                [force / (self.mass * self.airspeed), force * self.chord / self.pitch_inertia],
-                force * self.chord / np.asarray(generalized_mass, dtype=float),
-            ]
-        )
-
-    def column_factors(self, n_modes: int, n_inputs: int) -> Float[np.ndarray, " n_w"]:
-        """Compute the factors of the variables alpha, q, eta, etadot, inputs (Eq. 12)."""
-        rate = self.rate_factor
-        return np.concatenate(
-            [[1.0, rate], np.ones(n_modes), np.full(n_modes, rate), np.ones(n_inputs)]
-        )
+    @property
+    def trim(self) -> Trim:
+        """Airspeed, dynamic pressure, angle of attack and thrust."""
+        values = (self.airspeed, self.dynamic_pressure, self.alpha, self.thrust)
+        return Trim(*(np.asarray(float(value)) for value in values))

@@ -58,18 +58,7 @@ class Instrument:
     delay_s: float = 0.0
 
     def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
-        """Compute the frequency response of the whole chain, delay included.
-
-        Parameters
-        ----------
-        omega
-            Angular frequencies. [rad/s]
-
-        Returns
-        -------
-        array
-            Measured over true quantity. [1]
-        """
+        """Compute the response of the whole chain, delay included: measured over true. [1]"""
         s = 1j * np.asarray(omega, dtype=float)
         response = np.exp(-s * self.delay_s)
         for element in self.elements:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import factorial
+from math import comb, factorial
 
 import numpy as np
+from jaxtyping import Float
+from scipy import linalg
 
 from flexsid.errors import BadInput
+from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.instruments import Instrument
 
@@ -32,14 +35,12 @@ def schedule_law(
 ) -> StateSpace:
     """Interpolate the law at an airspeed, linear between the given ones and constant outside."""
     ordered = sorted(laws, key=lambda law: law.airspeed)
-    speeds = [law.airspeed for law in ordered]
-    upper = int(np.clip(np.searchsorted(speeds, airspeed), 1, max(1, len(ordered) - 1)))
-    low, high = ordered[upper - 1], ordered[min(upper, len(ordered) - 1)]
-    width = high.airspeed - low.airspeed
-    share = float(np.clip((airspeed - low.airspeed) / width, 0.0, 1.0)) if width > 0.0 else 0.0
+    speeds = np.array([law.airspeed for law in ordered], dtype=float)
     A, B, C, D = (
-        (1.0 - share) * one + share * other
-        for one, other in ((low.A, high.A), (low.B, high.B), (low.C, high.C), (low.D, high.D))
+        interpolate(
+            speeds, np.array([getattr(law, name) for law in ordered], dtype=float), airspeed
+        )
+        for name in "ABCD"
     )
     states = tuple(f"law_{k + 1}" for k in range(A.shape[0]))
     return StateSpace(A, B, C, D, states, reads, drives)
@@ -88,22 +89,14 @@ def realise_transfer_functions(
     BadInput
         If a numerator is of higher degree than its denominator, or a denominator is zero.
     """
-    parts = []
+    A, B, C = np.zeros((0, 0)), np.zeros((0, n_read)), np.zeros((n_driven, 0))
     D = np.zeros((n_driven, n_read))
     for (row, column), (numerator, denominator) in elements.items():
         a, b, c, d = _realise(numerator, denominator)
-        D[row, column] += d
-        into, out = np.zeros((a.shape[0], n_read)), np.zeros((n_driven, a.shape[0]))
+        into, out = np.zeros((b.size, n_read)), np.zeros((n_driven, b.size))
         into[:, column], out[row] = b, c
-        parts.append((a, into, out))
-    sizes = [a.shape[0] for a, _, _ in parts]
-    A = np.zeros((sum(sizes), sum(sizes)))
-    start = 0
-    for (a, _, _), size in zip(parts, sizes, strict=True):
-        A[start : start + size, start : start + size] = a
-        start += size
-    B = np.concatenate([b for _, b, _ in parts]) if parts else np.zeros((0, n_read))
-    C = np.concatenate([c for _, _, c in parts], axis=1) if parts else np.zeros((n_driven, 0))
+        A, B, C = linalg.block_diag(A, a), np.vstack([B, into]), np.hstack([C, out])
+        D[row, column] += d
     return A, B, C, D
 
 
@@ -117,8 +110,7 @@ def build_instrument_chain(instruments: Sequence[Instrument], names: tuple[str, 
             numerator = np.polymul(numerator, own[0])
             denominator = np.polymul(denominator, own[1])
         elements[k, k] = numerator.tolist(), denominator.tolist()
-    A, B, C, D = realise_transfer_functions(elements, len(names), len(names))
-    return StateSpace(A, B, C, D, tuple(f"actuator_{k + 1}" for k in range(len(A))), names, names)
+    return _build_parallel(elements, names, "actuator")
 
 
 def build_delays(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace:
@@ -128,18 +120,23 @@ def build_delays(seconds: Sequence[float], names: tuple[str, ...]) -> StateSpace
     for k, tau in enumerate(seconds):
         if tau > 0.0:
             weights = [
-                factorial(2 * _PADE - p)
-                * factorial(_PADE)
-                / (factorial(2 * _PADE) * factorial(p) * factorial(_PADE - p))
-                * tau**p
+                comb(_PADE, p) * factorial(2 * _PADE - p) / factorial(2 * _PADE) * tau**p
                 for p in powers
             ]
             signed = [w * (-1.0) ** p for w, p in zip(weights, powers, strict=True)]
             elements[k, k] = signed, weights
         else:
             elements[k, k] = (1.0,), (1.0,)
+    return _build_parallel(elements, names, "delay")
+
+
+def _build_parallel(
+    elements: Mapping[tuple[int, int], tuple[Polynomial, Polynomial]],
+    names: tuple[str, ...],
+    label: str,
+) -> StateSpace:
     A, B, C, D = realise_transfer_functions(elements, len(names), len(names))
-    return StateSpace(A, B, C, D, tuple(f"delay_{k + 1}" for k in range(len(A))), names, names)
+    return StateSpace(A, B, C, D, tuple(f"{label}_{k + 1}" for k in range(len(A))), names, names)
 
 
 def series(first: StateSpace, then: StateSpace) -> StateSpace:
@@ -160,6 +157,39 @@ def series(first: StateSpace, then: StateSpace) -> StateSpace:
         inputs=(*first.inputs, *(then.inputs[k] for k in free)),
         outputs=then.outputs,
     )
+
+
+def discretise(
+    A: Float[np.ndarray, "n n"], B: Float[np.ndarray, "n m"], step_s: float
+) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n m"]]:
+    """Compute the transition over one step, and the effect of constant inputs over it."""
+    n, m = B.shape
+    exponential = linalg.expm(np.block([[A, B], [np.zeros((m, n + m))]]) * step_s)
+    return exponential[:n, :n], exponential[:n, n:]
+
+
+def find_loop_channels(plant: StateSpace, controller: StateSpace) -> tuple[list[int], list[int]]:
+    """Find the outputs of a plant that a controller reads, and the inputs that it drives.
+
+    Raises
+    ------
+    BadInput
+        If the plant does not have one of them.
+    """
+    for names, known, what in (
+        (controller.inputs, plant.outputs, "reads"),
+        (controller.outputs, plant.inputs, "drives"),
+    ):
+        missing = [name for name in names if name not in known]
+        if missing:
+            raise BadInput(
+                f"the controller {what} '{missing[0]}', which the model does not have; it has "
+                f"{', '.join(known)}",
+                code="unknown-channel",
+                channel=missing[0],
+            )
+    read = [plant.outputs.index(name) for name in controller.inputs]
+    return read, [plant.inputs.index(name) for name in controller.outputs]
 
 
 def _realise(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 
@@ -18,21 +20,7 @@ def residualize(
 ) -> DerivativeTable:
     """Residualise modes: add their static response to the derivatives of the retained modes.
 
-    Parameters
-    ----------
-    derivatives
-        Of the full model.
-    modes
-        Structural modes; must include every mode of ``derivatives``.
-    condition
-        Flight condition; the result depends on dynamic pressure.
-    retained
-        Numbers of the retained modes.
-
-    Returns
-    -------
-    DerivativeTable
-        Of the retained modes; its static gain is that of the full model.
+    The static gain is that of the full model; the result depends on dynamic pressure.
 
     Notes
     -----
@@ -44,23 +32,14 @@ def residualize(
     dropped_rows, static = compute_static_recovery(derivatives, modes, condition, retained)
     values = derivatives.values[np.ix_(rows, columns)].copy()
     values += derivatives.values[np.ix_(rows, dropped_rows)] @ static
-    return DerivativeTable(tuple(retained), derivatives.inputs, values)
+    return replace(derivatives, modes=tuple(retained), values=values)
 
 
 def truncate(derivatives: DerivativeTable, retained: tuple[int, ...]) -> DerivativeTable:
-    """Truncate modes, as if the structure were rigid in them.
-
-    Parameters
-    ----------
-    derivatives
-        Of the full model.
-    retained
-        Numbers of the retained modes.
-    """
+    """Truncate the modes that are not retained, as if the structure were rigid in them."""
     rows, columns, _ = _select_indices(derivatives, retained)
-    return DerivativeTable(
-        tuple(retained), derivatives.inputs, derivatives.values[np.ix_(rows, columns)].copy()
-    )
+    values = derivatives.values[np.ix_(rows, columns)].copy()
+    return replace(derivatives, modes=tuple(retained), values=values)
 
 
 def compute_static_recovery(
@@ -76,13 +55,13 @@ def compute_static_recovery(
     list of int
         Columns of the dropped modes' eta in the table of the full model.
     array
-        eta of each dropped mode per unit alpha, q c/2V, eta, etadot c/2V and input.
+        eta of each dropped mode per unit nondimensional motion, eta, etadot c/2V and input.
     """
     _, columns, dropped = _select_indices(derivatives, retained)
     structure = modes.select(derivatives.modes)
     force = condition.dynamic_pressure * condition.area * condition.chord
     stiffness = structure.mass * structure.omega**2 / force
-    columns_dropped = [2 + i for i in dropped]
+    columns_dropped = [derivatives.body.size + i for i in dropped]
     K = np.diag(stiffness[dropped]) - derivatives.values[np.ix_(columns_dropped, columns_dropped)]
     return columns_dropped, np.linalg.solve(K, derivatives.values[np.ix_(columns_dropped, columns)])
 
@@ -91,15 +70,13 @@ def _select_indices(
     derivatives: DerivativeTable, retained: tuple[int, ...]
 ) -> tuple[list[int], list[int], list[int]]:
     """Return rows and columns of the retained modes, and the indices of the dropped ones."""
-    numbers = derivatives.modes
+    numbers, first = derivatives.modes, derivatives.body.size
     n = len(numbers)
     indices = [numbers.index(number) for number in retained]
-    rows = [0, 1, *(2 + i for i in indices)]
+    rows = [*range(first), *(first + i for i in indices)]
     columns = [
-        0,
-        1,
-        *(2 + i for i in indices),
-        *(2 + n + i for i in indices),
-        *range(2 + 2 * n, derivatives.values.shape[1]),
+        *rows,
+        *(first + n + i for i in indices),
+        *range(first + 2 * n, derivatives.values.shape[1]),
     ]
     return rows, columns, [i for i in range(n) if i not in indices]

@@ -13,16 +13,8 @@ def compute_mac(
 ) -> Float[np.ndarray, "n_a n_b"]:
     """Modal assurance criterion of every shape of one set with every shape of another.
 
-    Parameters
-    ----------
-    a, b
-        One shape per row, at the same degrees of freedom in the same order; real or
-        complex, in any scale.
-
-    Returns
-    -------
-    array
-        1 for the same shape, 0 for orthogonal shapes and for a shape that is zero.
+    One shape per row, at the same degrees of freedom; real or complex, in any scale. 1 for the
+    same shape, 0 for orthogonal shapes and for a shape that is zero.
 
     Notes
     -----
@@ -94,12 +86,8 @@ def compute_mass_orthogonality(
 ) -> Float[np.ndarray, "n_modes n_modes"]:
     """Orthogonality of shapes over a mass matrix, 1 on the diagonal.
 
-    Parameters
-    ----------
-    shapes
-        One shape per row.
-    mass
-        Symmetric mass matrix at the same degrees of freedom, in any consistent unit.
+    One shape per row; the symmetric mass matrix is at the same degrees of freedom, in any
+    consistent unit.
 
     Raises
     ------

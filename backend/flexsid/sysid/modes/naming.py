@@ -5,14 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
+from scipy import linalg
 from scipy.spatial import cKDTree
 
 from flexsid.sysid.modes.symmetry import find_symmetry
 
+_OUTBOARD = 0.45  # of the span from its middle: winglets lie further out
+_OFF_PLANE = 0.005  # of the span above or below the wing: nodes of a winglet
+_STATION_GAP = 0.004  # of the span between neighbouring stations
+_LEAST_CHORD = 0.02  # of the span: narrower stations are those of a beam
 _RIGID_SHARE = 0.98  # of the motion: least share of the rigid-body motion in a rigid mode
 _FORE_AFT_SHARE = 0.25  # of the wing's motion: least share in a fore-aft mode
 _WINGLET_RATIO = 2.0  # mean square of the winglets over the wing: least ratio in a winglet mode
+_RANK_TOLERANCE = 3e-5  # of the largest singular value: rotation about a straight line is none
 _LETTER = {True: "S", False: "A", None: ""}
 _WORD = {True: "symmetric", False: "antisymmetric", None: "neither symmetric nor antisymmetric"}
 
@@ -28,13 +34,16 @@ class ModeName:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Motion:
-    """Mean square motions of a wing, as shares of its own (sum 1), and of its winglets."""
+    """Mean square motions of a wing, as shares of its own (sum 1), and of its winglets.
 
-    rigid: float
+    ``rigid`` is the share of the whole motion that six motions of a rigid body account for.
+    """
+
     fore_aft: float
     plunge: float
     twist: float
     winglet: float
+    rigid: float
 
 
 def name_modes(
@@ -65,13 +74,10 @@ def name_modes(
     Source: Fig. 2 and the nomenclature, which name modes by the largest motion. The rule
     counts within each kind; analysts correct it where their programme differs.
     """
-    symmetry = find_symmetry(nodes, translation)
-    wing = _Wing.of(nodes)
+    motions = _measure_motions(nodes, translation, None if rotation is None else rotation[:, :, 1])
     counts: dict[str, int] = {}
     names: list[ModeName] = []
-    for mode, shape in enumerate(translation):
-        symmetric = symmetry.is_symmetric(mode)
-        motion = wing.motion(shape, None if rotation is None else rotation[mode, :, 1])
+    for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
         kind, why = _classify_motion(motion)
         letter = "" if kind == "R" else _LETTER[symmetric]
         counts[letter + kind] = count = counts.get(letter + kind, 0) + 1
@@ -100,95 +106,76 @@ def _classify_motion(motion: _Motion) -> tuple[str, str]:
     return "T", f"{percent(motion.twist)} of the wing's motion is twist"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Wing:
-    """Nodes sorted into stations along the span, and winglets at its ends."""
-
-    nodes: Float[np.ndarray, "n_nodes 3"]
-    station: Int[np.ndarray, " n_nodes"]  # -1 for what is not of the wing
-    n_stations: int
-    winglet: Bool[np.ndarray, " n_nodes"]
-    winglet_root: Int[np.ndarray, " n_nodes"]  # nearest node of the wing
-    chord: float  # that of a typical station [m]
-    rigid: Float[np.ndarray, "n_dof n_rigid"]
-
-    @classmethod
-    def of(cls, nodes: Float[np.ndarray, "n_nodes 3"]) -> _Wing:
-        y, z = nodes[:, 1], nodes[:, 2]
-        span = max(float(np.ptp(y)), 1e-9)
-        middle = 0.5 * (float(y.max()) + float(y.min()))
-        outboard = np.abs(y - middle) > 0.45 * span
-        winglet = outboard & (np.abs(z - np.median(z)) > 0.005 * span)
-        order = np.argsort(y, kind="stable")
-        step = np.diff(y[order]) > 0.004 * span
-        station = np.empty(y.size, dtype=np.intp)
-        station[order] = np.concatenate([[0], np.cumsum(step)])
-        n_stations = int(station.max()) + 1
-        station[winglet] = -1
-        root = np.arange(y.size)
-        if winglet.any() and not winglet.all():
-            wing_nodes = np.flatnonzero(~winglet)
-            nearest = cKDTree(nodes[wing_nodes]).query(nodes[winglet])[1]
-            root[winglet] = wing_nodes[np.asarray(nearest)]
-        spreads = [
-            float(np.ptp(nodes[station == number, 0]))
-            for number in range(n_stations)
-            if (station == number).any()
-        ]
-        wide = [spread for spread in spreads if spread > 0.02 * span]
-        chord = float(np.median(wide)) if wide else 0.1 * span
-        return cls(nodes, station, n_stations, winglet, root, chord, _rigid_motions(nodes))
-
-    def motion(
-        self,
-        shape: Float[np.ndarray, "n_nodes 3"],
-        pitch: Float[np.ndarray, " n_nodes"] | None,
-    ) -> _Motion:
-        """Decompose one shape into the motions of rigid stations."""
-        fore_aft, plunge, twist = [], [], []
-        for number in range(self.n_stations):
-            inside = np.flatnonzero(self.station == number)
-            if inside.size == 0:
-                continue
-            x = self.nodes[inside, 0] - self.nodes[inside, 0].mean()
-            u = shape[inside]
-            heave = float(u[:, 2].mean())
-            if np.ptp(x) > 0.2 * self.chord:
-                slope = float(x @ (u[:, 2] - heave) / (x @ x))
-                half = 0.5 * float(np.ptp(x))
-            else:  # one node, or a few on a beam
-                slope = 0.0 if pitch is None else float(pitch[inside].mean())
-                half = 0.5 * self.chord
-            fore_aft.append(float(u[:, 0].mean()))
-            plunge.append(heave)
-            twist.append(slope * half)
-        squares = np.array([np.mean(np.square(part)) for part in (fore_aft, plunge, twist)])
-        total = float(squares.sum())
-        shares = squares / total if total > 0 else np.zeros(3)
-        sideways = shape[self.winglet, 1] - shape[self.winglet_root[self.winglet], 1]
-        winglet = float(np.mean(sideways**2)) / total if sideways.size and total > 0 else 0.0
-        return _Motion(
-            rigid=self._rigid_share(shape),
-            fore_aft=float(shares[0]),
-            plunge=float(shares[1]),
-            twist=float(shares[2]),
-            winglet=winglet,
-        )
-
-    def _rigid_share(self, shape: Float[np.ndarray, "n_nodes 3"]) -> float:
-        """Share of the motion that six motions of a rigid body account for."""
-        norm = float(np.sum(shape**2))
-        return float(np.sum((self.rigid.T @ shape.ravel()) ** 2)) / norm if norm > 0 else 0.0
+def _measure_motions(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+    pitch: Float[np.ndarray, "n_modes n_nodes"] | None,
+) -> list[_Motion]:
+    """Decompose shapes into the motions of rigid stations along the wing, and of its winglets."""
+    station, root = _find_stations(nodes)
+    on_wing = [own for k in range(nodes.shape[0]) if (own := np.flatnonzero(station == k)).size]
+    chords = [float(np.ptp(nodes[own, 0])) for own in on_wing]
+    span = max(float(np.ptp(nodes[:, 1])), 1e-9)
+    wide = [chord for chord in chords if chord > _LEAST_CHORD * span]
+    typical = float(np.median(wide)) if wide else 0.1 * span
+    parts = []
+    for own, chord in zip(on_wing, chords, strict=True):
+        x = nodes[own, 0] - nodes[own, 0].mean()
+        surge, heave = translation[:, own, 0].mean(axis=1), translation[:, own, 2].mean(axis=1)
+        if chord > 0.2 * typical:
+            half = 0.5 * chord
+            slope = (translation[:, own, 2] - heave[:, None]) @ x / (x @ x)
+        else:  # one node, or a few on a beam
+            half = 0.5 * typical
+            slope = np.zeros(heave.size) if pitch is None else pitch[:, own].mean(axis=1)
+        parts.append([surge, heave, slope * half])
+    n_modes = translation.shape[0]
+    squares = np.square(parts).reshape(-1, 3, n_modes).sum(axis=0) / max(1, len(parts))
+    total = squares.sum(axis=0)
+    away = np.flatnonzero(station < 0)
+    sideways = translation[:, away, 1] - translation[:, root[away], 1]
+    lateral = np.square(sideways).sum(axis=1) / max(1, away.size)
+    flat = translation.reshape(n_modes, -1)
+    rigid = np.square(flat @ _build_rigid_basis(nodes)).sum(axis=1)
+    rows = [*_divide(squares, total), _divide(lateral, total)]
+    rows.append(_divide(rigid, np.square(flat).sum(axis=1)))
+    return [_Motion(*row) for row in np.array(rows).T.tolist()]
 
 
-def _rigid_motions(nodes: Float[np.ndarray, "n_nodes 3"]) -> Float[np.ndarray, "n_dof n_rigid"]:
+def _divide(part: np.ndarray, whole: Float[np.ndarray, " n_modes"]) -> np.ndarray:
+    """Share of a whole, zero of nothing."""
+    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0)
+
+
+def _find_stations(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+) -> tuple[Int[np.ndarray, " n_nodes"], Int[np.ndarray, " n_nodes"]]:
+    """Station of every node along the wing, -1 on a winglet, and its nearest node of the wing."""
+    y, z = nodes[:, 1], nodes[:, 2]
+    span = max(float(np.ptp(y)), 1e-9)
+    middle = 0.5 * (float(y.max()) + float(y.min()))
+    winglet = (np.abs(y - middle) > _OUTBOARD * span) & (
+        np.abs(z - np.median(z)) > _OFF_PLANE * span
+    )
+    order = np.argsort(y, kind="stable")
+    station = np.empty(y.size, dtype=np.intp)
+    station[order] = np.concatenate([[0], np.cumsum(np.diff(y[order]) > _STATION_GAP * span)])
+    station[winglet] = -1
+    root = np.arange(y.size)
+    if winglet.any() and not winglet.all():
+        wing_nodes = np.flatnonzero(~winglet)
+        nearest = cKDTree(nodes[wing_nodes]).query(nodes[winglet])[1]
+        root[winglet] = wing_nodes[np.asarray(nearest)]
+    return station, root
+
+
+def _build_rigid_basis(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+) -> Float[np.ndarray, "n_dof n_rigid"]:
     """Orthonormal basis of the motions of a rigid body (fewer than six of a straight line)."""
     arm = nodes - nodes.mean(axis=0)
     motions = np.zeros((6, *nodes.shape))
     for axis in range(3):
         motions[axis, :, axis] = 1.0
         motions[3 + axis] = np.cross(np.eye(3)[axis], arm)
-    flat = motions.reshape(6, -1)
-    values, vectors = np.linalg.eigh(flat @ flat.T)
-    held = values > 1e-9 * values[-1]
-    return flat.T @ (vectors[:, held] / np.sqrt(values[held]))
+    return linalg.orth(motions.reshape(6, -1).T, rcond=_RANK_TOLERANCE)

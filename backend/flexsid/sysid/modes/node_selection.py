@@ -6,27 +6,17 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-_NEIGHBOURS = 4
-_FAR = 2.5
+_NEIGHBOURS = 4  # of a node, that it is joined with
+_FAR = 2.5  # times the usual distance: a longer connection is omitted
 
 
 def select_spread_nodes(
     nodes: Float[np.ndarray, "n_nodes 3"], count: int
 ) -> Int[np.ndarray, " n_shown"]:
-    """Select nodes that lie as far apart from each other as possible.
+    """Select at most ``count`` nodes [m] that lie as far apart as possible; rows, increasing.
 
-    Parameters
-    ----------
-    nodes
-        All of them. [m]
-    count
-        Largest number of nodes.
-
-    Returns
-    -------
-    array
-        Rows, increasing. The first is the one farthest from the middle, each further one the
-        farthest from all selected, so that tips and edges come first.
+    The first is the one farthest from the middle, each further one the farthest from all
+    selected, so that tips and edges come first.
     """
     n = nodes.shape[0]
     if n <= count:
@@ -34,10 +24,10 @@ def select_spread_nodes(
     x, y, z = np.ascontiguousarray((nodes - nodes.mean(axis=0)).T.astype(np.float32))
     gap = x * x + y * y + z * z
     selected = np.empty(count, dtype=np.intp)
-    for place in range(count):
-        farthest = selected[place] = np.argmax(gap)
+    for index in range(count):
+        farthest = selected[index] = np.argmax(gap)
         distance = (x - x[farthest]) ** 2 + (y - y[farthest]) ** 2 + (z - z[farthest]) ** 2
-        gap = distance if place == 0 else np.minimum(gap, distance)
+        gap = distance if index == 0 else np.minimum(gap, distance)
     return np.sort(selected)
 
 

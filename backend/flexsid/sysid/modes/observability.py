@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 _RANK_TOLERANCE = 1e-10  # of the scaled information: smaller eigenvalues are unresolved
 _UNRESOLVED_SHARE = 1e-6  # of a motion in unresolved directions: more is not identifiable
+_LEAST_INFORMATION = 1e-6  # of the largest, of every motion: unobserved ones have a finite variance
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +47,6 @@ def compute_modal_information(
     matrix = whole.T @ whole
     n = rows.shape[1]
     scale = np.sqrt(np.diag(matrix))
-    covariance = np.full((n, n), np.inf)
     seen = scale > 0
     unit = matrix[np.ix_(seen, seen)] / np.outer(scale[seen], scale[seen])
     values, vectors = np.linalg.eigh(unit)
@@ -58,8 +58,7 @@ def compute_modal_information(
     identifiable = np.flatnonzero(seen)[~loose]
     part = inverse[np.ix_(~loose, ~loose)] / np.outer(scale[identifiable], scale[identifiable])
     full[np.ix_(identifiable, identifiable)] = part
-    covariance[:] = full[:n, :n]
-    return ModalInformation(covariance, matrix)
+    return ModalInformation(full[:n, :n], matrix)
 
 
 def rank_candidate_sensors(
@@ -70,14 +69,8 @@ def rank_candidate_sensors(
 ) -> tuple[Float[np.ndarray, " n_candidates"], Float[np.ndarray, "n_candidates n_modes"]]:
     """Rank candidate sensors by the information that each would add.
 
-    Parameters
-    ----------
-    information
-        Of the present sensors.
-    rows, rigid
-        Signals of each candidate.
-    noise
-        Its standard deviation.
+    ``information`` is that of the present sensors; the candidates are given as to
+    ``compute_modal_information``, of one standard deviation.
 
     Returns
     -------
@@ -96,7 +89,7 @@ def rank_candidate_sensors(
     n = rows.shape[1]
     scale = np.sqrt(np.diag(information.matrix))
     scale[scale == 0] = max(float(scale.max(initial=0.0)), 1.0)
-    unit = information.matrix / np.outer(scale, scale) + 1e-6 * np.eye(scale.size)
+    unit = information.matrix / np.outer(scale, scale) + _LEAST_INFORMATION * np.eye(scale.size)
     before = np.linalg.inv(unit)
     h = np.concatenate([rows, rigid], axis=1) / noise / scale
     projected = h @ before

@@ -1,4 +1,4 @@
-"""Modal parameters from measured frequency responses: poly-reference least squares."""
+"""Stabilisation diagram of measured frequency responses: poly-reference least squares."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.modes.assurance import compute_mac
+from flexsid.sysid.modes.modal_model import MOST_DAMPED
 
 _FREQUENCY_TOLERANCE = 0.01  # relative change from one order to the next of a stable frequency
 _DAMPING_TOLERANCE = 0.05  # relative change from one order to the next of a stable damping ratio
 _SAME_PARTICIPATION = 0.95  # least MAC of participation vectors of a stable pole
-_MOST_DAMPED = 0.3  # damping ratio: larger ones are not structural modes
-_POWER = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_LEAST_ORDERS = 0.3  # of the orders, at least three, in which a mode must be stable
+_SAME_COLUMN = 0.9  # least MAC of participation vectors of one mode in several orders
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,25 +36,6 @@ class StabilizationPole:
     def damping(self) -> float:
         """Damping ratio. [1]"""
         return -self.value.real / abs(self.value)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeasuredModes:
-    """Modes found in frequency responses.
-
-    ``std_omega`` and ``std_damping`` are the scatter over the model orders in which each
-    mode was stable, ``shapes`` (n_modes, n_outputs) per unit eta: of one kg m2 of generalised
-    mass where ``scaled`` (a driving point was measured), else of largest component one.
-    ``fitted`` is the response of these modes and of the out-of-band modes.
-    """
-
-    omega: Float[np.ndarray, " n_modes"]
-    damping: Float[np.ndarray, " n_modes"]
-    std_omega: Float[np.ndarray, " n_modes"]
-    std_damping: Float[np.ndarray, " n_modes"]
-    shapes: Complex[np.ndarray, "n_modes n_outputs"]
-    scaled: bool
-    fitted: Complex[np.ndarray, "n_omega n_outputs n_references"]
 
 
 def compute_stabilisation(
@@ -90,10 +71,10 @@ def compute_stabilisation(
         raise BadInput(
             f"{n_omega} frequencies are too few for models of order {highest_order}; take a "
             "wider band or a lower order",
-            code="too-few-lines",
+            code="too-few-frequencies",
         )
     span = float(omega[-1] - omega[0])
-    step = np.pi / (1.02 * span)
+    step = np.pi / (1.02 * span)  # the band ends just below half a turn of z
     powers = np.exp(-1j * np.outer((omega - omega[0]) * step, np.arange(highest_order + 1)))
     M = _compute_reduced_normal(powers, responses)
     poles: list[StabilizationPole] = []
@@ -142,12 +123,18 @@ def _compute_poles(
     for value, vector in zip(values, vectors.T, strict=True):
         if value == 0:
             continue
-        root = complex(np.log(value) / step)
+        root = complex(np.log(complex(value)) / step)
         pole = complex(root.real, root.imag + start)
-        if pole.imag <= start or pole.real >= 0 or -pole.real > _MOST_DAMPED * abs(pole):
+        if pole.imag <= start or pole.real >= 0 or -pole.real > MOST_DAMPED * abs(pole):
             continue
         found.append((pole, vector[-n_in:]))
     return found
+
+
+def _compare(one: np.ndarray, other: np.ndarray) -> float:
+    """MAC of two participation vectors."""
+    product = abs(np.vdot(one, other)) ** 2
+    return float(product / (np.vdot(one, one).real * np.vdot(other, other).real))
 
 
 def _compare_orders(
@@ -155,18 +142,13 @@ def _compare_orders(
 ) -> StabilizationPole:
     size = abs(value)
     damping = -value.real / size
-    frequency_holds = stable = False
-    for pole in before:
-        if abs(pole.omega - size) > _FREQUENCY_TOLERANCE * size:
-            continue
-        frequency_holds = True
-        same = compute_mac(participation[None], pole.participation[None])[0, 0]
-        if (
-            abs(pole.damping - damping) <= _DAMPING_TOLERANCE * damping
-            and same > _SAME_PARTICIPATION
-        ):
-            stable = True
-    return StabilizationPole(order, value, participation, stable, frequency_holds)
+    near = [pole for pole in before if abs(pole.omega - size) <= _FREQUENCY_TOLERANCE * size]
+    is_stable = any(
+        abs(pole.damping - damping) <= _DAMPING_TOLERANCE * damping
+        and _compare(participation, pole.participation) > _SAME_PARTICIPATION
+        for pole in near
+    )
+    return StabilizationPole(order, value, participation, is_stable, bool(near))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,27 +157,12 @@ class PoleColumn:
 
     value: complex
     participation: Complex[np.ndarray, " n_references"]
-    n_stable: int
-    std_omega: float
-    std_damping: float
 
 
-def find_columns(
-    poles: tuple[StabilizationPole, ...], share: float = 0.3
-) -> tuple[PoleColumn, ...]:
-    """Find the columns of a stabilisation diagram.
+def find_columns(poles: tuple[StabilizationPole, ...]) -> tuple[PoleColumn, ...]:
+    """Find the columns of a stabilisation diagram, by frequency.
 
-    Parameters
-    ----------
-    poles
-        Of all orders.
-    share
-        Least share of the orders in which a mode must be stable.
-
-    Returns
-    -------
-    tuple of Cluster
-        By frequency; of each the pole of the median damping over its orders.
+    Of each the pole of the median damping over its orders is returned.
     """
     stable = sorted((pole for pole in poles if pole.stable), key=lambda pole: pole.omega)
     if not stable:
@@ -205,130 +172,35 @@ def find_columns(
     for pole in stable:
         for column in columns:
             middle = column[len(column) // 2]
-            alike = compute_mac(pole.participation[None], middle.participation[None])[0, 0]
-            near = abs(pole.omega - middle.omega) < _FREQUENCY_TOLERANCE * pole.omega
-            apart = pole.order not in {other.order for other in column}
-            if near and apart and alike > 0.9:
+            if (
+                abs(pole.omega - middle.omega) < _FREQUENCY_TOLERANCE * pole.omega
+                and pole.order not in {other.order for other in column}
+                and _compare(pole.participation, middle.participation) > _SAME_COLUMN
+            ):
                 column.append(pole)
                 break
         else:
             columns.append([pole])
     found = []
     for column in columns:
-        if len(column) < max(3, share * n_orders):
+        if len(column) < max(3, _LEAST_ORDERS * n_orders):
             continue
         dampings = np.array([pole.damping for pole in column])
         best = column[int(np.argsort(dampings)[len(column) // 2])]
-        found.append(
-            PoleColumn(
-                best.value,
-                best.participation,
-                len(column),
-                float(np.std([pole.omega for pole in column])),
-                float(np.std(dampings)),
-            )
-        )
+        found.append(PoleColumn(best.value, best.participation))
     return tuple(sorted(found, key=lambda one: abs(one.value)))
 
 
-def fit_shapes(
-    omega: Float[np.ndarray, " n_omega"],
+def compute_mode_indicator(
     responses: Complex[np.ndarray, "n_omega n_outputs n_references"],
-    columns: tuple[PoleColumn, ...],
-    quantity: str,
-    driving: tuple[tuple[int, int], ...] = (),
-) -> MeasuredModes:
-    """Fit shapes to frequency responses, poles and participation factors given.
+) -> Float[np.ndarray, "n_omega n_indicators"]:
+    """Complex mode indicator function: singular values of the responses at each frequency.
 
-    Parameters
-    ----------
-    omega, responses
-        Frequencies and responses per force.
-    columns
-        Modes.
-    quantity
-        ``displacement``, ``velocity`` or ``acceleration``.
-    driving
-        Pairs (output, reference) at one point in one direction; they give the scale.
-
-    Raises
-    ------
-    BadInput
-        If there is no mode, or the quantity is unknown.
+    Each mode is a peak; modes of nearly one frequency are peaks of several singular values, if
+    there are several references.
 
     Notes
     -----
-    Least-squares frequency domain (LSFD): residues are the products of shape and
-    participation; modes below and above the band add s^-2 and constant terms.
+    Source: Shih, Tsuei, Allemang and Brown (1988).
     """
-    if not columns:
-        raise BadInput(
-            "no pole is stable over enough orders; take more orders or a narrower band",
-            code="no-modes",
-        )
-    if quantity not in _POWER:
-        raise BadInput(
-            f"a response is of {', '.join(_POWER)}, not '{quantity}'", code="bad-quantity"
-        )
-    n_omega, n_out, n_in = responses.shape
-    s = 1j * omega
-    lift = s ** _POWER[quantity]
-    roots = np.array([column.value for column in columns])
-    part = np.stack([column.participation for column in columns])
-    # Unknown psi (complex) and residual terms (real) of each output; n_omega * n_in equations.
-    first = lift[:, None] / (s[:, None] - roots)
-    second = lift[:, None] / (s[:, None] - roots.conj())
-    a = first[:, None, :] * part.T[None]
-    b = second[:, None, :] * part.conj().T[None]
-    real_columns, imaginary_columns = a + b, 1j * (a - b)
-    residual = np.zeros((n_omega, n_in, 2 * n_in), dtype=complex)
-    for reference in range(n_in):
-        residual[:, reference, reference] = lift / s**2
-        residual[:, reference, n_in + reference] = lift
-    design = np.concatenate([real_columns, imaginary_columns, residual], axis=2)
-    design = design.reshape(n_omega * n_in, -1)
-    stacked = np.concatenate([np.real(design), np.imag(design)])
-    norm = np.linalg.norm(stacked, axis=0)
-    norm[norm == 0] = 1.0
-    data = np.transpose(responses, (0, 2, 1)).reshape(n_omega * n_in, n_out)
-    both = np.concatenate([np.real(data), np.imag(data)])
-    solution = np.linalg.lstsq(stacked / norm, both, rcond=None)[0] / norm[:, None]
-    n = len(columns)
-    psi = solution[:n] + 1j * solution[n : 2 * n]
-    fitted = (design @ solution).reshape(n_omega, n_in, n_out).transpose(0, 2, 1)
-    shapes, scaled = _scale_shapes(psi, part, roots, driving)
-    return MeasuredModes(
-        omega=np.abs(roots),
-        damping=-np.real(roots) / np.abs(roots),
-        std_omega=np.array([column.std_omega for column in columns]),
-        std_damping=np.array([column.std_damping for column in columns]),
-        shapes=shapes,
-        scaled=scaled,
-        fitted=fitted,
-    )
-
-
-def _scale_shapes(
-    psi: Complex[np.ndarray, "n_modes n_outputs"],
-    part: Complex[np.ndarray, "n_modes n_references"],
-    roots: Complex[np.ndarray, " n_modes"],
-    driving: tuple[tuple[int, int], ...],
-) -> tuple[Complex[np.ndarray, "n_modes n_outputs"], bool]:
-    """Scale shapes to unit generalised mass by a driving point, else to largest one.
-
-    A residue of a structure with proportional damping is phi_o phi_d / (2 j omega_d m); at a
-    driving point it gives phi_d itself.
-    """
-    if not driving:
-        largest = np.argmax(np.abs(psi), axis=1)
-        return psi / psi[np.arange(psi.shape[0]), largest][:, None], False
-    shapes = np.empty_like(psi)
-    for mode in range(psi.shape[0]):
-        # The driving point with the largest motion in this mode gives its scale.
-        output, reference = max(
-            driving, key=lambda pair: abs(psi[mode, pair[0]] * part[mode, pair[1]])
-        )
-        factor = 2j * np.imag(roots[mode])
-        at_point = np.sqrt(psi[mode, output] * part[mode, reference] * factor + 0j)
-        shapes[mode] = psi[mode] * part[mode, reference] * factor / at_point
-    return shapes, True
+    return np.linalg.svd(responses, compute_uv=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
@@ -12,27 +10,14 @@ _MIRROR = np.array([1.0, -1.0, 1.0])
 _LEAST_DEGREE = 0.6  # of symmetry, 1 is perfect: least of a symmetric or antisymmetric mode
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Symmetry:
-    """Degree of symmetry of each mode: +1 symmetric, -1 antisymmetric, near 0 neither.
-
-    ``paired`` is the share of nodes that have a counterpart on the other side.
-    """
-
-    degree: Float[np.ndarray, " n_modes"]
-    paired: float
-
-    def is_symmetric(self, mode: int) -> bool | None:
-        """Whether a mode is symmetric; None where the shape is neither."""
-        degree = float(self.degree[mode])
-        return None if not abs(degree) >= _LEAST_DEGREE else degree > 0
-
-
 def find_symmetry(
     nodes: Float[np.ndarray, "n_nodes 3"],
     translation: Float[np.ndarray, "n_modes n_nodes 3"],
-) -> Symmetry:
+) -> tuple[bool | None, ...]:
     """Compare each shape with its own mirror image about the plane of symmetry.
+
+    True for each symmetric mode, False for antisymmetric ones; None where the shape is
+    neither, or no node that moves has a counterpart (a half model).
 
     Parameters
     ----------
@@ -41,11 +26,6 @@ def find_symmetry(
         most counterparts. [m]
     translation
         Per unit eta. [m]
-
-    Returns
-    -------
-    Symmetry
-        With NaN where no node that moves has a counterpart (a half model).
     """
     pairs = _find_pairs(nodes)
     shape = translation[:, pairs[:, 0]]
@@ -54,7 +34,8 @@ def find_symmetry(
     norms = 0.5 * np.sum(shape**2 + mirrored**2, axis=(1, 2))
     product = np.sum(shape * mirrored, axis=(1, 2))
     degree = np.divide(product, norms, out=np.full(norms.shape, np.nan), where=norms > 0)
-    return Symmetry(degree, pairs.shape[0] / max(1, nodes.shape[0]))
+    known = np.abs(degree) >= _LEAST_DEGREE
+    return tuple(bool(one > 0) if sure else None for one, sure in zip(degree, known, strict=True))
 
 
 def _find_pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pairs 2"]:

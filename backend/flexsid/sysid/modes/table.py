@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.interpolate import CubicHermiteSpline
 
+from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.sysid.modes.tracking import Tracking, make_identity_tracking, track_modes
 
@@ -46,25 +48,17 @@ class ModeTable:
         )
 
 
-def track_table_modes(table: ModeTable) -> Tracking:
-    """Track the modes of a table by their shapes at its sensor points."""
-    n_fuel, n_modes = table.omega.shape
-    if not table.points:
-        return make_identity_tracking(n_fuel, n_modes)
-    return track_modes(table.shape[..., :3].reshape(n_fuel, n_modes, -1), table.omega)
-
-
 def align_modes(table: ModeTable, tracking: Tracking | None = None) -> ModeTable:
     """Sort modes and their signs into the order of the first fuel weight, which names them.
 
-    Parameters
-    ----------
-    table
-        In the order of its source, usually by frequency.
-    tracking
-        Found from more points than the table has; by default from its own.
+    The tracking may be of more points than the table has; by default it is of its own.
     """
-    tracking = track_table_modes(table) if tracking is None else tracking
+    if tracking is None:
+        n_fuel, n_modes = table.omega.shape
+        tracking = make_identity_tracking(n_fuel, n_modes)
+        if table.points:
+            shapes = table.shape[..., :3].reshape(n_fuel, n_modes, -1)
+            tracking = track_modes(shapes, table.omega)
     return replace(
         table,
         omega=tracking.sort(table.omega),
@@ -94,18 +88,11 @@ def compute_fuel_weights(
 ) -> dict[int, float]:
     """Rows of a table, and their weights, that make up its values at a fuel fraction.
 
-    A cubic in each interval whose slopes are those of the parabolas through three
+    A cubic Hermite spline whose slopes are those of the parabolas through three
     neighbouring rows: at most four rows count, which lets large tables be read in part.
     Two rows make a straight line; beyond the ends the end rows hold.
 
-    Parameters
-    ----------
-    fuel
-        Increasing.
-    at
-        Where to read. [1]
-    without
-        Rows to pass over; all count where all are marked.
+    ``fuel`` is increasing; rows ``without`` are passed over, unless all are.
     """
     if without is not None and without.any() and not without.all():
         rows = np.flatnonzero(~without)
@@ -115,15 +102,10 @@ def compute_fuel_weights(
         return {0: 1.0}
     if at >= fuel[-1]:
         return {n - 1: 1.0}
-    upper = int(np.searchsorted(fuel, at, side="right"))
-    low = upper - 1
-    step = float(fuel[upper] - fuel[low])
-    t = (at - float(fuel[low])) / step
-    weights = {low: (1 + 2 * t) * (1 - t) ** 2, upper: t * t * (3 - 2 * t)}
-    for row, factor in ((low, t * (1 - t) ** 2), (upper, t * t * (t - 1))):
-        for place, slope in _slope(fuel, row).items():
-            weights[place] = weights.get(place, 0.0) + step * factor * slope
-    return {row: float(weight) for row, weight in weights.items() if weight != 0.0}
+    unit = np.eye(n)
+    slopes = np.gradient(unit, fuel, axis=0, edge_order=2 if n > 2 else 1)
+    weights = CubicHermiteSpline(fuel, unit, slopes)(at)
+    return {row: float(weight) for row, weight in enumerate(weights) if weight != 0.0}
 
 
 def sum_weighted_rows(
@@ -132,28 +114,3 @@ def sum_weighted_rows(
     """Sum the rows of a table with the weights of ``compute_fuel_weights``."""
     rows = list(weights)
     return np.tensordot(np.array([weights[row] for row in rows]), values[rows], axes=1)
-
-
-def _slope(fuel: Float[np.ndarray, " n_fuel"], row: int) -> dict[int, float]:
-    """Weights of neighbouring rows in the slope of the parabola through three of them."""
-    first = int(np.clip(row - 1, 0, max(0, fuel.size - 3)))
-    places = range(first, min(first + 3, fuel.size))
-    slope: dict[int, float] = {}
-    for i in places:  # derivative of each Lagrange polynomial at the row
-        others = [j for j in places if j != i]
-        divisor = np.prod([fuel[i] - fuel[j] for j in others])
-        total = sum(np.prod([fuel[row] - fuel[j] for j in others if j != left]) for left in others)
-        slope[i] = float(total / divisor)
-    return slope
-
-
-def interpolate(
-    fuel: Float[np.ndarray, " n_fuel"], values: Float[np.ndarray, "n_fuel *shape"], at: float
-) -> Float[np.ndarray, "*shape"]:
-    """Interpolate the rows of a table linearly; beyond its ends the end rows hold."""
-    if fuel.size == 1:
-        return values[0]
-    upper = int(np.clip(np.searchsorted(fuel, at), 1, fuel.size - 1))
-    low, high = fuel[upper - 1], fuel[upper]
-    weight = float(np.clip((at - low) / (high - low), 0.0, 1.0))
-    return (1.0 - weight) * values[upper - 1] + weight * values[upper]

@@ -37,10 +37,9 @@ def estimate_gyro_bias(
 
     Parameters
     ----------
-    rate
-        Recorded angular rate. [rad/s]
-    attitude
-        Angle that integrates it, on the same clock; None where none was recorded. [rad]
+    rate, attitude
+        Recorded angular rate [rad/s], and the angle that integrates it on the same clock; None
+        where none was recorded. [rad]
     rate_hz
         Samples per second. [Hz]
     trim
@@ -58,17 +57,17 @@ def estimate_gyro_bias(
         value, std = estimate_mean(rate[trim])
         return Bias(value=value, std=std, basis="no turn in trim before the excitation")
     edge = max(1, min(rate.size // 8, round(_EDGE_S * rate_hz)))
-    turn, time_s = _compute_turn(attitude, edge, rate_hz)
-    value = float(_average_rate(rate, edge)) - scale * turn / time_s
     parts = [
-        float(_average_rate(r, edge))
-        - scale * _compute_turn(a, edge, rate_hz)[0] / _compute_turn(a, edge, rate_hz)[1]
+        _average_rate(r, edge) - scale * _average_turn(a, edge, rate_hz)
         for r, a in zip(np.array_split(rate, _PARTS), np.array_split(attitude, _PARTS), strict=True)
         if r.size > 2 * edge
     ]
-    spread = _estimate_std(parts)
-    std = float(np.hypot(spread, scale_std * turn / time_s))
-    return Bias(value=value, std=std, basis="the mean rate is the change of attitude")
+    turn = _average_turn(attitude, edge, rate_hz)
+    return Bias(
+        value=_average_rate(rate, edge) - scale * turn,
+        std=float(np.hypot(_estimate_std(parts), scale_std * turn)),
+        basis="the mean rate is the change of attitude",
+    )
 
 
 def estimate_vane_bias(
@@ -104,17 +103,7 @@ def estimate_vane_bias(
 def estimate_climb_angle(
     altitude: Float[np.ndarray, " n_samples"], rate_hz: float, airspeed: float
 ) -> Bias:
-    """Flight path angle from recorded altitude.
-
-    Parameters
-    ----------
-    altitude
-        Of the whole record. [m]
-    rate_hz
-        Samples per second. [Hz]
-    airspeed
-        True airspeed. [m/s]
-    """
+    """Flight path angle [rad] from the altitude [m] of a whole record at true airspeed. [m/s]"""
     slopes = [_fit_slope(part) * rate_hz for part in np.array_split(altitude, _PARTS)]
     value = _fit_slope(altitude) * rate_hz / airspeed
     std = _estimate_std(slopes) / airspeed
@@ -129,16 +118,16 @@ def estimate_mean(values: Float[np.ndarray, " n_samples"]) -> tuple[float, float
     return float(np.mean(values)), _estimate_std(means)
 
 
-def _compute_turn(attitude: np.ndarray, edge: int, rate_hz: float) -> tuple[float, float]:
-    """Change from the middle of the first edge to the middle of the last, and its time. [s]"""
+def _average_turn(attitude: np.ndarray, edge: int, rate_hz: float) -> float:
+    """Mean rate of an angle from the middle of the first edge to the middle of the last."""
     change = float(attitude[-edge:].mean() - attitude[:edge].mean())
-    return change, (attitude.size - edge) / rate_hz
+    return change * rate_hz / (attitude.size - edge)
 
 
-def _average_rate(rate: np.ndarray, edge: int) -> np.floating:
+def _average_rate(rate: np.ndarray, edge: int) -> float:
     """Mean of a rate weighted like the difference of averaged ends: a trapezoid."""
     weight = np.convolve(np.ones(rate.size - edge), np.ones(edge))
-    return np.sum(weight * 0.5 * (rate[:-1] + rate[1:])) / np.sum(weight)
+    return float(np.average(0.5 * (rate[:-1] + rate[1:]), weights=weight))
 
 
 def _estimate_std(parts: Sequence[float]) -> float:
@@ -152,5 +141,4 @@ def _estimate_std(parts: Sequence[float]) -> float:
 
 def _fit_slope(values: np.ndarray) -> float:
     """Least-squares slope per sample."""
-    place = np.arange(values.size) - 0.5 * (values.size - 1)
-    return float(place @ values / (place @ place))
+    return float(np.polyfit(np.arange(values.size), values, 1)[0])

@@ -7,14 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy import fft, ndimage
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.recognition import recognise_multisine
 
 _ACTIVE = 1e-3  # of the largest command, for a digital command that rests at one level exactly
+_AT_REST = 0.05  # of the samples at one value: the level at which a digital command rests
+_LEAST_MOVE = 0.05  # of the largest command: a smaller one of a noisy command is rest
 _NOISY = 8.0  # robust standard deviations, for a command with noise
 _PAUSE_S = 1.0  # a shorter rest is part of the excitation
 _SHORTEST_S = 1.0  # a shorter interval is not a maneuver
@@ -45,21 +49,20 @@ def find_excitations(
 ) -> tuple[ExcitedInterval, ...]:
     """Find every interval in which a command moves, with its periods and harmonics.
 
-    Parameters
-    ----------
-    commands
-        Excitation of each input before it was added to anything else. [rad]
-    rate_hz
-        Samples per second. [Hz]
+    The commands are those before they were added to anything else. [rad]
     """
     moving = np.zeros(commands.shape[0], dtype=bool)
     for command in commands.T:
         moving |= _find_moving(command)
-    found = []
-    for first, stop in _join_intervals(moving, round(_PAUSE_S * rate_hz)):
-        if stop - first >= _SHORTEST_S * rate_hz:
-            found.append(_describe_interval(commands, first, stop, rate_hz))
-    return tuple(found)
+    for (rest,) in ndimage.find_objects(ndimage.label(~moving)[0]):
+        is_inside = rest.start > 0 and rest.stop < moving.size
+        if is_inside and rest.stop - rest.start < round(_PAUSE_S * rate_hz):
+            moving[rest] = True
+    return tuple(
+        _describe_interval(commands, own.start, own.stop, rate_hz)
+        for (own,) in ndimage.find_objects(ndimage.label(moving)[0])
+        if own.stop - own.start >= _SHORTEST_S * rate_hz
+    )
 
 
 def find_marked_intervals(
@@ -67,12 +70,7 @@ def find_marked_intervals(
 ) -> tuple[ExcitedInterval, ...]:
     """Find every interval in which a marker has one number other than zero.
 
-    Parameters
-    ----------
-    marker
-        Number of the flight test aid during its maneuver, zero or negative between.
-    rate_hz
-        Samples per second. [Hz]
+    It is that of the flight test aid during its maneuver, and zero or negative between.
     """
     number = np.where(np.isfinite(marker), np.rint(marker), 0).astype(np.int64)
     number = np.maximum(number, 0)
@@ -95,24 +93,12 @@ def _find_moving(command: Float[np.ndarray, " n_samples"]) -> Bool[np.ndarray, "
     most = float(away.max())
     if most == 0.0 or not np.isfinite(most):
         return np.zeros(command.size, dtype=bool)
-    if counts.max() > 0.05 * command.size:
+    if counts.max() > _AT_REST * command.size:
         return away > _ACTIVE * most
     # A command that never rests exactly has noise, estimated from the quieter samples.
     away = np.abs(command - np.median(command))
     noise = 1.4826 * float(np.percentile(away, 25)) / 0.4726  # quartile of a half normal
-    return away > max(_NOISY * noise, 0.05 * most)
-
-
-def _join_intervals(moving: Bool[np.ndarray, " n_samples"], pause: int) -> list[tuple[int, int]]:
-    edges = np.diff(np.r_[False, moving, False].astype(np.int8))
-    first, stop = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    joined: list[tuple[int, int]] = []
-    for a, b in zip(first.tolist(), stop.tolist(), strict=True):
-        if joined and a - joined[-1][1] < pause:
-            joined[-1] = (joined[-1][0], b)
-        else:
-            joined.append((a, b))
-    return joined
+    return away > max(_NOISY * noise, _LEAST_MOVE * most)
 
 
 def _describe_interval(
@@ -127,20 +113,15 @@ def _describe_interval(
     lag = _find_period(x[:, busy], round(_SHORTEST_PERIOD_S * rate_hz))
     n_periods = 1 if lag is None else max(1, round((stop - first) / lag))
     length = (stop - first) / n_periods if lag is None else float(lag)
-    best = None
+    recognised = []
     for start in range(max(0, first - _SLACK), first + 1):
         for period in range(round(length) - _SLACK, round(length) + _SLACK + 1):
-            if start + period > commands.shape[0] or period < 8:
-                continue
-            harmonics = _find_harmonics(commands[start : start + period], busy)
-            if harmonics is None:
-                continue
-            left = _compute_unexplained(commands[start : start + period], harmonics)
-            if best is None or left < best[0]:
-                best = left, start, period, harmonics
-    if best is None:
+            samples = commands[start : start + period]
+            if samples.shape[0] == period >= 8 and (found := _find_harmonics(samples, busy)):
+                recognised.append((_compute_unexplained(samples, found), start, period, found))
+    if not recognised:
         return ExcitedInterval(first=first, stop=stop, period=length, n_periods=n_periods)
-    _, start, period, harmonics = best
+    _, start, period, harmonics = min(recognised, key=itemgetter(0))
     return ExcitedInterval(
         first=start,
         stop=start + n_periods * period,
@@ -156,9 +137,9 @@ def _find_period(x: Float[np.ndarray, "n_samples n_inputs"], least: int) -> int 
     if n < 2 * least:
         return None
     power = np.sum(x**2)
-    size = 1 << (2 * n - 1).bit_length()
-    spectrum = np.fft.rfft(x, size, axis=0)
-    together = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), size)[:n]
+    size = fft.next_fast_len(2 * n - 1, real=True)
+    spectrum = fft.rfft(x, size, axis=0)
+    together = fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), size)[:n]
     energy = np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))])
     lags = np.arange(n)
     early, late = energy[n - lags], energy[n] - energy[lags]
@@ -182,11 +163,11 @@ def _find_harmonics(
             tones, length = recognise_multisine(np.ascontiguousarray(period[:, column]))
         except BadInput:
             return None
-        lines = tuple(int(line) for line in tones.harmonics)
-        if length != period.shape[0] or assigned & set(lines) or 0 in lines:
+        harmonics = tuple(int(k) for k in tones.harmonics)
+        if length != period.shape[0] or assigned & set(harmonics) or 0 in harmonics:
             return None
-        assigned |= set(lines)
-        found[column] = lines
+        assigned |= set(harmonics)
+        found[column] = harmonics
     return tuple(found)
 
 
@@ -196,5 +177,5 @@ def _compute_unexplained(
     """Share of the power outside the harmonics: least where the period begins."""
     power = np.abs(np.fft.rfft(period, axis=0)) ** 2
     power[0] = 0.0
-    on = sum(float(power[list(lines), k].sum()) for k, lines in enumerate(harmonics))
+    on = sum(float(power[list(own), k].sum()) for k, own in enumerate(harmonics))
     return 1.0 - on / float(power.sum())

@@ -18,8 +18,6 @@ from scipy import linalg
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import coefficients
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
 from flexsid.sysid.preparation.process_model import fit_process_model
 
 _CONVERGED = 1e-9  # relative change of a covariance that ends its recursion
@@ -39,10 +37,6 @@ class FilteredMotion:
     names: tuple[str, ...]
     values: Float[np.ndarray, "n_samples n_names"]
     std: Float[np.ndarray, "n_samples n_names"]
-
-    def column(self, name: str) -> int:
-        """Column of a name."""
-        return self.names.index(name)
 
 
 def filter_motion(
@@ -84,19 +78,20 @@ def filter_motion(
     Source: Kalman 1960; Rauch, Tung and Striebel 1965. The transform of white
     samples has variance sigma^2 T / rate, which relates the noise of spectra and samples.
     """
-    system = _System.of(model, motion, duration_s, inputs)
+    system = _build_system(model, motion, duration_s, inputs)
     noise = np.concatenate([motion.noise, inputs.noise]) * np.sqrt(rate_hz / duration_s)
-    H = system.outputs(model) / noise[:, None]
+    H = system.H / noise[:, None]
     seen = np.concatenate([samples, inputs.samples], axis=1) / noise
-    F, W = system.step(1.0 / rate_hz)
-    rows = system.output_rows()
+    F, W = _discretise(system, 1.0 / rate_hz)
     states, predicted, filtered = _forward(F, W, H.T @ H, seen @ H)
-    values, spread = _backward(F, states, predicted, filtered, rows)
+    values, spread = _backward(F, states, predicted, filtered, system.rows)
     if not np.all(np.isfinite(values)):
         raise NotIdentifiable("the motion is not observable by the sensors", code="unobservable")
     # The error of the mean of the trim is constant.
-    spread += np.sum((rows @ system.offset_states(H, rate_hz)) ** 2, axis=1) / (rate_hz * trim_s)
-    return FilteredMotion(rate_hz, system.names, values @ rows.T, np.sqrt(np.maximum(spread, 0.0)))
+    offsets = system.rows @ _compute_offset_states(system, H, rate_hz)
+    spread += np.sum(offsets**2, axis=1) / (rate_hz * trim_s)
+    std = np.sqrt(np.maximum(spread, 0.0))
+    return FilteredMotion(rate_hz, system.names, values @ system.rows.T, std)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,124 +99,105 @@ class Deflections:
     """Surfaces on the clock of the samples [rad], their spectra and noise [rad s]."""
 
     samples: Float[np.ndarray, "n_samples n_u"]
-    lines: Complex[np.ndarray, "n_omega n_u"]
+    spectra: Complex[np.ndarray, "n_omega n_u"]
     noise: Float[np.ndarray, " n_u"]
 
 
 @dataclass(frozen=True, slots=True)
 class _System:
-    """x-dot = A x + w with w of density W, in states of order one: true state = level x."""
+    """x-dot = A x + w with w of density W, in states x of order one.
+
+    ``H`` are the rows of sensors, then of surfaces; ``rows`` those of ``names``.
+    """
 
     names: tuple[str, ...]
     A: Float[np.ndarray, "n_x n_x"]
     W: Float[np.ndarray, "n_x n_x"]
-    level: Float[np.ndarray, " n_x"]
-    extra: Float[np.ndarray, "n_extra n_x"]
-    n_inputs: int
+    H: Float[np.ndarray, "n_z n_x"]
+    rows: Float[np.ndarray, "n_names n_x"]
 
-    @classmethod
-    def of(
-        cls,
-        model: AeroelasticModel,
-        motion: ReconstructedMotion,
-        duration_s: float,
-        inputs: Deflections,
-    ) -> _System:
-        """Dynamics with surfaces and process noise of the coefficients as states.
 
-        Scaled by the spectra.
-        """
-        c, numbers = model.condition, model.modes.numbers
-        n, n_u = len(numbers), len(model.inputs)
-        n_r = 2 + n
-        corner = _CORNER * float(motion.omega[-1])
-        shape = duration_s / (motion.omega**4 + corner**4)
-        process = fit_process_model(model, motion, inputs.lines, shape)
-        known = model.state_space(process.derivatives)
-        n_k, n_v = known.A.shape[0], n_r + n_u
-        A = np.zeros((n_k + 2 * n_v, n_k + 2 * n_v))
-        A[:n_k, :n_k] = known.A
-        forced = np.r_[0, 1, 3 + n : 3 + 2 * n]
-        value, slope = n_k + np.arange(n_v), n_k + n_v + np.arange(n_v)
-        factors = model.row_factors()
-        A[forced, value[:n_r]] = factors
-        A[:n_k, value[n_r:]] = known.B
-        A[value, slope] = 1.0
-        A[slope, value] = -(corner**2)
-        A[slope, slope] = -np.sqrt(2.0) * corner
-        density = np.zeros((n_v, n_v))
-        density[:n_r, :n_r] = process.density
-        density[n_r:, n_r:] = np.diag(np.mean(np.abs(inputs.lines) ** 2 / shape[:, None], axis=0))
-        W = np.zeros_like(A)
-        W[np.ix_(slope, slope)] = density
-        size = np.sqrt(np.diag(density) / (2.0 * np.sqrt(2.0) * corner**3))
-        level = np.concatenate([_compute_levels(motion, duration_s), size, size * corner])
-        # coefficients; a_z = V (alpha-dot - q) and thrust and gravity: V k_Z C_Z
-        extra = np.zeros((2 * n_r, len(A)))
-        moved = np.r_[0, 1, 3 : 3 + 2 * n, value[n_r:]]
-        table = process.derivatives.values * model.column_factors()
-        extra[:n_r, moved] = table
-        extra[np.arange(n_r), value[:n_r]] = 1.0
-        extra[n_r] = c.airspeed * factors[0] * extra[0]
-        extra[n_r + 1 :] = A[forced[1:]]
-        names = (
-            *known.states,
-            *coefficients(numbers),
-            "normal",
-            "qdot",
-            *(f"etaddot{number}" for number in numbers),
-        )
-        return cls(names, A, W, level, extra, n_u)
+def _build_system(
+    model: AeroelasticModel, motion: ReconstructedMotion, duration_s: float, inputs: Deflections
+) -> _System:
+    """Dynamics with surfaces and process noise of the coefficients as states, scaled by spectra."""
+    body, numbers = model.body, model.modes.numbers
+    n_u, n_y = len(model.inputs), len(model.outputs)
+    n_r = len(model.motions)
+    corner = _CORNER * float(motion.omega[-1])
+    shape = duration_s / (motion.omega**4 + corner**4)
+    derivatives, process = fit_process_model(model, motion, inputs.spectra, shape)
+    known = model.state_space(derivatives)
+    n_k, n_v = known.A.shape[0], n_r + n_u
+    A = np.zeros((n_k + 2 * n_v, n_k + 2 * n_v))
+    A[:n_k, :n_k] = known.A
+    forced, variables = model.force_matrix(), model.variable_states()
+    value, slope = n_k + np.arange(n_v), n_k + n_v + np.arange(n_v)
+    factors = model.row_factors()
+    A[:n_k, value[:n_r]] = forced * factors
+    A[:n_k, value[n_r:]] = known.B
+    A[value, slope] = 1.0
+    A[slope, value] = -(corner**2)
+    A[slope, slope] = -np.sqrt(2.0) * corner
+    density = np.zeros((n_v, n_v))
+    density[:n_r, :n_r] = process
+    density[n_r:, n_r:] = np.diag(np.mean(np.abs(inputs.spectra) ** 2 / shape[:, None], axis=0))
+    W = np.zeros_like(A)
+    W[np.ix_(slope, slope)] = density
+    size = np.sqrt(np.diag(density) / (2.0 * np.sqrt(2.0) * corner**3))
+    level = np.concatenate([_compute_levels(motion, duration_s, body.size), size, size * corner])
+    H = np.zeros((n_y + n_u, len(A)))
+    H[:n_y], _ = model.output_matrices(A, np.zeros((len(A), 0)))
+    H[n_y + np.arange(n_u), value[n_r:]] = 1.0
+    rows = np.zeros((n_k + 2 * n_r, len(A)))
+    rows[:n_k, :n_k] = np.eye(n_k)
+    # coefficients; a_z = V (alpha-dot - q) and thrust and gravity: V k_Z C_Z, a_y likewise
+    rows[n_k : n_k + n_r, np.r_[variables, value[n_r:]]] = (
+        derivatives.values * model.column_factors()
+    )
+    rows[n_k + np.arange(n_r), value[:n_r]] = 1.0
+    rows[n_k + n_r] = model.condition.airspeed * factors[0] * rows[n_k]
+    rows[n_k + n_r + 1 :] = A[np.r_[1 : body.size, n_k - len(numbers) : n_k]]
+    accelerations = (
+        body.acceleration,
+        *(f"{motion}dot" for motion in body.motions[1:]),
+        *(f"etaddot{number}" for number in numbers),
+    )
+    return _System(
+        names=(*known.states, *model.coefficients, *accelerations),
+        A=A / level[:, None] * level,
+        W=W / np.outer(level, level),
+        H=H * level,
+        rows=rows * level,
+    )
 
-    def step(self, step_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """Transition over one sample and covariance of the process noise, both exact."""
-        A = self.A / self.level[:, None] * self.level
-        W = self.W / np.outer(self.level, self.level)
-        n_x = A.shape[0]
-        joined = linalg.expm(np.block([[-A, W], [np.zeros_like(A), A.T]]) * step_s)
-        F = joined[n_x:, n_x:].T
-        return F, F @ joined[:n_x, n_x:]
 
-    def outputs(self, model: AeroelasticModel) -> Float[np.ndarray, "n_y n_x"]:
-        """Rows of sensors, then of surfaces, on the scaled states; rates are rows of A."""
-        P = model.sensors.polynomial
-        n, n_y, n_u = len(model.modes.numbers), P.shape[1], self.n_inputs
-        H = np.zeros((n_y + n_u, self.A.shape[0]))
-        H[:n_y, np.r_[0, 1, 3 : 3 + n]] = P[POSITION]
-        H[:n_y, 2] = P[INTEGRAL, :, 1]
-        etadot = np.arange(3 + n, 3 + 2 * n)
-        H[:n_y, etadot] += P[RATE, :, 2:]
-        weights = np.concatenate([P[RATE, :, :2], P[ACCELERATION, :, 2:]], axis=1)
-        H[:n_y] += weights @ self.A[np.r_[0, 1, etadot]]
-        first = 3 + 2 * n + 2 + n
-        H[n_y + np.arange(n_u), first + np.arange(n_u)] = 1.0
-        return H * self.level
+def _discretise(system: _System, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Transition over one sample and covariance of the process noise, both exact (Van Loan)."""
+    A, n_x = system.A, len(system.A)
+    joined = linalg.expm(np.block([[-A, system.W], [np.zeros_like(A), A.T]]) * step_s)
+    F = joined[n_x:, n_x:].T
+    return F, F @ joined[:n_x, n_x:]
 
-    def offset_states(
-        self, H: Float[np.ndarray, "n_y n_x"], rate_hz: float
-    ) -> Float[np.ndarray, "n_x n_y"]:
-        """Scaled states due to a constant offset of each sensor, in units of its noise."""
-        A = self.A / self.level[:, None] * self.level
-        W = self.W / np.outer(self.level, self.level)
-        pushed = np.diag(W) > 0.0
-        still = linalg.null_space(A[~pushed])
-        left = A[pushed] @ still
-        seen = H @ still
-        normal = rate_hz * seen.T @ seen + left.T @ np.linalg.solve(W[np.ix_(pushed, pushed)], left)
-        return still @ np.linalg.solve(normal, rate_hz * seen.T)
 
-    def output_rows(self) -> Float[np.ndarray, "n_names n_x"]:
-        """Motion and further quantities from scaled states."""
-        n_k = len(self.names) - len(self.extra)
-        return np.concatenate([np.eye(n_k, self.A.shape[0]), self.extra]) * self.level
+def _compute_offset_states(
+    system: _System, H: Float[np.ndarray, "n_z n_x"], rate_hz: float
+) -> Float[np.ndarray, "n_x n_z"]:
+    """States due to a constant offset of each sensor, in units of its noise."""
+    pushed = np.diag(system.W) > 0.0
+    still = linalg.null_space(system.A[~pushed])
+    left, seen = system.A[pushed] @ still, H @ still
+    weighted = np.linalg.solve(system.W[np.ix_(pushed, pushed)], left)
+    normal = rate_hz * seen.T @ seen + left.T @ weighted
+    return still @ np.linalg.solve(normal, rate_hz * seen.T)
 
 
 def _compute_levels(
-    motion: ReconstructedMotion, duration_s: float
+    motion: ReconstructedMotion, duration_s: float, n_rigid: int
 ) -> Float[np.ndarray, " n_known"]:
-    """Root mean square of alpha, q, theta, eta and etadot from the spectra."""
+    """Root mean square of rigid motion, attitude, eta and etadot from the spectra."""
     r, w = motion.values, motion.omega[:, None]
-    columns = [r[:, :2], r[:, 1:2] / w, r[:, 2:], r[:, 2:] * w]
+    columns = [r[:, :n_rigid], r[:, 1:2] / w, r[:, n_rigid:], r[:, n_rigid:] * w]
     power = np.sum(np.abs(np.concatenate(columns, axis=1)) ** 2, axis=0)
     rms = np.sqrt(2.0 * power) / duration_s
     return np.maximum(rms, 1e-12)

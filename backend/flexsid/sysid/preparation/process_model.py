@@ -12,26 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.equation_error import compute_aerodynamic_coefficients
+from flexsid.sysid.estimation.equation_error import (
+    build_variable_matrix,
+    compute_aerodynamic_coefficients,
+)
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
 _ROUNDS = 10  # that estimate the size of coefficients
 _EM_STEPS = 3  # steps of the EM algorithm, which converge from any start
-_STEPS = 30
-_HALVINGS = 6
+_STEPS = 30  # of EM and Gauss-Newton together, at most
+_HALVINGS = 6  # of a Gauss-Newton step, at most
 _CONVERGED = 0.02  # relative change of a density that ends the steps
 _PRIOR_SHARE = 0.5  # prior rms of the contribution of derivatives over the rms of the coefficient
 _LEAST_FREEDOM = 0.5  # of the data points: the derivatives are not all free
-
-
-@dataclass(frozen=True, slots=True)
-class ProcessModel:
-    """Derivatives, and the density of the process noise of the coefficients."""
-
-    derivatives: DerivativeTable
-    density: Float[np.ndarray, "n_r n_r"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,23 +52,17 @@ class _ProcessEquations:
         inputs: Complex[np.ndarray, "n_omega n_u"],
         shape: Float[np.ndarray, " n_omega"],
     ) -> None:
-        n_r = motion.values.shape[1]
-        n = n_r - 2
-        s = 1j * motion.omega
-        columns = model.column_factors()
-        self.L = np.zeros((s.size, columns.size, n_r), dtype=complex)
-        self.L[:, np.arange(n_r), np.arange(n_r)] = 1.0
-        self.L[:, n_r + np.arange(n), 2 + np.arange(n)] = s[:, None]
-        self.L *= columns[:, None]
-        self.u = np.zeros((s.size, columns.size), dtype=complex)
-        self.u[:, 2 * n_r - 2 :] = inputs * columns[2 * n_r - 2 :]
+        columns, n_u = model.column_factors(), len(model.inputs)
+        self.L = build_variable_matrix(model, 1j * motion.omega) * columns[:, None]
+        self.u = np.zeros((motion.omega.size, columns.size), dtype=complex)
+        self.u[:, columns.size - n_u :] = inputs * columns[columns.size - n_u :]
         self.K = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
         self.motion = motion
         self.known = np.linalg.inv(motion.covariance)
         self.weighted = np.matmul(self.known, motion.values[:, :, None])
         self.shape = shape
 
-    def moments(
+    def compute_moments(
         self, theta: Float[np.ndarray, "n_r n_w"], density: Float[np.ndarray, " n_r"]
     ) -> _Moments:
         """Expected sums (E step) for these derivatives and this density of the process noise."""
@@ -97,7 +86,7 @@ class _ProcessEquations:
             np.sum(np.abs(wide_c) ** 2, axis=1),
         )
 
-    def misfit(
+    def compute_misfit(
         self, theta: Float[np.ndarray, "n_r n_w"], density: Float[np.ndarray, " n_r"]
     ) -> float:
         """Twice the negative logarithm of the likelihood."""
@@ -107,19 +96,22 @@ class _ProcessEquations:
         fit = np.real(np.sum(left.conj() * np.linalg.solve(V, left)))
         return 2.0 * float(fit + np.sum(np.linalg.slogdet(V)[1]))
 
-    def information(
+    def compute_error_covariance(
         self,
         theta: Float[np.ndarray, "n_r n_w"],
         density: Float[np.ndarray, " n_r"],
         w: Complex[np.ndarray, "n_omega n_w"],
+        prior: Float[np.ndarray, "n_r n_w"],
     ) -> Float[np.ndarray, "n_theta n_theta"]:
-        """Of all derivatives, row by row."""
+        """Covariance of the errors of all derivatives, row by row."""
         inverse = np.linalg.inv(self._compute_covariance(self.K - theta @ self.L, density))
         n_r, n_w = theta.shape
         weight = inverse.conj().reshape(len(w), -1)
         products = (w[:, :, None] * w[:, None, :].conj()).reshape(len(w), -1)
         found = 2.0 * np.real(weight.T @ products).reshape(n_r, n_r, n_w, n_w)
-        return found.transpose(0, 2, 1, 3).reshape(n_r * n_w, -1)
+        information = found.transpose(0, 2, 1, 3).reshape(n_r * n_w, -1) + np.diag(prior.ravel())
+        size = np.sqrt(np.diag(information))
+        return np.linalg.inv(information / np.outer(size, size)) / np.outer(size, size)
 
     def _compute_covariance(
         self, own: Complex[np.ndarray, "n_omega n_r n_r"], density: Float[np.ndarray, " n_r"]
@@ -134,19 +126,11 @@ def fit_process_model(
     motion: ReconstructedMotion,
     inputs: Complex[np.ndarray, "n_omega n_u"],
     shape: Float[np.ndarray, " n_omega"],
-) -> ProcessModel:
-    """Fit derivatives of coefficients to motion and surfaces, and the process noise.
+) -> tuple[DerivativeTable, Float[np.ndarray, "n_r n_r"]]:
+    """Fit derivatives of coefficients to motion and surfaces, and the density of process noise.
 
-    Parameters
-    ----------
-    model
-        Known dynamics.
-    motion
-        At each frequency, with its errors.
-    inputs
-        Deflections at the frequencies. [rad s]
-    shape
-        Variance of a data point for a density of one.
+    ``inputs`` are deflections at the frequencies of the motion [rad s], ``shape`` is the variance
+    of a data point for a density of one.
 
     Notes
     -----
@@ -156,15 +140,15 @@ def fit_process_model(
     with a prior: the rms of all contributions together is that of the coefficient, which is
     estimated first.
     """
-    lines = _ProcessEquations(model, motion, inputs, shape)
-    theta = np.zeros((motion.values.shape[1], lines.u.shape[1]))
+    equations = _ProcessEquations(model, motion, inputs, shape)
+    theta = np.zeros((motion.values.shape[1], equations.u.shape[1]))
     n_omega = motion.omega.size
     C = compute_aerodynamic_coefficients(model, motion)
     density = np.mean(np.abs(C) ** 2 / shape[:, None], axis=0)
-    moments = lines.moments(theta, density)
+    moments = equations.compute_moments(theta, density)
     for _ in range(_ROUNDS):
         density = moments.cc / n_omega
-        moments = lines.moments(theta, density)
+        moments = equations.compute_moments(theta, density)
     usual = _estimate_prior_size(model, np.sqrt(np.diag(moments.ww) / n_omega))
     prior = 1.0 / (density[:, None] * usual**2)
     freedom = max(1.0 - theta.shape[1] / (2.0 * n_omega), _LEAST_FREEDOM)
@@ -172,19 +156,19 @@ def fit_process_model(
         if k < _EM_STEPS:
             theta = _maximise_derivatives(moments, density, prior)
         else:
-            theta = _step_derivatives(lines, moments, theta, density, prior)
-        moments = lines.moments(theta, density)
+            theta = _step_derivatives(equations, moments, theta, density, prior)
+        moments = equations.compute_moments(theta, density)
         left = moments.cc - np.sum(theta * (2.0 * moments.cw - theta @ moments.ww), axis=1)
         update = np.maximum(left, 1e-12 * moments.cc) / (n_omega * freedom)
         change = float(np.max(np.abs(np.log(update / density))))
         density = update
         if change < _CONVERGED:
             break
-    covariance = _compute_error_covariance(lines, moments, theta, density, prior)
+    covariance = equations.compute_error_covariance(theta, density, moments.w, prior)
     power = np.real((moments.w / shape[:, None]).T @ moments.w.conj()) / n_omega
     uncertainty = np.einsum("ajbl,jl->ab", covariance.reshape(theta.shape * 2), power)
-    table = DerivativeTable(model.modes.numbers, model.inputs, theta)
-    return ProcessModel(table, np.diag(density) + uncertainty)
+    table = DerivativeTable(model.modes.numbers, model.inputs, theta, model.body)
+    return table, np.diag(density) + uncertainty
 
 
 def _maximise_derivatives(
@@ -199,7 +183,7 @@ def _maximise_derivatives(
 
 
 def _step_derivatives(
-    lines: _ProcessEquations,
+    equations: _ProcessEquations,
     moments: _Moments,
     theta: Float[np.ndarray, "n_r n_w"],
     density: Float[np.ndarray, " n_r"],
@@ -207,11 +191,11 @@ def _step_derivatives(
 ) -> Float[np.ndarray, "n_r n_w"]:
     """Derivatives after a Gauss-Newton step, halved until the likelihood grows."""
     slope = 2.0 * (moments.cw - theta @ moments.ww) / density[:, None] - theta * prior
-    covariance = _compute_error_covariance(lines, moments, theta, density, prior)
+    covariance = equations.compute_error_covariance(theta, density, moments.w, prior)
     step = (covariance @ slope.ravel()).reshape(theta.shape)
 
     def misfit(tried: np.ndarray) -> float:
-        return lines.misfit(tried, density) + float(np.sum(prior * tried**2))
+        return equations.compute_misfit(tried, density) + float(np.sum(prior * tried**2))
 
     now = misfit(theta)
     for _ in range(_HALVINGS):
@@ -219,19 +203,6 @@ def _step_derivatives(
             return theta + step
         step = 0.5 * step
     return theta
-
-
-def _compute_error_covariance(
-    lines: _ProcessEquations,
-    moments: _Moments,
-    theta: Float[np.ndarray, "n_r n_w"],
-    density: Float[np.ndarray, " n_r"],
-    prior: Float[np.ndarray, "n_r n_w"],
-) -> Float[np.ndarray, "n_theta n_theta"]:
-    """Of the errors of all derivatives, row by row."""
-    information = lines.information(theta, density, moments.w) + np.diag(prior.ravel())
-    size = np.sqrt(np.diag(information))
-    return np.linalg.inv(information / np.outer(size, size)) / np.outer(size, size)
 
 
 def _estimate_prior_size(
@@ -242,12 +213,12 @@ def _estimate_prior_size(
     Modes of equal mass are taken as equally effective, so that modes with little motion
     contribute little.
     """
-    n = len(model.modes.numbers)
+    n, n_rigid = len(model.modes.numbers), model.n_rigid
     root_mass = np.sqrt(model.modes.mass)
     size = size.copy()
-    for first in (2, 2 + n):
+    for first in (n_rigid, n_rigid + n):
         if n:
             mine = slice(first, first + n)
             size[mine] = np.max(size[mine] * root_mass) / root_mass
-    kinds = 2 + 2 * (n > 0) + len(model.inputs)
+    kinds = n_rigid + 2 * (n > 0) + len(model.inputs)
     return _PRIOR_SHARE / np.sqrt(kinds) / np.maximum(size, 1e-300)

@@ -96,56 +96,66 @@ def estimate_sensor_faults(
     Source: methods of separable least squares (Kaufman, BIT 15, 1975).
     """
     names = model.outputs
-    if len(names) <= 2 + len(model.modes.numbers):
-        raise NotIdentifiable(
-            f"{len(names)} outputs measure {2 + len(model.modes.numbers)} motions; skews need more "
-            "sensors than motions",
-            code="no-redundancy",
-        )
-    z = outputs.pick(names).values
-    some = select_strong_frequencies(z)
-    omega, z = outputs.omega[some], z[some]
-    fixed = names.index(names[0] if reference is None else reference)
-    free = FaultParameters(
-        np.array([k for k in range(len(names)) if k != fixed]),
-        np.array([names.index(name) for name in scaled], dtype=int),
-    )
-    problem = RedundantSensors(
-        omega, z, instruments[some][:, :, None] * model.sensors.response(omega)
-    )
-    level = np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
-    if not level.all():
-        silent = names[int(np.argmin(level))]
-        raise NotIdentifiable(
-            f"'{silent}' never moves; exclude it", code="silent-channel", channel=silent
-        )
-    sigma = _START_NOISE * level if near is None else near.noise
-    value = np.zeros(free.count) if near is None else free.gather(near.delay_s, near.scale)
+    fixed = names[0] if reference is None else reference
+    timed = [name for name in names if name != fixed]
+    sensors, some = select_sensors(model, outputs, instruments, timed, scaled)
+    sigma, value = _START_NOISE * sensors.level, np.zeros(sensors.channels.size)
+    if near is not None:
+        sigma = near.noise
+        value = np.concatenate([near.delay_s[sensors.delays], np.log(near.scale[sensors.gains])])
+    data = FrequencyData(sensors.omega, sensors.z, names)
     for _ in range(_ROUNDS):
-        value = _converge(problem, free, value, sigma, _ROUGH_TOLERANCE)
-        delay, gain = free.spread(value, len(names))
-        seen = instruments[some] * np.exp(-1j * omega[:, None] * delay + gain)
-        data = FrequencyData(omega, z, names)
+        value = _converge(sensors, value, sigma, _ROUGH_TOLERANCE)
+        delay, gain = sensors.spread(value)
+        seen = instruments[some] * np.exp(-1j * sensors.omega[:, None] * delay + gain)
         update = reconstruct_motion(model, data, seen, guess=sigma).noise
         if least is not None:
             update = np.maximum(update, least)
         if np.max(np.abs(np.log(update / sigma))) < _WEIGHTS_CONVERGED:
             break
         sigma = update
-    value = _converge(problem, free, value, sigma)
-    std = np.sqrt(_variance(problem, free, value, sigma, names))
-    delay, gain = free.spread(value, len(names))
-    delay_std, gain_std = free.spread(std, len(names))
-    return SensorFaults(
-        names=names,
-        reference=names[fixed],
-        delay_s=delay,
-        delay_std=delay_std,
-        scale=np.exp(gain),
-        scale_std=np.exp(gain) * gain_std,
-        noise=sigma,
-        band_hz=(float(omega[0] / 2.0 / np.pi), float(omega[-1] / 2.0 / np.pi)),
+    value = _converge(sensors, value, sigma, _STEP_TOLERANCE)
+    std = np.sqrt(_estimate_variance(sensors, value, sigma))
+    return sensors.describe(value, std, sigma, fixed)
+
+
+def select_sensors(
+    model: AeroelasticModel,
+    outputs: FrequencyData,
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+    timed: Sequence[str],
+    scaled: Sequence[str],
+) -> tuple[RedundantSensors, Int[np.ndarray, " n_some"]]:
+    """Select spectra and rows of all sensors at the strong frequencies, whose indices are returned.
+
+    The delays of the ``timed`` outputs and the scale factors of the ``scaled`` ones are free.
+
+    Raises
+    ------
+    NotIdentifiable
+        If there are no more sensors than motions, or one never moves.
+    """
+    names = model.outputs
+    z = outputs.pick(names).values
+    some = select_strong_frequencies(z)
+    omega = outputs.omega[some]
+    rows = instruments[some][:, :, None] * model.sensors.response(omega)
+    n_y, n_r = rows.shape[1:]
+    if n_y <= n_r:
+        raise NotIdentifiable(
+            f"{n_y} outputs measure {n_r} motions; skews need more sensors than motions",
+            code="no-redundancy",
+        )
+    delays, gains = (
+        np.array([names.index(name) for name in own], dtype=int) for own in (timed, scaled)
     )
+    sensors = RedundantSensors(names, omega, z[some], rows, delays, gains)
+    if not sensors.level.all():
+        silent = names[int(np.argmin(sensors.level))]
+        raise NotIdentifiable(
+            f"'{silent}' never moves; exclude it", code="silent-channel", channel=silent
+        )
+    return sensors, some
 
 
 def select_strong_frequencies(
@@ -162,105 +172,109 @@ def select_strong_frequencies(
 
 
 @dataclass(frozen=True, slots=True)
-class FaultParameters:
-    """Free parameters: channels of delays, then channels of log scale factors."""
+class RedundantSensors:
+    """Recorded spectra, sensor rows with their instruments, and the faults that are free.
 
-    delays: np.ndarray
-    gains: np.ndarray
+    ``delays`` and ``gains`` are the channels of free delays [s] and log scale factors; values
+    of both together have the delays first.
+    """
+
+    names: tuple[str, ...]
+    omega: Float[np.ndarray, " n_omega"]
+    z: Complex[np.ndarray, "n_omega n_y"]
+    rows: Complex[np.ndarray, "n_omega n_y n_r"]
+    delays: Int[np.ndarray, " n_delays"]
+    gains: Int[np.ndarray, " n_gains"]
 
     @property
-    def count(self) -> int:
-        """Number of delays and log gains."""
-        return self.delays.size + self.gains.size
+    def level(self) -> Float[np.ndarray, " n_y"]:
+        """Root mean square of every output's spectrum."""
+        return np.sqrt(np.mean(np.abs(self.z) ** 2, axis=0))
 
     @property
-    def channels(self) -> np.ndarray:
-        """Channel of each."""
+    def channels(self) -> Int[np.ndarray, " n_free"]:
+        """Channel of every free delay and log gain."""
         return np.concatenate([self.delays, self.gains])
 
-    def factor(self, omega: np.ndarray) -> np.ndarray:
-        """Derivative of each row over itself, (n_omega, n_free)."""
-        factor = np.ones((omega.size, self.count), dtype=complex)
-        factor[:, : self.delays.size] = -1j * omega[:, None]
+    @property
+    def factor(self) -> Complex[np.ndarray, "n_omega n_free"]:
+        """Derivative of the row of each channel over itself."""
+        factor = np.ones((self.omega.size, self.channels.size), dtype=complex)
+        factor[:, : self.delays.size] = -1j * self.omega[:, None]
         return factor
 
-    def gather(self, delay: np.ndarray, scale: np.ndarray) -> np.ndarray:
-        """The other way round from ``spread``, of scale factors."""
-        return np.concatenate([delay[self.delays], np.log(scale[self.gains])])
+    def clip(self, step: np.ndarray) -> np.ndarray:
+        """Limit a step one by one, so that a poorly known channel does not limit the others."""
+        largest = np.full(step.size, _LARGEST_STEP_RAD)
+        largest[: self.delays.size] /= self.omega[-1]
+        return np.clip(step, -largest, largest)
 
-    def spread(self, value: np.ndarray, n_y: int) -> tuple[np.ndarray, np.ndarray]:
+    def spread(self, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Delays and log gains of all channels, zero where they are not free."""
-        delay, gain = np.zeros(n_y), np.zeros(n_y)
+        delay, gain = np.zeros((2, len(self.names)))
         delay[self.delays] = value[: self.delays.size]
         gain[self.gains] = value[self.delays.size :]
         return delay, gain
 
-
-@dataclass(frozen=True, slots=True)
-class RedundantSensors:
-    """Frequencies, recorded spectra and sensor rows with their instruments."""
-
-    omega: Float[np.ndarray, " n_omega"]
-    z: Complex[np.ndarray, "n_omega n_y"]
-    rows: Complex[np.ndarray, "n_omega n_y n_r"]
-
     def project(
-        self, free: FaultParameters, value: np.ndarray, sigma: np.ndarray
+        self, value: np.ndarray, sigma: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual (n_omega, n_y), its slopes (n_omega, n_free) and the basis of all motions."""
-        delay, gain = free.spread(value, sigma.size)
+        delay, gain = self.spread(value)
         turned = self.rows * np.exp(-1j * self.omega[:, None] * delay + gain)[:, :, None]
         weighted = turned / sigma[:, None]
         size = np.linalg.norm(weighted, axis=1)
         q, _ = np.linalg.qr(weighted / np.where(size > 0, size, 1.0)[:, None, :])
         z = self.z / sigma
         seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
-        return z - seen, free.factor(self.omega) * seen[:, free.channels], q
+        return z - seen, self.factor * seen[:, self.channels], q
 
-    def normal(
-        self, free: FaultParameters, slope: np.ndarray, q: np.ndarray, residual: np.ndarray
+    def compute_normal_equations(
+        self, residual: np.ndarray, slope: np.ndarray, q: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Normal matrix and gradient of half the squares, motions projected out (Kaufman)."""
-        n = slope.shape[1]
-        inside = (q[:, free.channels].conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, n)
-        same = free.channels[:, None] == free.channels
+        n, own = slope.shape[1], self.channels
+        inside = (q[:, own].conj() * slope[:, :, None]).transpose(0, 2, 1).reshape(-1, n)
+        same = own[:, None] == own
         normal = np.real(slope.conj().T @ slope) * same - np.real(inside.conj().T @ inside)
-        return normal, -np.sum(np.real(slope.conj() * residual[:, free.channels]), axis=0)
+        return normal, -np.sum(np.real(slope.conj() * residual[:, own]), axis=0)
 
-    def of_noise(self, free: FaultParameters, q: np.ndarray) -> Float[np.ndarray, "n_free n_free"]:
+    def compute_noise_information(self, q: np.ndarray) -> Float[np.ndarray, "n_free n_free"]:
         """Mean contribution of unit noise of all sensors to the normal matrix."""
-        rows = q[:, free.channels]
-        shared = np.matmul(rows, rows.conj().transpose(0, 2, 1))
-        same = free.channels[:, None] == free.channels
-        power = shared.transpose(0, 2, 1) * (same - shared)
-        factor = free.factor(self.omega)
-        return np.real(np.einsum("kp,kpr,kr->pr", factor.conj(), power, factor))
+        own = self.channels
+        shared = np.matmul(q[:, own], q[:, own].conj().transpose(0, 2, 1))
+        power = shared.transpose(0, 2, 1) * ((own[:, None] == own) - shared)
+        return np.real(np.einsum("kp,kpr,kr->pr", self.factor.conj(), power, self.factor))
+
+    def describe(
+        self, value: np.ndarray, std: np.ndarray, noise: np.ndarray, reference: str
+    ) -> SensorFaults:
+        """Faults of all outputs from delays and log gains with their standard errors."""
+        delay, gain = self.spread(value)
+        delay_std, gain_std = self.spread(std)
+        low, high = (self.omega[[0, -1]] / (2.0 * np.pi)).tolist()
+        scale = np.exp(gain)
+        return SensorFaults(
+            self.names, reference, delay, delay_std, scale, scale * gain_std, noise, (low, high)
+        )
 
 
 def _converge(
-    problem: RedundantSensors,
-    free: FaultParameters,
-    start: np.ndarray,
-    sigma: np.ndarray,
-    small: float = _STEP_TOLERANCE,
+    sensors: RedundantSensors, start: np.ndarray, sigma: np.ndarray, small: float
 ) -> Float[np.ndarray, " n_free"]:
     """Levenberg-Marquardt in delays and log gains alone."""
     value, damping = start, 1e-3
-    largest = np.full(free.count, _LARGEST_STEP_RAD)
-    largest[: free.delays.size] /= problem.omega[-1]
-    residual, slope, q = problem.project(free, value, sigma)
-    cost = float(np.sum(np.abs(residual) ** 2))
-    normal, gradient = problem.normal(free, slope, q, residual)
+    at = sensors.project(value, sigma)
+    cost = float(np.sum(np.abs(at[0]) ** 2))
+    normal, gradient = sensors.compute_normal_equations(*at)
     for _ in range(_STEPS):
         diagonal = np.diag(normal) + 1e-12 * np.trace(normal)
-        step = np.linalg.solve(normal + damping * np.diag(diagonal), -gradient)
-        # Clipped one by one, so that a channel of little information does not limit the others.
-        step = np.clip(step, -largest, largest)
-        trial = problem.project(free, value + step, sigma)
+        step = sensors.clip(np.linalg.solve(normal + damping * np.diag(diagonal), -gradient))
+        trial = sensors.project(value + step, sigma)
         lower = float(np.sum(np.abs(trial[0]) ** 2))
         if lower < cost:
             value, cost = value + step, lower
-            normal, gradient = problem.normal(free, *trial[1:], trial[0])
+            normal, gradient = sensors.compute_normal_equations(*trial)
             damping = max(damping / 10.0, 1e-12)
             if np.max(np.abs(step) * np.sqrt(np.maximum(diagonal, 0.0))) < small:
                 break
@@ -271,40 +285,57 @@ def _converge(
     return value
 
 
-def _variance(
-    problem: RedundantSensors,
-    free: FaultParameters,
-    value: np.ndarray,
-    sigma: np.ndarray,
-    names: tuple[str, ...],
+def _estimate_variance(
+    sensors: RedundantSensors, value: np.ndarray, sigma: np.ndarray
 ) -> Float[np.ndarray, " n_free"]:
-    """Variance of each delay and log gain.
-
-    The motion is reconstructed from noisy sensors, and their noise turned by a delay appears
-    as information. It is subtracted from the information on the delays, and retained in
-    their scatter.
-    """
-    residual, slope, q = problem.project(free, value, sigma)
-    normal, _ = problem.normal(free, slope, q, residual)
+    """Variance of each delay and log gain."""
+    residual, slope, q = sensors.project(value, sigma)
+    normal, _ = sensors.compute_normal_equations(residual, slope, q)
     size = np.sqrt(np.maximum(np.diag(normal), 0.0))
     if not size.all() or np.linalg.cond(normal / np.outer(size, size)) > _LARGEST_CONDITION:
-        weak = names[free.channels[int(np.argmin(size))]]
+        weak = sensors.names[sensors.channels[int(np.argmin(size))]]
         raise NotIdentifiable(
             f"the delay or scale factor of '{weak}' is not identifiable from the other sensors",
             code="no-redundancy",
             channel=weak,
         )
-    signal = normal - problem.of_noise(free, q)
+    scatter = compute_score_scatter(slope, residual[:, sensors.channels])
+    return compute_fault_variance(normal, normal - sensors.compute_noise_information(q), scatter)
+
+
+def compute_score_scatter(
+    slope: Complex[np.ndarray, "n_omega n_free"], residual: Complex[np.ndarray, "n_omega n_free"]
+) -> Float[np.ndarray, "n_free n_free"]:
+    """Compute the scatter of the gradient for residuals that neighbouring frequencies share.
+
+    Notes
+    -----
+    Source: Newey and West, Econometrica 55, 1987.
+    """
+    score = np.real(slope.conj() * residual)
+    scatter = score.T @ score
+    for lag in range(1, min(_NEIGHBOURS, score.shape[0] - 1) + 1):
+        shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
+        scatter += shared + shared.T
+    return scatter
+
+
+def compute_fault_variance(
+    normal: Float[np.ndarray, "n_free n_free"],
+    signal: Float[np.ndarray, "n_free n_free"],
+    scatter: Float[np.ndarray, "n_free n_free"],
+) -> Float[np.ndarray, " n_free"]:
+    """Compute variances of delays and log gains, the larger of white and shared residuals.
+
+    The motion is reconstructed from noisy sensors, and their noise turned by a delay appears
+    as information. ``signal`` is the information without it; the scatter retains it. The
+    whitened residuals have unit variance at each frequency by the choice of the noise.
+    """
+    size = np.sqrt(np.maximum(np.diag(normal), 0.0))
     share, axes = linalg.eigh(signal / np.outer(size, size), normal / np.outer(size, size))
     weighted = axes / np.maximum(share, _LEAST_SHARE) / size[:, None]
     bread = weighted @ (axes / size[:, None]).T
-    score = np.real(slope.conj() * residual[:, free.channels])
-    meat = score.T @ score
-    for lag in range(1, min(_NEIGHBOURS, score.shape[0] - 1) + 1):
-        shared = (1.0 - lag / (_NEIGHBOURS + 1.0)) * (score[lag:].T @ score[:-lag])
-        meat += shared + shared.T
-    # The whitened residuals have unit variance at each frequency by the choice of sigma.
-    return np.maximum(0.5 * np.sum(weighted**2, axis=1), np.diag(bread @ meat @ bread))
+    return np.maximum(0.5 * np.sum(weighted**2, axis=1), np.diag(bread @ scatter @ bread))
 
 
 def widen_standard_errors(faults: SensorFaults, others: Sequence[SensorFaults]) -> SensorFaults:
@@ -312,26 +343,26 @@ def widen_standard_errors(faults: SensorFaults, others: Sequence[SensorFaults]) 
 
     The part of a difference within their own larger errors is not counted again.
     """
-    delay, scale = faults.delay_std**2, faults.scale_std**2
-    if others:
-        delay = delay + np.max(
-            [_excess_difference(faults.delay_s, delay, o.delay_s, o.delay_std**2) for o in others],
-            axis=0,
+    delay_std, scale_std = faults.delay_std, faults.scale_std
+    for other in others:
+        delay_std = np.maximum(
+            delay_std,
+            _widen(faults.delay_s, faults.delay_std, other.delay_s, other.delay_std),
         )
-        scale = scale + np.max(
-            [_excess_difference(faults.scale, scale, o.scale, o.scale_std**2) for o in others],
-            axis=0,
+        scale_std = np.maximum(
+            scale_std, _widen(faults.scale, faults.scale_std, other.scale, other.scale_std)
         )
-    return replace(faults, delay_std=np.sqrt(delay), scale_std=np.sqrt(scale))
+    return replace(faults, delay_std=delay_std, scale_std=scale_std)
 
 
-def _excess_difference(
-    one: np.ndarray, variance: np.ndarray, other: np.ndarray, its: np.ndarray
+def _widen(
+    one: np.ndarray, std: np.ndarray, other: np.ndarray, other_std: np.ndarray
 ) -> np.ndarray:
-    """Squared difference of two estimates in excess of the difference of their variances."""
-    known = np.isfinite(its) & np.isfinite(variance)
-    more = np.where(known, its, 0.0) - np.where(known, variance, 0.0)
-    return np.where(known, np.maximum((other - one) ** 2 - np.maximum(more, 0.0), 0.0), 0.0)
+    """Standard error that includes the difference of two estimates beyond that of their errors."""
+    known = np.isfinite(std) & np.isfinite(other_std)
+    more = np.where(known, other_std, 0.0) ** 2 - np.where(known, std, 0.0) ** 2
+    excess = np.maximum((other - one) ** 2 - np.maximum(more, 0.0), 0.0)
+    return np.sqrt(std**2 + np.where(known, excess, 0.0))
 
 
 def compute_sensor_coherence(
@@ -342,26 +373,18 @@ def compute_sensor_coherence(
 ) -> Float[np.ndarray, " n_y"]:
     """Compute the coherence of each sensor with its prediction from all others.
 
-    Parameters
-    ----------
-    model, outputs, instruments
-        As for ``estimate_sensor_faults``.
-    noise
-        Standard deviation of each output's spectral noise. [output unit * s]
-
-    Returns
-    -------
-    array
-        From 0 to 1; NaN where a sensor dominates its own reconstruction, so that the others
-        do not check it.
+    From 0 to 1; NaN where a sensor dominates its own reconstruction, so that the others do not
+    check it. Spectra and instruments are those of ``estimate_sensor_faults``, ``noise`` is the
+    standard deviation of each output's spectral noise. [output unit * s]
     """
-    z = outputs.pick(model.outputs).values / noise
-    rows = instruments[:, :, None] * model.sensors.response(outputs.omega) / noise[:, None]
-    size = np.linalg.norm(rows, axis=1)
-    q, _ = np.linalg.qr(rows / np.where(size > 0, size, 1.0)[:, None, :])
-    seen = np.matmul(q, np.matmul(q.conj().transpose(0, 2, 1), z[:, :, None]))[:, :, 0]
+    z = outputs.pick(model.outputs).values
+    rows = instruments[:, :, None] * model.sensors.response(outputs.omega)
+    nothing = np.empty(0, dtype=int)
+    sensors = RedundantSensors(model.outputs, outputs.omega, z, rows, nothing, nothing)
+    residual, _, q = sensors.project(np.empty(0), noise)
+    z = z / noise
     own = np.sum(np.abs(q) ** 2, axis=2)
-    others = z - (z - seen) / np.maximum(1.0 - own, 1e-9)
+    others = z - residual / np.maximum(1.0 - own, 1e-9)
     checked = own < _LARGEST_LEVERAGE
     cross = np.abs(np.sum(np.where(checked, z.conj() * others, 0.0), axis=0)) ** 2
     power = np.sum(np.where(checked, np.abs(z) ** 2, 0.0), axis=0)

@@ -75,8 +75,8 @@ def resample(
     span = time[-1] - time[n_end - 1]
     slope = (high - low) / span if span > 0 else 0.0
     middle = 0.5 * time[n_end - 1]
-    x = x - (low + slope * (time - middle))
-    x, ahead = _extend(x, round(_EXTENSION_S * rate_hz))
+    ahead = max(1, min(round(_EXTENSION_S * rate_hz), x.size - 1))
+    x = _extend(x - (low + slope * (time - middle)), ahead)
     length = fft.next_fast_len(-(-x.size // ratio.denominator)) * ratio.denominator
     spectrum = fft.rfft(x, length)
     omega = 2.0 * np.pi * rate_hz * np.arange(spectrum.size) / length
@@ -99,15 +99,13 @@ def resample(
     return inside + low + slope * (target_time + delay_s - middle)
 
 
-def _extend(
-    x: Float[np.ndarray, " n_samples"], most: int
-) -> tuple[Float[np.ndarray, " n_longer"], int]:
-    """Extend both ends, mirrored and fading; return the number of samples in front, too."""
-    count = max(1, min(most, x.size - 1))
+def _extend(x: Float[np.ndarray, " n_samples"], count: int) -> Float[np.ndarray, " n_longer"]:
+    """Extend both ends by so many samples, mirrored and fading."""
     fade = 0.5 * (1.0 + np.cos(np.pi * np.arange(1, count + 1) / count))
-    front = (2.0 * x[0] - x[1 : count + 1]) * fade
-    back = (2.0 * x[-1] - x[-2 : -count - 2 : -1]) * fade
-    return np.concatenate([front[::-1], x, back]), count
+    longer = np.pad(x, count, mode="reflect", reflect_type="odd")
+    longer[:count] *= fade[::-1]
+    longer[-count:] *= fade
+    return longer
 
 
 def _invert_response(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy import interpolate, ndimage
 
 from flexsid.errors import BadInput
@@ -18,10 +18,8 @@ _LOCAL = 201  # samples of the running median that scales a channel
 _DROPOUT_SAMPLES = 10  # equal samples in a row of a dropout, where such runs are rare
 _REPEATED = 0.25  # of the samples: with fewer different values, the recorder rounds coarsely
 _ROUNDED = 0.35  # of a digit: standard deviation of rounding, in the misfit of a cubic
-_FREQUENT, _VERY_FREQUENT = (
-    3,
-    10,
-)  # times as often as neighbouring values: a crest repeats its last digit, too
+# Times as often as neighbouring values: a crest repeats its last digit, too.
+_FREQUENT, _VERY_FREQUENT = 3, 10
 _FEW_DIGITS = 64  # resolution steps in the range of a coarse recorder
 _LONGEST_REPAIR_S = 0.1  # a longer interval is not interpolated [s]
 _SUPPORT = 8  # samples on either side that the spline of a repair passes through
@@ -76,14 +74,20 @@ def find_defects(
     digit = _find_resolution(x)
     saturated = _find_saturated(x, first, stop, digit)
     held = _find_held(x, first, stop, moving) & _find_jumps(x, first, stop, digit) & ~saturated
-    taken = _mask_runs(x.size, first[held | saturated], stop[held | saturated])
-    spikes = _find_spikes(x, digit) & ~ndimage.binary_dilation(taken, iterations=2)
-    found = [
-        *(_build_intervals(SampleDefect.SATURATION, first[saturated], stop[saturated])),
-        *(_build_intervals(SampleDefect.DROPOUT, first[held], stop[held])),
-        *(_build_intervals(SampleDefect.SPIKE, *_find_runs(spikes))),
+    taken = np.repeat(held | saturated, stop - first)
+    spikes = _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
+    spikes &= ~ndimage.binary_dilation(taken, iterations=2)
+    found = {
+        SampleDefect.SATURATION: _list_runs(first[saturated], stop[saturated]),
+        SampleDefect.DROPOUT: _list_runs(first[held], stop[held]),
+        SampleDefect.SPIKE: _find_runs(spikes),
+    }
+    intervals = [
+        DefectiveInterval(kind=kind, first=own.start, stop=own.stop)
+        for kind, some in found.items()
+        for own in some
     ]
-    return tuple(sorted(found, key=lambda stretch: stretch.first))
+    return tuple(sorted(intervals, key=lambda interval: interval.first))
 
 
 def repair_samples(
@@ -93,14 +97,7 @@ def repair_samples(
 ) -> Float[np.ndarray, " n_samples"]:
     """Replace samples by a cubic spline through their neighbours.
 
-    Parameters
-    ----------
-    samples
-        Of one channel.
-    stretches
-        First sample, and the sample after the last, of each interval to replace.
-    rate_hz
-        Samples per second. [Hz]
+    Each stretch is its first sample, and the sample after its last.
 
     Raises
     ------
@@ -124,7 +121,8 @@ def repair_samples(
             )
         bad[first:stop] = True
     result = x.copy()
-    for first, stop in zip(*_find_runs(bad), strict=True):
+    for run in _find_runs(bad):
+        first, stop = run.start, run.stop
         around = np.r_[max(0, first - _SUPPORT) : first, stop : min(x.size, stop + _SUPPORT)]
         around = around[~bad[around]]
         if around.size < 2:
@@ -133,7 +131,7 @@ def repair_samples(
             )
         degree = min(3, around.size - 1)
         curve = interpolate.make_interp_spline(around, x[around], k=degree)
-        result[first:stop] = curve(np.arange(first, stop))
+        result[run] = curve(np.arange(first, stop))
     return result
 
 
@@ -155,12 +153,8 @@ def _find_jumps(
     return (np.maximum(before, after) > 1.5 * digit) | (digit == 0.0)
 
 
-def _find_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
-    """Samples that are outliers, the largest of each group of neighbours."""
-    return _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
-
-
 def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
+    """Samples that are outliers, the largest of each group of neighbours."""
     away = np.zeros_like(x)
     away[2:-2] = x[2:-2] - (4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6.0
     size = np.abs(away)
@@ -181,9 +175,9 @@ def _find_wide_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarr
     jump = steps > usual
     off = np.abs(away) > 0.5 * usual
     found = np.zeros(x.size, dtype=bool)
-    for first, stop in zip(*_find_runs(off), strict=True):
-        if stop - first <= _WIDEST_SPIKE and jump[first] and stop < x.size and jump[stop]:
-            found[first:stop] = True
+    for run in _find_runs(off):
+        is_narrow = run.stop - run.start <= _WIDEST_SPIKE and run.stop < x.size
+        found[run] = is_narrow and jump[run.start] and jump[run.stop]
     return found
 
 
@@ -237,24 +231,9 @@ def _find_held(
     return long if length[long].sum() <= x.size // 2 else np.zeros_like(long)
 
 
-def _mask_runs(
-    n: int, first: Int[np.ndarray, " n_runs"], stop: Int[np.ndarray, " n_runs"]
-) -> Bool[np.ndarray, " n"]:
-    mask = np.zeros(n, dtype=bool)
-    for a, b in zip(first, stop, strict=True):
-        mask[a:b] = True
-    return mask
+def _list_runs(first: np.ndarray, stop: np.ndarray) -> list[slice]:
+    return [slice(int(a), int(b)) for a, b in zip(first, stop, strict=True)]
 
 
-def _find_runs(mask: Bool[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
-    edges = np.diff(np.r_[False, mask, False].astype(np.int8))
-    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-
-
-def _build_intervals(
-    kind: SampleDefect, first: np.ndarray, stop: np.ndarray
-) -> list[DefectiveInterval]:
-    return [
-        DefectiveInterval(kind=kind, first=int(a), stop=int(b))
-        for a, b in zip(first, stop, strict=True)
-    ]
+def _find_runs(mask: Bool[np.ndarray, " n"]) -> list[slice]:
+    return [run for (run,) in ndimage.find_objects(ndimage.label(mask)[0])]

@@ -20,12 +20,7 @@ _SUFFIX = {"symmetric": "s", "antisymmetric": "a"}
 def mirror_sign(kind: str, axis: str) -> float:
     """Right over left sensor in a symmetric motion: 1 or -1.
 
-    Parameters
-    ----------
-    kind
-        ``accelerometer``, ``gyro``, ``attitude``, ``vane`` or ``strain``.
-    axis
-        x, y or z, of measurement or of rotation.
+    The axis is x, y or z, of measurement or of rotation.
     """
     if kind == "accelerometer":
         return -1.0 if axis in _TURNED_TRANSLATION else 1.0
@@ -44,13 +39,13 @@ def find_pairs(names: Iterable[str]) -> tuple[tuple[str, str, str], ...]:
     found = []
     for name in known:
         parts = name.split("_")
-        for place, part in enumerate(parts):
+        for index, part in enumerate(parts):
             if len(part) < 2 or not part.endswith("l"):
                 continue
             stem = part[:-1]
-            other = "_".join([*parts[:place], f"{stem}r", *parts[place + 1 :]])
+            other = "_".join([*parts[:index], f"{stem}r", *parts[index + 1 :]])
             if other in known:
-                both = "_".join([*parts[:place], f"{stem}{{}}", *parts[place + 1 :]])
+                both = "_".join([*parts[:index], f"{stem}{{}}", *parts[index + 1 :]])
                 found.append((name, other, both))
     return tuple(found)
 
@@ -60,14 +55,7 @@ def combine_pair(
 ) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Name and weights of one part of a pair; the antisymmetric one is right less left.
 
-    Parameters
-    ----------
-    left, right, both
-        As ``find_pairs`` gives them.
-    sign
-        Of ``mirror_sign``.
-    part
-        Which part.
+    The names are those of ``find_pairs``, the sign is that of ``mirror_sign``.
     """
     name = both.format(_SUFFIX[part])
     if part == "symmetric":
@@ -78,11 +66,8 @@ def combine_pair(
 def parity(weights: Iterable[tuple[float, float]]) -> Part | None:
     """Which part of the motion a combination of two sensors reads; None for any other.
 
-    Parameters
-    ----------
-    weights
-        Of left and right sensor, each with what a symmetric motion makes of it: mirror sign
-        for the right, one for the left.
+    ``weights`` are those of left and right sensor, each with what a symmetric motion makes of
+    it: mirror sign for the right, one for the left.
     """
     seen = [weight * sign for weight, sign in weights]
     if len(seen) != 2 or abs(abs(seen[0]) - abs(seen[1])) > 1e-9 * abs(seen[0]):

@@ -48,20 +48,18 @@ class Airframe:
         """B of x-dot = A x + B u. [1/s]"""
         return self.rates[:, self.n_x :]
 
+    @property
+    def gust_rates(self) -> Float[np.ndarray, " n_x"]:
+        """x-dot per angle of attack of a gust: its aerodynamic forces, not the motion. [1/s]"""
+        rates = self.rates[:, ALPHA].copy()
+        rates[ALPHA] = self.lift_row[ALPHA] / self.condition.airspeed
+        return rates
+
 
 def assemble_airframe(
     condition: FlightCondition, modes: StructuralModes, derivatives: DerivativeTable
 ) -> Airframe:
-    """Build the equations of motion at one flight condition.
-
-    Parameters
-    ----------
-    condition
-        Trim condition; its thrust balances the drag.
-    modes
-        In-vacuo modes, in the order of the derivatives' modes.
-    derivatives
-        Nondimensional derivatives of C_Z, C_m and C_Q of every mode.
+    """Build the equations of motion at a trim condition, whose thrust balances the drag.
 
     Raises
     ------

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import linalg
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.laws import series
+from flexsid.sysid.model.laws import discretise, find_loop_channels, series
 
-_LARGEST_ANGLE = 1.5  # rad of incidence or attitude: a linear model is not valid beyond
+_LARGEST_ANGLE = 1.5  # rad of flow or attitude: a linear model is not valid beyond
+_ANGLES = ("alpha", "theta", "beta", "phi")
 _REPORT_INTERVAL = 500  # samples
+_NO_LAW = StateSpace(*(np.zeros((0, 0)) for _ in range(4)), states=(), inputs=(), outputs=())
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,20 +41,18 @@ def simulate_flight(
 
     Parameters
     ----------
-    plant
-        Aircraft with its sensors; inputs are deflections.
-    actuators
-        Deflections from commands, for every input of the plant in its order.
+    plant, actuators
+        Aircraft with its sensors, whose inputs are deflections, and deflections from commands,
+        for every input of the plant in its order.
     actuator_delay_s
         Pure delay of every actuator. [s]
     excitation
         Added to the commands after the control law. [rad]
     rate_hz
         Of the excitation, of the control law and of the result. [Hz]
-    controller
-        u = K y with the sign in K; None for open loop.
-    delay_s
-        From measurement to command, in addition to one sample. [s]
+    controller, delay_s
+        u = K y with the sign in K, None for open loop, and its delay from measurement to
+        command, in addition to one sample. [s]
     report
         Called with the fraction done; may raise to stop.
 
@@ -68,7 +67,7 @@ def simulate_flight(
     their exact transition, the law by its own.
     """
     joined = series(actuators, plant)
-    F, G = _discretise(joined.A, joined.B, 1.0 / rate_hz)
+    F, G = discretise(joined.A, joined.B, 1.0 / rate_hz)
     n_a, n_u = actuators.A.shape[0], excitation.shape[1]
     leads = np.round(actuator_delay_s * rate_hz).astype(int)
     wait = 1 + round(delay_s * rate_hz)
@@ -76,38 +75,35 @@ def simulate_flight(
     commands = np.vstack([excitation, np.zeros((wait, n_u))])
     top = int(leads.max(initial=0))
     delayed = np.zeros((top + n_samples, n_u))
-    law, read, driven = _discretise_law(plant, controller, 1.0 / rate_hz)
-    x, law_state = np.zeros(F.shape[0]), np.zeros(law[0].shape[0])
+    law = _NO_LAW if controller is None else controller
+    Fk, Gk = discretise(law.A, law.B, 1.0 / rate_hz)
+    read, driven = find_loop_channels(plant, law)
+    x, law_state = np.zeros(F.shape[0]), np.zeros(Fk.shape[0])
     states = np.zeros((n_samples, F.shape[0]))
     ordered = np.zeros((n_samples, n_u))
-    angles = n_a + np.array([plant.states.index(name) for name in ("alpha", "theta")])
+    angles = n_a + np.flatnonzero([name in _ANGLES for name in plant.states])
     every = np.arange(n_u)
-    Fk, Gk, Ck, Dk = law
     C_read, D_read = joined.C[read], joined.D[read]
     for k in range(n_samples):
         delayed[top + k] = commands[k]
         now = delayed[top + k - leads, every]
         states[k], ordered[k] = x, now
-        if driven.size:
+        if driven:
             y = C_read @ x + D_read @ now
-            commands[k + wait, driven] += Ck @ law_state + Dk @ y
+            commands[k + wait, driven] += law.C @ law_state + law.D @ y
             law_state = Fk @ law_state + Gk @ y
         x = F @ x + G @ now
         if k % _REPORT_INTERVAL == 0:
             if report is not None:
                 report(k / n_samples)
-            if not np.all(np.abs(x[angles]) < _LARGEST_ANGLE):
+            if not np.all(np.abs(states[k, angles]) < _LARGEST_ANGLE):
                 break
     too_far = ~(np.abs(states[:, angles]).max(axis=1) < _LARGEST_ANGLE)
     if too_far.any():
         first = int(np.argmax(too_far))
         raise BadInput(
-            f"the aircraft diverges within {first / rate_hz:.1f} s: the model is unstable and "
-            + (
-                "needs a controller"
-                if controller is None
-                else "this controller does not stabilise it"
-            ),
+            f"the aircraft diverges within {first / rate_hz:.1f} s: the model is unstable and"
+            f" {'needs a' if controller is None else 'is not stabilised by this'} controller",
             code="diverges",
         )
     return SimulatedFlight(
@@ -115,38 +111,3 @@ def simulate_flight(
         deflections=states[:, :n_a] @ actuators.C.T + ordered @ actuators.D.T,
         commands=commands[:n_samples],
     )
-
-
-def _discretise_law(
-    plant: StateSpace, controller: StateSpace | None, step_s: float
-) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
-    none = np.zeros(0, dtype=int)
-    if controller is None:
-        return (np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))), none, none
-    for names, known, what in (
-        (controller.inputs, plant.outputs, "reads"),
-        (controller.outputs, plant.inputs, "drives"),
-    ):
-        missing = [name for name in names if name not in known]
-        if missing:
-            raise BadInput(
-                f"the controller {what} '{missing[0]}', which is not in the model; it has "
-                f"{', '.join(known)}",
-                code="unknown-channel",
-                channel=missing[0],
-            )
-    read = np.array([plant.outputs.index(name) for name in controller.inputs], dtype=int)
-    driven = np.array([plant.inputs.index(name) for name in controller.outputs], dtype=int)
-    F, G = _discretise(controller.A, controller.B, step_s)
-    return (F, G, controller.C, controller.D), read, driven
-
-
-def _discretise(
-    A: Float[np.ndarray, "n n"], B: Float[np.ndarray, "n m"], step_s: float
-) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n m"]]:
-    """Compute the transition over one step, and the effect of constant inputs over it."""
-    n, m = B.shape
-    joined = np.zeros((n + m, n + m))
-    joined[:n, :n], joined[:n, n:] = A, B
-    exponential = linalg.expm(joined * step_s)
-    return exponential[:n, :n], exponential[:n, n:]

@@ -14,16 +14,8 @@ def accelerometer(
 ) -> Float[np.ndarray, " n_w"]:
     """Build the row of an accelerometer along a body axis, with gravity by tilt. [m/s2]
 
-    Parameters
-    ----------
-    airframe
-        The equations of motion.
-    axis
-        ``x``, ``y`` or ``z``.
-    point
-        Name of the point of the mode shapes.
-    position
-        Body axes from the centre of gravity. [m]
+    ``point`` is the name of one of the mode shapes, ``position`` in body axes from the centre of
+    gravity. [m]
     """
     translation, rotation = _shapes(airframe, point)
     n = translation.shape[1]

@@ -32,12 +32,7 @@ def assess_collinearity(
 ) -> Collinearity:
     """Assess the collinearity of columns of samples, or of spectra (complex).
 
-    Parameters
-    ----------
-    columns
-        One column per channel or regressor.
-    remove_mean
-        True for samples; a spectrum has no mean to remove.
+    The mean is removed of samples; a spectrum has none.
 
     Notes
     -----
@@ -87,18 +82,11 @@ class Dependency:
 
 
 def find_near_dependencies(
-    gram: Float[np.ndarray, "n n"], names: Sequence[str], least: float = WEAK_CONDITION_INDEX
+    gram: Float[np.ndarray, "n n"], names: Sequence[str]
 ) -> tuple[Dependency, ...]:
-    """Condition indices from ``least`` on, with the terms involved, worst first.
+    """Condition indices that are not weak, with the terms involved, worst first.
 
-    Parameters
-    ----------
-    gram
-        Products of the columns with each other: a normal or information matrix.
-    names
-        Of the terms, in its order.
-    least
-        Smallest condition index reported.
+    ``gram`` has the products of the columns with each other, as a normal or information matrix.
 
     Notes
     -----
@@ -120,7 +108,7 @@ def find_near_dependencies(
     for direction, value in enumerate(values):
         index = float(np.sqrt(values[-1] / value))
         involved = np.flatnonzero(shares[:, direction] >= _LEAST_VARIANCE_SHARE)
-        if index >= least and involved.size > 1:
+        if index >= WEAK_CONDITION_INDEX and involved.size > 1:
             order = involved[np.argsort(-shares[involved, direction])]
             found.append(Dependency(index, {active[i]: float(shares[i, direction]) for i in order}))
     return tuple(found)

@@ -10,7 +10,7 @@ from scipy import fft
 
 from flexsid.sysid.spectra.quadrature import correct_ends
 
-_MANY_LINES = 128  # from here on a chirp-z transform is cheaper than a matrix
+_MANY_FREQUENCIES = 128  # from here on a chirp-z transform is cheaper than a matrix
 _LARGEST_MATRIX = 2_000_000  # elements; 32 MB for sine and cosine
 
 
@@ -93,13 +93,13 @@ def _grid_of(
     omega: Float[np.ndarray, " n_omega"], n_samples: int, rate_hz: float
 ) -> tuple[int, np.ndarray] | None:
     """Length of a zero-padded transform that has bins at all frequencies, and these bins."""
-    lines = omega / (2.0 * np.pi)
-    spacing = np.diff(lines)
-    if lines.size < 8 or spacing.min() <= 0:
+    hertz = omega / (2.0 * np.pi)
+    spacing = np.diff(hertz)
+    if hertz.size < 8 or spacing.min() <= 0:
         return None
     period = round(rate_hz / float(spacing.min()))
     length = period * -(-n_samples // period)
-    bins = lines * length / rate_hz
+    bins = hertz * length / rate_hz
     near = np.rint(bins)
     if length > 8 * n_samples or np.max(np.abs(bins - near)) > 1e-6:
         return None
@@ -107,7 +107,7 @@ def _grid_of(
 
 
 def _is_dense(omega: Float[np.ndarray, " n_omega"]) -> bool:
-    if omega.size < _MANY_LINES:
+    if omega.size < _MANY_FREQUENCIES:
         return False
     spacing = (omega[-1] - omega[0]) / (omega.size - 1)
     even = omega[0] + spacing * np.arange(omega.size)
@@ -142,8 +142,8 @@ def _by_matrix(
     at_once = max(1, _LARGEST_MATRIX // samples.shape[0])
     parts = []
     for first in range(0, omega.size, at_once):
-        lines = omega[first : first + at_once]
-        cosine, sine = _trigonometric_matrix(lines.tobytes(), samples.shape[0], float(rate_hz))
+        part = omega[first : first + at_once]
+        cosine, sine = _trigonometric_matrix(part.tobytes(), samples.shape[0], float(rate_hz))
         parts.append((cosine @ samples - 1j * (sine @ samples)) / rate_hz)
     return np.concatenate(parts) if parts else np.zeros((0, samples.shape[1]), dtype=complex)
 

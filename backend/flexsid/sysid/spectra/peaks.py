@@ -37,22 +37,16 @@ class InputRatios:
     values: Complex[np.ndarray, "n_omega n_y"]
 
 
-def compute_mean_power(ratios: Sequence[InputRatios]) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and mean power of all channels over their means, in order."""
-    omega = np.concatenate([r.omega for r in ratios])
-    power = np.concatenate(
-        [
-            np.mean(np.abs(r.values) ** 2 / np.mean(np.abs(r.values) ** 2, axis=0), axis=1)
-            for r in ratios
-        ]
-    )
-    order = np.argsort(omega)
-    return omega[order] / (2.0 * np.pi), power[order]
-
-
 def smooth_power(ratios: Sequence[InputRatios]) -> tuple[np.ndarray, np.ndarray]:
-    """Smooth the power over as many neighbours as include every input."""
-    frequency, power = compute_mean_power(ratios)
+    """Frequencies [Hz] and mean power of all channels over their means, in order.
+
+    Smoothed over as many neighbours as include every input.
+    """
+    omega = np.concatenate([r.omega for r in ratios])
+    powers = [np.abs(r.values) ** 2 for r in ratios]
+    power = np.concatenate([np.mean(one / np.mean(one, axis=0), axis=1) for one in powers])
+    order = np.argsort(omega)
+    frequency, power = omega[order] / (2.0 * np.pi), power[order]
     window = 2 * len(ratios) + 1
     if power.size < 2 * window:
         return frequency, power
@@ -69,19 +63,10 @@ def find_peaks(ratios: Sequence[InputRatios]) -> list[float]:
     return [float(frequency[i]) for i in sorted(tall, key=lambda i: -smooth[i])]
 
 
-def fit_peak(
-    ratios: Sequence[InputRatios], near_hz: float, sizes: np.ndarray | None = None
-) -> Peak:
+def fit_peak(ratios: Sequence[InputRatios], near_hz: float, sizes: np.ndarray) -> Peak:
     """Fit one resonance to all channels and inputs around a peak.
 
-    Parameters
-    ----------
-    ratios
-        One set of ratios per input.
-    near_hz
-        Where the peak was found. [Hz]
-    sizes
-        Unit of the amplitudes of each channel; its rms by default.
+    ``near_hz`` is where the peak was found, ``sizes`` the unit of the amplitudes of each channel.
 
     Notes
     -----
@@ -94,17 +79,14 @@ def fit_peak(
         for r in ratios
         if (inside := np.abs(r.omega / (2.0 * np.pi) - near_hz) < _HALF_WIDTH * near_hz).sum() >= 4
     ]
-    scale = compute_channel_rms(ratios) if sizes is None else sizes
 
     def residual(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([_compute_residual(r, scale, x).ravel() for r in near])
-
-    def split(x: np.ndarray) -> np.ndarray:
-        found = residual(x)
+        parts = [_solve_residues(one, sizes, x)[1].ravel() for one in near]
+        found = np.concatenate(parts)
         return np.concatenate([np.real(found), np.imag(found)])
 
     start = np.array([2.0 * np.pi * near_hz, 0.02])
-    fit = least_squares(split, start, x_scale=[0.01 * start[0], 0.005], method="lm")
+    fit = least_squares(residual, start, x_scale=[0.01 * start[0], 0.005], method="lm")
     n_linear = sum(2 * 2 * r.values.shape[1] for r in near)
     freedom = max(1, fit.fun.size - n_linear - 2)
     variance = float(fit.fun @ fit.fun) / freedom
@@ -112,7 +94,8 @@ def fit_peak(
     root = np.linalg.inv(np.linalg.qr(slope)[1])
     covariance = variance * (root @ root.T)
     std = np.sqrt(np.diag(covariance))
-    amplitude = _compute_amplitude(near, scale, fit.x)
+    residues = np.stack([_solve_residues(one, sizes, fit.x)[0][0] for one in near])
+    amplitude = float(np.sqrt(np.mean(np.abs(residues) ** 2)) / (2.0 * abs(fit.x[1])))
     damping = abs(float(fit.x[1]))
     return Peak(
         frequency_hz=float(fit.x[0]) / (2.0 * np.pi),
@@ -131,25 +114,13 @@ def compute_channel_rms(ratios: Sequence[InputRatios]) -> Float[np.ndarray, " n_
     return np.sqrt(np.mean(np.abs(every) ** 2, axis=0))
 
 
-def _basis(omega: np.ndarray, x: np.ndarray) -> np.ndarray:
-    s = 1j * omega
-    resonance = s**2 / (s**2 + 2.0 * x[1] * x[0] * s + x[0] ** 2)
-    return np.stack([resonance, (omega / x[0]) ** 2 + 0j], axis=1)
-
-
 def _solve_residues(
-    lines: InputRatios, scale: np.ndarray, x: np.ndarray
+    ratios: InputRatios, sizes: np.ndarray, x: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    basis = _basis(lines.omega, x)
-    weights, *_ = np.linalg.lstsq(basis, lines.values / scale, rcond=None)
-    return basis, weights
-
-
-def _compute_residual(lines: InputRatios, scale: np.ndarray, x: np.ndarray) -> np.ndarray:
-    basis, weights = _solve_residues(lines, scale, x)
-    return lines.values / scale - basis @ weights
-
-
-def _compute_amplitude(ratios: Sequence[InputRatios], scale: np.ndarray, x: np.ndarray) -> float:
-    residues = np.stack([_solve_residues(lines, scale, x)[1][0] for lines in ratios])
-    return float(np.sqrt(np.mean(np.abs(residues) ** 2)) / (2.0 * abs(x[1])))
+    """Residues of resonance and background at frequency and damping x, and the residuals."""
+    s = 1j * ratios.omega
+    resonance = s**2 / (s**2 + 2.0 * x[1] * x[0] * s + x[0] ** 2)
+    basis = np.stack([resonance, (ratios.omega / x[0]) ** 2 + 0j], axis=1)
+    values = ratios.values / sizes
+    residues = np.linalg.lstsq(basis, values, rcond=None)[0]
+    return residues, values - basis @ residues

@@ -54,17 +54,12 @@ def correct_ends(
             f"least {2 * count}",
             code="record-too-short",
         )
-    weights = _end_weights(omega / rate_hz)
+    # Weights of the first samples at theta = omega / rate.
+    weights = (-1j * (omega / rate_hz)[:, None]) ** np.arange(_TERMS) @ _series()
     turn = np.exp(-1j * omega * (samples.shape[0] - 1) / rate_hz)
     ends = weights @ samples[:count]
     ends += turn[:, None] * (weights.conj() @ samples[: -count - 1 : -1])
     return transform + ends / rate_hz
-
-
-def _end_weights(theta: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, "n_omega n_end"]:
-    """Weights of the first samples in the correction at theta = omega / rate. [1]"""
-    powers = (-1j * theta[:, None]) ** np.arange(_TERMS)
-    return powers @ _series()
 
 
 @cache

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import stats
+from scipy import special
 
 from flexsid.errors import BadInput
+from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.signals import FrequencyResponse
 
 
@@ -19,12 +20,7 @@ def compute_coherence(
 ) -> Float[np.ndarray, "n_omega n_y"]:
     """Compute the coherence of every output with the excitation over repetitions, 0 to 1.
 
-    Parameters
-    ----------
-    reference
-        Excitation at each frequency, period by period or maneuver by maneuver.
-    outputs
-        Outputs at the same frequencies.
+    The excitation is that of period by period or maneuver by maneuver.
 
     Raises
     ------
@@ -46,13 +42,10 @@ def compute_coherence(
 class RepeatedResponse:
     """Responses averaged over several maneuvers.
 
-    ``disagreement`` (n_omega, n_y, n_u) is the root mean square distance of the
-    maneuvers from the combination in their own standard deviations, about 1 where
-    they agree; ``probability`` that chance alone would make them differ as much.
+    ``probability`` is that of chance alone making the maneuvers differ as much.
     """
 
     response: FrequencyResponse
-    disagreement: Float[np.ndarray, "n_omega n_y n_u"]
     probability: float
 
 
@@ -84,8 +77,8 @@ def combine_responses(responses: Sequence[FrequencyResponse]) -> RepeatedRespons
     omega = first.omega[(first.omega >= low) & (first.omega <= high)]
     if not omega.size:
         raise BadInput("the maneuvers excite bands without a common frequency", code="empty-band")
-    values = np.stack([_interpolate(r.omega, r.values, omega) for r in responses])
-    std = np.stack([_interpolate(r.omega, _get_std(r), omega) for r in responses])
+    values = np.stack([interpolate(r.omega, r.values, omega) for r in responses])
+    std = np.stack([interpolate(r.omega, _get_std(r), omega) for r in responses])
     weight = 1.0 / std**2
     mean = np.sum(weight * values, axis=0) / np.sum(weight, axis=0)
     distance = np.sum(np.abs(values - mean) ** 2 * weight, axis=0)
@@ -93,15 +86,12 @@ def combine_responses(responses: Sequence[FrequencyResponse]) -> RepeatedRespons
     # |error|^2 / variance of a circular variable is chi-square of 2 degrees, halved
     probability = 1.0
     if freedom:
-        total = 2.0 * float(np.median(distance)) / stats.chi2.median(2 * freedom)
+        total = 2.0 * float(np.median(distance)) / special.chdtri(2 * freedom, 0.5)
         effective = 2 * freedom * omega.size
-        probability = float(stats.chi2.sf(total * effective, effective))
+        probability = float(special.chdtrc(effective, total * effective))
+    combined = 1.0 / np.sqrt(np.sum(weight, axis=0))
     return RepeatedResponse(
-        FrequencyResponse(
-            omega, mean, first.outputs, first.inputs, 1.0 / np.sqrt(np.sum(weight, axis=0))
-        ),
-        np.sqrt(distance / max(freedom, 1)),
-        probability,
+        FrequencyResponse(omega, mean, first.outputs, first.inputs, combined), probability
     )
 
 
@@ -112,10 +102,3 @@ def _get_std(response: FrequencyResponse) -> np.ndarray:
             code="no-uncertainty",
         )
     return response.std
-
-
-def _interpolate(omega: np.ndarray, values: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Interpolate linearly between frequencies."""
-    place = np.clip(np.searchsorted(omega, target), 1, omega.size - 1)
-    share = ((target - omega[place - 1]) / (omega[place] - omega[place - 1]))[:, None, None]
-    return (1.0 - share) * values[place - 1] + share * values[place]

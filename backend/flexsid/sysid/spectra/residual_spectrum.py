@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 _WINDOW = 7  # data points in a local fit
-_DEGREE = 5
+_DEGREE = 5  # of the polynomial of a local fit
 _NEIGHBOURS = 24  # residuals on either side that share one noise level
 _STRIDE = 4  # data points from one level to the next
 
@@ -18,7 +18,7 @@ class LocalResiduals:
     """Residuals of local fits at ``indices``, scaled to the variance of a data point."""
 
     indices: np.ndarray
-    values: Complex[np.ndarray, "n_lines n_channels"]
+    values: Complex[np.ndarray, "n_frequencies n_channels"]
 
 
 def compute_local_residuals(
@@ -40,8 +40,8 @@ def compute_local_residuals(
     hat = basis @ np.linalg.solve(basis.T @ basis, basis.T)
     weights = -hat[half]
     weights[half] += 1.0
-    windows = np.stack([values[k : n - _WINDOW + 1 + k] for k in range(_WINDOW)], axis=0)
-    residual = np.tensordot(weights, windows, axes=(0, 0)) / np.sqrt(1.0 - hat[half, half])
+    windows = np.lib.stride_tricks.sliding_window_view(values, _WINDOW, axis=0)
+    residual = windows @ weights / np.sqrt(1.0 - hat[half, half])
     return LocalResiduals(np.arange(half, n - half), residual)
 
 
@@ -50,17 +50,8 @@ def estimate_noise_level(
 ) -> list[np.ndarray]:
     """Estimate the noise level around each target frequency.
 
-    Parameters
-    ----------
-    places, powers
-        Frequencies (n_lines,) and squared residuals (n_lines, n_y) of each input's data.
-    targets
-        Frequencies (n_target,) of each input at which the level is estimated.
-
-    Returns
-    -------
-    list
-        Of (n_target, n_y).
+    Frequencies (n_frequencies,) and squared residuals (n_frequencies, n_y) of each input's data
+    give the level (n_target, n_y) at the target frequencies of each input.
 
     Notes
     -----
@@ -91,16 +82,8 @@ def estimate_noise_about_responses(
 ) -> Float[np.ndarray, "n_omega n_channels"] | None:
     """Estimate the noise of spectra at every frequency; None if all inputs have too few harmonics.
 
-    Parameters
-    ----------
-    omega
-        Frequencies. [rad/s]
-    assigned_input
-        Index of the input that each harmonic is assigned to.
-    values
-        Spectra; NaN where a channel has no number.
-    command
-        Excitation of the assigned input at each frequency.
+    ``command`` is the excitation of the assigned input of each harmonic, by its index. Spectra
+    are NaN where a channel has no number.
     """
     places, powers = [], []
     for index in np.unique(assigned_input):

@@ -11,7 +11,7 @@ from scipy import fft
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
 
-_OVERLAP = 0.5
+_OVERLAP = 0.5  # of neighbouring windows
 _INDEPENDENT = 0.947  # share of independent Hann windows at half overlap (Welch 1967)
 
 
@@ -22,7 +22,6 @@ class WindowedResponse:
     response: FrequencyResponse
     coherence: Float[np.ndarray, "n_omega n_y"]
     input_power: Float[np.ndarray, "n_omega n_u"]
-    n_windows: int
 
 
 def compute_windowed_responses(
@@ -39,12 +38,8 @@ def compute_windowed_responses(
     ----------
     inputs, outputs
         Samples on one clock. [channel units]
-    rate_hz
-        Samples per second. [Hz]
     window_s
         Length of a Hann window; windows overlap by half. [s]
-    input_names, output_names
-        Of the columns.
 
     Raises
     ------
@@ -92,7 +87,7 @@ def compute_windowed_responses(
         input_names,
         np.sqrt(np.maximum(variance, 0.0))[1:],
     )
-    return WindowedResponse(response, gamma[1:], scale[1:] ** 2, count)
+    return WindowedResponse(response, gamma[1:], scale[1:] ** 2)
 
 
 def _windows(

@@ -10,18 +10,24 @@ from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
+from flexsid.sysid.stability.shaped_roots import (
+    ShapedRoots,
+    build_shaped_system,
+    compute_shaped_slopes,
+)
 from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
     StateFamily,
     build_state_family,
     compute_eigenvalue_slopes,
+    compute_polar_slopes,
     decompose_states,
 )
 
 _SECOND_ORDER_RATIO = 0.35  # over first order: above it, standard errors are wrong by a tenth
 _STRIDE = 5  # speeds between evaluations of the coupling of all roots, which changes slowly
-_DRAWS = 1000  # of Monte Carlo
+_MONTE_CARLO_SAMPLES = 1000  # standard errors from samples scatter by 2 %
 _STEP = 1e-4  # of the airspeed, for the slope of a root
 
 
@@ -38,7 +44,7 @@ class UncertainDerivatives:
 
     def draw(
         self, table: DerivativeTable, count: int, seed: int
-    ) -> Float[np.ndarray, "n_draws n_rows n_columns"]:
+    ) -> Float[np.ndarray, "n_resamplings n_rows n_columns"]:
         """Draw tables from the covariance."""
         scale = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         unit = np.where(scale > 0.0, scale, 1.0)
@@ -54,13 +60,13 @@ class UncertainDerivatives:
 class RootBands:
     """Standard errors of real and imaginary parts [rad/s] and of the damping ratio [1].
 
-    ``by_draws`` marks speeds at which roots lie so close that draws replaced first order.
+    ``by_monte_carlo`` marks speeds at which roots lie so close that draws replaced first order.
     """
 
     real_std: Float[np.ndarray, "n_v n_branches"]
     imag_std: Float[np.ndarray, "n_v n_branches"]
     damping_std: Float[np.ndarray, "n_v n_branches"]
-    by_draws: Bool[np.ndarray, " n_v"]
+    by_monte_carlo: Bool[np.ndarray, " n_v"]
 
 
 def estimate_root_bands(
@@ -77,21 +83,49 @@ def estimate_root_bands(
     with the others, over their distances; where it is not small, near a coalescence or where
     the first derivative vanishes, a thousand draws replace first order.
     """
+    if aircraft.shape is not None:
+        return _estimate_shaped_bands(aircraft, locus, uncertain, density)
     family = build_state_family(aircraft, locus.airspeed, density)
-    modal = decompose_states(family)
-    own = _match_columns(modal, locus)
-    gradient = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns, own, own)
-    real, imag, damping = _compute_deviations(gradient, locus.roots, uncertain.covariance)
+    modal = decompose_states(family.A)
+    own = np.argmin(np.abs(modal.values[:, None, :] - locus.roots[:, :, None]), axis=2)
+    slopes = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns, own, own)
+    real, imag, damping = (
+        _compute_deviation(part, uncertain.covariance)
+        for part in (np.real(slopes), np.imag(slopes), compute_polar_slopes(locus.roots, slopes)[1])
+    )
     second_order = _compute_second_order(family, modal, own, uncertain)
-    close = np.any(
-        second_order > _SECOND_ORDER_RATIO * np.hypot(real, imag), axis=1, keepdims=True
-    )[:, 0]
+    close = np.asarray((second_order > _SECOND_ORDER_RATIO * np.hypot(real, imag)).any(axis=1))
     if close.any():
-        drawn = sample_root_bands(aircraft, locus, uncertain, density, only=close)
-        for mine, other in ((real, drawn.real_std), (imag, drawn.imag_std)):
-            mine[close] = other
+        there = replace(locus, airspeed=locus.airspeed[close], roots=locus.roots[close])
+        drawn = sample_root_bands(aircraft, there, uncertain, density)
+        real[close], imag[close] = drawn.real_std, drawn.imag_std
         damping[close] = drawn.damping_std
     return RootBands(real, imag, damping, close)
+
+
+def _estimate_shaped_bands(
+    aircraft: Aeroelastic,
+    locus: RootLocus,
+    uncertain: UncertainDerivatives,
+    density: float | None,
+) -> RootBands:
+    """Estimate first-order standard errors of the roots of a frequency shape."""
+    parts = [np.empty(locus.roots.shape) for _ in range(3)]
+    for branch, roots in enumerate(locus.roots.T):
+        found = _place_shaped_roots(aircraft, locus.airspeed, roots, density)
+        slopes = compute_shaped_slopes(found, aircraft, uncertain.rows, uncertain.columns)[0]
+        every = (np.real(slopes), np.imag(slopes), compute_polar_slopes(roots, slopes)[1])
+        for part, slope in zip(parts, every, strict=True):
+            part[:, branch] = _compute_deviation(slope, uncertain.covariance)
+    real, imag, damping = parts
+    return RootBands(real, imag, damping, np.zeros(locus.airspeed.size, dtype=bool))
+
+
+def _place_shaped_roots(
+    aircraft: Aeroelastic, airspeed: np.ndarray, roots: np.ndarray, density: float | None
+) -> ShapedRoots:
+    air = aircraft.condition.density if density is None else density
+    return ShapedRoots(build_shaped_system(aircraft), airspeed, roots, air)
 
 
 def sample_root_bands(
@@ -99,45 +133,25 @@ def sample_root_bands(
     locus: RootLocus,
     uncertain: UncertainDerivatives,
     density: float | None = None,
-    *,
-    only: Bool[np.ndarray, " n_v"] | None = None,
-    count: int = _DRAWS,
-    seed: int = 0,
 ) -> RootBands:
-    """Estimate standard errors by Monte Carlo, at all speeds or some; roots matched by distance."""
-    selected = np.ones(locus.airspeed.size, dtype=bool) if only is None else only
-    at, roots = locus.airspeed[selected], locus.roots[selected]
-    family = build_state_family(aircraft, at, density)
-    tables = uncertain.draw(aircraft.derivatives, count, seed)
-    n_x = family.A.shape[1]
-    change = (tables - aircraft.derivatives.values)[:, :, :n_x]
-    found = np.empty((count, *roots.shape), dtype=complex)
-    for k in range(at.size):
-        A = np.tile(family.A[k], (count, 1, 1))
-        A[:, family.force_states] += family.scale[k] * change
-        values = np.linalg.eigvals(A)
-        for draw in range(count):
-            cost = np.abs(roots[k][:, None] - values[draw])
-            found[draw, k] = values[draw, linear_sum_assignment(cost)[1]]
+    """Estimate standard errors by Monte Carlo; roots matched by distance."""
+    family = build_state_family(aircraft, locus.airspeed, density)
+    tables = uncertain.draw(aircraft.derivatives, _MONTE_CARLO_SAMPLES, seed=0)
+    change = (tables - aircraft.derivatives.values)[:, :, : family.variable_states.size]
+    found = np.empty((_MONTE_CARLO_SAMPLES, *locus.roots.shape), dtype=complex)
+    for k, roots in enumerate(locus.roots):
+        A = np.tile(family.A[k], (_MONTE_CARLO_SAMPLES, 1, 1))
+        A[:, :, family.variable_states] += family.forced @ (family.scale[k] * change)
+        for draw, values in enumerate(np.linalg.eigvals(A)):
+            cost = np.abs(roots[:, None] - values)
+            found[draw, k] = values[linear_sum_assignment(cost)[1]]
     size = np.maximum(np.abs(found), 1e-12)
     return RootBands(
         np.real(found).std(axis=0),
         np.imag(found).std(axis=0),
         (-np.real(found) / size).std(axis=0),
-        np.ones(at.size, dtype=bool),
+        np.ones(locus.airspeed.size, dtype=bool),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class CrossingError:
-    """Standard errors of a crossing's airspeed [m/s] and frequency [rad/s], and the slope.
-
-    ``gradient`` is the change of the airspeed with every uncertain derivative.
-    """
-
-    airspeed_std: float
-    frequency_std: float
-    gradient: Float[np.ndarray, " n_theta"]
 
 
 def estimate_crossing_error(
@@ -145,35 +159,28 @@ def estimate_crossing_error(
     crossing: FlutterCrossing,
     uncertain: UncertainDerivatives,
     density: float | None = None,
-) -> CrossingError:
-    """Estimate the first-order standard error of a flutter speed.
+) -> float:
+    """Estimate the first-order standard error of a crossing's airspeed. [m/s]
 
     Notes
     -----
     On the axis Re lambda(V, theta) = 0, so that dV = -Re(lambda_theta) / Re(lambda_V). A root
-    that diverges where attitude integrates has no eigenvector of its own: the errors are NaN,
-    as they are with a covariance that is not finite.
+    that diverges where attitude integrates has no eigenvector of its own: the error is NaN,
+    as it is with a covariance that is not finite.
     """
-    speed = crossing.airspeed
-    near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
-    family = build_state_family(aircraft, near, density)
-    modal = decompose_states(family)
-    target = 1j * crossing.frequency
-    root = int(np.argmin(np.abs(modal.values[1] - target)))
-    left, right = modal.left[1, :, root], modal.right[1, :, root]
-    by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
-    by_theta = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns)[1, root]
+    if aircraft.shape is not None:
+        there = _place_shaped_roots(aircraft, *_get_axis_root(crossing), density)
+        slopes = compute_shaped_slopes(there, aircraft, uncertain.rows, uncertain.columns)
+        by_theta, by_speed = slopes[0][0], complex(slopes[1][0])
+    else:
+        family, modal, root, by_speed = _decompose_crossing(aircraft, crossing, density)
+        by_theta = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns)
+        by_theta = by_theta[1, root]
     known = np.isfinite(uncertain.covariance).all() and np.isfinite(by_theta).all()
     if not (known and np.isfinite(by_speed) and np.real(by_speed)):
-        return CrossingError(np.nan, np.nan, np.full(by_theta.shape, np.nan))
-    gradient = -np.real(by_theta) / np.real(by_speed)
-    frequency = np.imag(by_theta) + np.imag(by_speed) * gradient
-    covariance = uncertain.covariance
-    return CrossingError(
-        float(np.sqrt(max(gradient @ covariance @ gradient, 0.0))),
-        float(np.sqrt(max(frequency @ covariance @ frequency, 0.0))),
-        gradient,
-    )
+        return float("nan")
+    slopes = -np.real(by_theta) / np.real(by_speed)
+    return float(np.sqrt(max(slopes @ uncertain.covariance @ slopes, 0.0)))
 
 
 def compute_frequency_slopes(
@@ -186,54 +193,40 @@ def compute_frequency_slopes(
     As ``estimate_crossing_error``: dV = -Re(lambda_k) / Re(lambda_V), with k = omega_i^2,
     which enters the state matrix as -k where eta_i accelerates itself.
     """
-    speed = crossing.airspeed
-    near = speed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
-    family = build_state_family(aircraft, near, density)
-    modal = decompose_states(family)
-    root = int(np.argmin(np.abs(modal.values[1] - 1j * crossing.frequency)))
-    left, right = modal.left[1, :, root], modal.right[1, :, root]
-    by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
+    if aircraft.shape is not None:
+        there = _place_shaped_roots(aircraft, *_get_axis_root(crossing), density)
+        none = np.zeros(0, dtype=int)
+        _, by_speed, by_stiffness = compute_shaped_slopes(there, aircraft, none, none)
+        return -np.real(by_stiffness[0]) / np.real(by_speed[0])
+    _, modal, root, by_speed = _decompose_crossing(aircraft, crossing, density)
     n = len(aircraft.modes.numbers)
-    eta, etadot = np.arange(2, 2 + n), np.arange(2 + n, 2 + 2 * n)
-    by_stiffness = -left[etadot].conj() * right[eta]
     if not np.isfinite(by_speed) or not np.real(by_speed):
         return np.full(n, np.nan)
+    eta, etadot = modal.right[1, -2 * n :, root][:n], modal.left[1, -2 * n :, root][n:]
+    by_stiffness = -etadot.conj() * eta
     return -np.real(by_stiffness) / np.real(by_speed)
 
 
-def _match_columns(modal: Modal, locus: RootLocus) -> np.ndarray:
-    """Columns of the eigenvalues of every speed nearest to the roots of a locus."""
-    distance = np.abs(modal.values[:, None, :] - locus.roots[:, :, None])
-    return np.argmin(distance, axis=2)
+def _get_axis_root(crossing: FlutterCrossing) -> tuple[np.ndarray, np.ndarray]:
+    return np.array([crossing.airspeed]), np.array([1j * crossing.frequency])
 
 
-def _compute_deviations(
-    gradient: np.ndarray, roots: np.ndarray, covariance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    size = np.maximum(np.abs(roots), 1e-12)
-    by_real, by_imag = np.real(gradient), np.imag(gradient)
-    modulus = np.real(np.conj(roots)[:, :, None] * gradient) / size[:, :, None]
-    damping = -by_real / size[:, :, None] + (np.real(roots) / size**2)[:, :, None] * modulus
-
-    return (
-        _compute_deviation(by_real, covariance),
-        _compute_deviation(by_imag, covariance),
-        _compute_deviation(damping, covariance),
-    )
+def _decompose_crossing(
+    aircraft: Aeroelastic, crossing: FlutterCrossing, density: float | None
+) -> tuple[StateFamily, Modal, int, complex]:
+    """States just below, at and above a crossing, its root, and the root's slope in airspeed."""
+    near = crossing.airspeed * (1.0 + _STEP * np.array([-1.0, 0.0, 1.0]))
+    family = build_state_family(aircraft, near, density)
+    modal = decompose_states(family.A)
+    root = int(np.argmin(np.abs(modal.values[1] - 1j * crossing.frequency)))
+    left, right = modal.left[1, :, root], modal.right[1, :, root]
+    by_speed = left.conj() @ (family.A[2] - family.A[0]) @ right / (near[2] - near[0])
+    return family, modal, root, complex(by_speed)
 
 
-def _compute_deviation(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    flat = slope.reshape(-1, slope.shape[2])
-    variance = np.sum((flat @ covariance) * flat, axis=1)
-    return np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[:2])
-
-
-def _compute_size(slope: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Standard deviation of a complex number."""
-    return np.hypot(
-        _compute_deviation(np.real(slope), covariance),
-        _compute_deviation(np.imag(slope), covariance),
-    )
+def _compute_deviation(slopes: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Standard deviations of values with these slopes (..., n_theta)."""
+    return np.asarray(np.sqrt(np.maximum(np.sum((slopes @ covariance) * slopes, axis=-1), 0.0)))
 
 
 def _compute_second_order(
@@ -268,13 +261,13 @@ def _compute_coupling(
     uncertain: UncertainDerivatives,
 ) -> np.ndarray:
     """Standard deviation of the second-order change of each root by coupling with one other."""
-    places = (uncertain.rows, uncertain.columns)
-    there = _compute_size(
-        compute_eigenvalue_slopes(family, modal, *places, own, other), uncertain.covariance
-    )
-    back = _compute_size(
-        compute_eigenvalue_slopes(family, modal, *places, other, own), uncertain.covariance
-    )
+    places, size = (uncertain.rows, uncertain.columns), np.ones(own.shape)
+    for left, right in ((own, other), (other, own)):
+        slopes = compute_eigenvalue_slopes(family, modal, *places, left, right)
+        size *= np.hypot(
+            _compute_deviation(np.real(slopes), uncertain.covariance),
+            _compute_deviation(np.imag(slopes), uncertain.covariance),
+        )
     roots, others = (np.take_along_axis(modal.values, k, axis=1) for k in (own, other))
     distance = np.where(own == other, np.inf, np.abs(roots - others))
-    return there * back / np.maximum(distance, 1e-12)
+    return size / np.maximum(distance, 1e-12)

@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.regression import invert_triangular
 from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.speeds import Aeroelastic
 
@@ -85,19 +84,14 @@ def compute_equivalent_modes(
     c, modes = aircraft.condition, aircraft.modes
     n = len(modes.numbers)
     values = aircraft.derivatives.values
-    place = {
-        pair: k
-        for k, pair in enumerate(
-            zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True)
-        )
-    }
-    std = np.sqrt(np.maximum(np.diag(uncertain.covariance), 0.0))
+    # A fixed derivative is not known exactly: it was not estimated.
+    std = np.full(values.shape, np.nan)
+    std[uncertain.rows, uncertain.columns] = np.sqrt(np.maximum(np.diag(uncertain.covariance), 0.0))
     found = []
     for i, number in enumerate(modes.numbers):
         factor = c.dynamic_pressure * c.area * c.chord / float(modes.mass[i])
-        eta, etadot = (2 + i, 2 + i), (2 + i, 2 + n + i)
-        # A fixed derivative is not known exactly: it was not estimated.
-        errors = [float(std[place[key]]) if key in place else np.nan for key in (eta, etadot)]
+        row = aircraft.derivatives.body.size + i
+        eta, etadot = (row, row), (row, row + n)
         omega, zeta = float(modes.omega[i]), float(modes.zeta[i])
         found.append(
             EquivalentMode(
@@ -105,9 +99,9 @@ def compute_equivalent_modes(
                 c.airspeed,
                 c.dynamic_pressure,
                 omega**2 - factor * float(values[eta]),
-                factor * errors[0],
+                factor * float(std[eta]),
                 2.0 * zeta * omega - factor * c.rate_factor * float(values[etadot]),
-                factor * c.rate_factor * errors[1],
+                factor * c.rate_factor * float(std[etadot]),
             )
         )
     return tuple(found)
@@ -165,38 +159,19 @@ def fit_in_vacuo_mode(
     )
 
 
-def compute_separation(frequencies: Sequence[float], short_period: float) -> float:
-    """Compute the lowest elastic over the rigid-body frequency; decoupled from five on. [1]
-
-    Raises
-    ------
-    BadInput
-        If there is no elastic mode, or the short period does not oscillate.
-    """
-    if not frequencies or short_period <= 0.0:
-        raise BadInput("a separation needs an elastic mode and a short period that oscillates")
-    return min(frequencies) / short_period
-
-
 def _line(
     x: Float[np.ndarray, " n"], y: Sequence[float], std: Sequence[float]
 ) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
     """Offset and slope by weighted least squares, and their covariance."""
-    sigma = np.asarray(std, dtype=float)
-    known = bool((sigma > 0.0).all())
-    weight = 1.0 / sigma if known else np.ones(x.size)
-    if float(np.ptp(x)) <= _SAME_CONDITION * float(np.abs(x).max()):
+    size = float(np.abs(x).max())
+    if float(np.ptp(x)) <= _SAME_CONDITION * size:
         raise NotIdentifiable(
             "all points were flown at one condition; a line needs different dynamic pressures"
         )
-    size = float(np.abs(x).max())
-    A = np.stack([weight, weight * x / size], axis=1)
-    q, r = np.linalg.qr(A)
-    root = invert_triangular(r)
-    found = root @ (q.T @ (weight * np.asarray(y, dtype=float)))
-    covariance = root @ root.T
-    if not known:  # the scatter of the points about the line gives the errors
-        left = np.asarray(y, dtype=float) - A @ found
-        covariance *= float(left @ left) / (x.size - 2)
+    sigma = np.asarray(std, dtype=float)
+    if (sigma > 0.0).all():
+        found, covariance = np.polyfit(x / size, y, 1, w=1.0 / sigma, cov="unscaled")
+    else:  # the scatter of the points about the line gives the errors
+        found, covariance = np.polyfit(x / size, y, 1, cov=True)
     back = np.array([1.0, 1.0 / size])
-    return found * back, covariance * np.outer(back, back)
+    return found[::-1] * back, covariance[::-1, ::-1] * np.outer(back, back)

@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
+from flexsid.sysid.stability.flutter import RootLocus
 from flexsid.sysid.stability.speeds import Aeroelastic
 
 _SIGMAS = 2.0  # standard errors from zero at which the sign of a growth rate is determined
@@ -19,22 +19,11 @@ _BAND_MARGIN = 0.1  # of the band: a mode in vacuo this far outside is still exc
 
 @dataclass(frozen=True, slots=True)
 class FlownPoint:
-    """Open-loop roots identified by a run, at its airspeed.
+    """Open-loop roots identified by a run, at its airspeed. [m/s]
 
-    Parameters
-    ----------
-    airspeed
-        True airspeed. [m/s]
-    roots
-        Those above and on the real axis. [rad/s]
-    growth_std
-        Standard errors of their real parts; NaN where unknown. [rad/s]
-    band
-        Lowest and highest frequency of the data. [rad/s]
-    name
-        Label of the run.
-    comparable
-        False where the loading differs too much from the model's for its roots to be compared.
+    ``roots`` are those above and on the real axis, ``growth_std`` the standard errors of their
+    real parts, NaN where unknown; ``band`` is that of the data [rad/s]. A run is not
+    ``comparable`` where its loading differs too much from the model's.
     """
 
     airspeed: float
@@ -78,12 +67,8 @@ def compare_with_flight(
 
     Parameters
     ----------
-    instability
-        Where a root of the model is unstable.
-    locus
-        Roots of the model over airspeed.
-    aircraft
-        The model; its frequencies in vacuo are those of the modal table.
+    instability, locus, aircraft
+        Where a root of the model is unstable, its roots over airspeed, and the model.
     estimated
         Motions whose derivatives were estimated; the others are predicted.
     flown
@@ -130,10 +115,8 @@ def compare_with_flight(
             f" {fastest.airspeed:.1f} m/s, the speed of {fastest.name}; it was passed and is"
             " not the flutter speed ahead."
         )
-    found = [
-        (point, *_find_nearest_root(point, _model_root(instability, locus, point)))
-        for point in within
-    ]
+    leading = name_leading(instability.participation, names, "and")
+    found = [(point, *_find_nearest_root(instability, locus, point)) for point in within]
     agreeing = [one for one in found if one[1] > _SIGMAS * one[2]]
     against = [one for one in found if one[1] < -_SIGMAS * one[2]]
     if agreeing:
@@ -149,22 +132,16 @@ def compare_with_flight(
             f"{instability.words} is contradicted by flight: {point.name} was flown at"
             f" {point.airspeed:.1f} m/s and identifies this root as stable there,"
             f" {growth:+.2f} ± {2.0 * std:.2f} rad/s. The derivatives that couple"
-            f" {_name_leading(instability, names)} do not hold over these speeds."
+            f" {leading} do not hold over these speeds."
         )
     point, growth, std = min(found, key=lambda one: one[2] if np.isfinite(one[2]) else np.inf)
     error = f" ± {2.0 * std:.2f}" if np.isfinite(std) else " with unknown error, in"
     return Standing.UNDETERMINED, (
         f"{instability.words} lies below {point.airspeed:.1f} m/s, which {point.name} was flown at,"
         f" and is not determined: that run identifies the root at {growth:+.2f}{error} rad/s, which"
-        f" may be stable. The derivatives that couple {_name_leading(instability, names)} are not"
+        f" may be stable. The derivatives that couple {leading} are not"
         " identifiable from these data."
     )
-
-
-def build_instability(crossing: FlutterCrossing, words: str) -> FlownInstability:
-    """Build the range of unstable speeds that begins at a crossing."""
-    high = np.inf if crossing.recovers_at is None else crossing.recovers_at
-    return FlownInstability(words, crossing.airspeed, high, crossing.branch, crossing.participation)
 
 
 def _find_unexcited(
@@ -175,13 +152,14 @@ def _find_unexcited(
 ) -> list[str]:
     """Estimated modes with a large share of the root and outside the band of all data."""
     low, high = _band(flown)
+    low, high = low * (1.0 - _BAND_MARGIN), high * (1.0 + _BAND_MARGIN)
     return [
         name
         for name, share in instability.participation.items()
         if share >= _LEAST_PARTICIPATION
         and name in estimated
-        and name != "SP"
-        and not low * (1.0 - _BAND_MARGIN) <= _omega(aircraft, name) <= high * (1.0 + _BAND_MARGIN)
+        and name not in aircraft.derivatives.body.poles
+        and not low <= _omega(aircraft, name) <= high
     ]
 
 
@@ -193,26 +171,24 @@ def _omega(aircraft: Aeroelastic, name: str) -> float:
     return float(aircraft.modes.omega[aircraft.modes.numbers.index(int(name))])
 
 
-def _model_root(instability: FlownInstability, locus: RootLocus, point: FlownPoint) -> complex:
-    """The model's root at the speed of a run; between two speeds of the locus the nearer."""
-    near = int(np.argmin(np.abs(locus.airspeed - point.airspeed)))
-    return complex(locus.roots[near, instability.branch])
-
-
-def _find_nearest_root(point: FlownPoint, root: complex) -> tuple[float, float]:
+def _find_nearest_root(
+    instability: FlownInstability, locus: RootLocus, point: FlownPoint
+) -> tuple[float, float]:
     """Growth rate of the identified root next to the model's, and its standard error.
 
-    The error is NaN where the root is faster than the data.
+    The model's root is that of the nearest speed of its locus. The error is NaN where the
+    root is faster than the data.
     """
     if not point.roots.size:
         return 0.0, float("nan")
-    place = int(np.argmin(np.abs(point.roots - root)))
-    is_seen = abs(point.roots[place]) <= point.band[1] * (1.0 + _BAND_MARGIN)
-    std = float(point.growth_std[place]) if is_seen else float("nan")
-    return float(point.roots[place].real), std
+    near = int(np.argmin(np.abs(locus.airspeed - point.airspeed)))
+    index = int(np.argmin(np.abs(point.roots - locus.roots[near, instability.branch])))
+    is_seen = abs(point.roots[index]) <= point.band[1] * (1.0 + _BAND_MARGIN)
+    std = float(point.growth_std[index]) if is_seen else float("nan")
+    return float(point.roots[index].real), std
 
 
-def _name_leading(instability: FlownInstability, names: Mapping[str, str]) -> str:
-    shares = instability.participation
+def name_leading(shares: Mapping[str, float], names: Mapping[str, str], word: str) -> str:
+    """Name the two motions of the largest participation, joined by a word."""
     leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
-    return " and ".join(names[name] for name in leading)
+    return f" {word} ".join(names[name] for name in leading)

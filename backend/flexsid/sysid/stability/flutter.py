@@ -8,18 +8,30 @@ from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, linear_sum_assignment
 
 from flexsid.errors import BadInput
+from flexsid.sysid.aerodynamics.pk_flutter import track_pk_roots
+from flexsid.sysid.model.rigid_body import SPIRAL
+from flexsid.sysid.stability.shaped_roots import (
+    ShapedRoots,
+    build_shaped_system,
+    compute_shaped_participation,
+)
 from flexsid.sysid.stability.speeds import (
     Aeroelastic,
     Modal,
     StateFamily,
     build_state_family,
+    compute_participation,
     decompose_states,
+    name_roots,
 )
 
-STATIC_ROOT_RAD_S = 1e-3  # a slower root neither oscillates nor diverges in a maneuver
+_SHAPED_SPEEDS = 16  # airspeeds at which p-k roots are solved
+_OSCILLATING = 0.5  # of the airspeeds, at which a root with a frequency shape must oscillate
+STATIC_ROOT_RAD_S = 1e-3  # a slower root neither oscillates nor grows in a maneuver
 
 
 class Mechanism(StrEnum):
@@ -27,6 +39,7 @@ class Mechanism(StrEnum):
 
     FLUTTER = "flutter"
     DIVERGENCE = "divergence"
+    SPIRAL = "spiral"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +74,20 @@ class RootLocus:
 
     @property
     def flutter(self) -> FlutterCrossing | None:
-        """First crossing of any mechanism."""
-        return self.crossings[0] if self.crossings else None
+        """First crossing of flutter or divergence."""
+        return next(iter(self.dangerous), None)
+
+    @property
+    def dangerous(self) -> tuple[FlutterCrossing, ...]:
+        """Crossings of flutter and divergence: a slowly unstable spiral is neither."""
+        return tuple(one for one in self.crossings if one.mechanism is not Mechanism.SPIRAL)
+
+    @property
+    def unstable(self) -> tuple[int, ...]:
+        """Branches that are unstable at the lowest speed, without the spiral."""
+        growing = np.flatnonzero(np.real(self.roots[0]) > 0.0).tolist()
+        real = np.abs(np.imag(self.roots[0])) < STATIC_ROOT_RAD_S
+        return tuple(k for k in growing if not (real[k] and self.names[k] == SPIRAL))
 
     def damping(self) -> Float[np.ndarray, "n_v n_branches"]:
         """Damping ratios; negative where unstable. [1]"""
@@ -99,9 +124,56 @@ def track_roots(
     """
     if not (np.diff(airspeed) > 0.0).all():
         raise BadInput("airspeeds must rise from one to the next", code="bad-airspeed")
+    if aircraft.shape is not None:
+        return _track_shaped_roots(aircraft, airspeed, density)
     return track_family_roots(
         lambda speeds: build_state_family(aircraft, speeds, density), airspeed, aircraft.motions
     )
+
+
+def _track_shaped_roots(
+    aircraft: Aeroelastic, airspeed: Float[np.ndarray, " n_v"], density: float | None
+) -> RootLocus:
+    """Track the oscillatory roots by the p-k method; divergence is not searched.
+
+    Where a root does not oscillate, it is drawn at its nearest value; roots that oscillate at
+    less than half of the airspeeds are omitted unless they become unstable.
+    """
+    system = build_shaped_system(aircraft)
+    air = aircraft.condition.density if density is None else density
+    # Each airspeed is solved on its own: a few of them, with splines between, are enough.
+    some = airspeed[:: max(1, airspeed.size // _SHAPED_SPEEDS)]
+    some = some if some[-1] == airspeed[-1] else np.append(some, airspeed[-1])
+    found = track_pk_roots(system, some, air)
+    unstable = {crossing.branch for crossing in found.crossings}
+    known = np.isfinite(found.roots)
+    own = [k for k in range(known.shape[1]) if k in unstable or known[:, k].mean() >= _OSCILLATING]
+    roots = np.empty((airspeed.size, len(own)), dtype=complex)
+    for column, branch in enumerate(own):
+        at, values = some[known[:, branch]], found.roots[known[:, branch], branch]
+        within = np.clip(airspeed, at[0], at[-1])
+        roots[:, column] = CubicSpline(at, values)(within) if at.size > 1 else values[0]
+    first = np.argmax(known[:, own], axis=0)
+    start = ShapedRoots(system, some[first], found.roots[first, own], air)
+    names = name_roots(compute_shaped_participation(start), aircraft.motions) if own else ()
+    crossings = []
+    for crossing in found.crossings:
+        at = np.array([crossing.airspeed])
+        there = ShapedRoots(system, at, np.array([1j * crossing.omega]), air)
+        shares = compute_shaped_participation(there)[:, 0].tolist()
+        column = own.index(crossing.branch)
+        stable = np.flatnonzero((airspeed > crossing.airspeed) & (np.real(roots[:, column]) < 0.0))
+        crossings.append(
+            FlutterCrossing(
+                crossing.airspeed,
+                crossing.omega,
+                Mechanism.FLUTTER,
+                column,
+                dict(zip(aircraft.motions, shares, strict=True)),
+                float(airspeed[stable[0]]) if stable.size else None,
+            )
+        )
+    return RootLocus(airspeed, roots, names, tuple(crossings))
 
 
 def track_family_roots(
@@ -109,14 +181,8 @@ def track_family_roots(
 ) -> RootLocus:
     """Track all roots along rising airspeeds or another parameter of the state matrices.
 
-    Parameters
-    ----------
-    family
-        State matrices at any places.
-    along
-        Rising places, close enough that shapes change little from one to the next.
-    motions
-        Names of the motions, rigid body first.
+    Places are rising and close enough that shapes change little from one to the next; the
+    motions name the rows of the family's membership.
 
     Notes
     -----
@@ -125,11 +191,14 @@ def track_family_roots(
     by Brent's method on the real parts.
     """
     x = np.asarray(along, dtype=float)
-    modal = decompose_states(family(x))
+    states = family(x)
+    modal = decompose_states(states.A)
     order = _match_roots(modal)
     values = np.take_along_axis(modal.values, order, axis=1)
     upper, branch_of = _find_pairs(values)
-    names = _name_roots(modal, order[0, upper], motions)
+    names = name_roots(
+        compute_participation(modal, 0, states.membership)[:, order[0, upper]], motions
+    )
     crossings: list[FlutterCrossing] = []
     for column, branch in enumerate(branch_of):
         crossings += _find_crossings(family, x, modal, order[:, column], int(branch), motions)
@@ -137,17 +206,6 @@ def track_family_roots(
     once = {(c.branch, round(c.airspeed / x[-1], 8)): c for c in crossings}
     found = tuple(sorted(once.values(), key=lambda crossing: crossing.airspeed))
     return RootLocus(x, _select_less_stable(values, upper, branch_of), names, found)
-
-
-def compute_participation(
-    modal: Modal, at: int, root: int, motions: tuple[str, ...]
-) -> dict[str, float]:
-    """Compute the share of every motion in a root: left times right vector, summed by motion."""
-    share = np.abs(modal.left[at, :, root] * modal.right[at, :, root])
-    n = len(motions) - 1
-    parts = [share[:2].sum(), *(share[2 + k] + share[2 + n + k] for k in range(n))]
-    total = float(sum(parts))
-    return {name: float(part) / total for name, part in zip(motions, parts, strict=True)}
 
 
 def _match_roots(modal: Modal) -> np.ndarray:
@@ -183,24 +241,11 @@ def _select_less_stable(
 ) -> Complex[np.ndarray, "n_v n_branches"]:
     roots = values[:, upper].copy()
     for column, branch in enumerate(branch_of):
-        other = values[:, column]
-        real = (
-            np.maximum(np.abs(np.imag(other)), np.abs(np.imag(roots[:, branch])))
-            < STATIC_ROOT_RAD_S
-        )
-        worse = real & (np.real(other) > np.real(roots[:, branch]))
+        one, other = roots[:, branch], values[:, column]
+        real = np.maximum(np.abs(np.imag(other)), np.abs(np.imag(one))) < STATIC_ROOT_RAD_S
+        worse = real & (np.real(other) > np.real(one))
         roots[worse, branch] = other[worse]
     return roots
-
-
-def _name_roots(modal: Modal, roots: np.ndarray, motions: tuple[str, ...]) -> tuple[str, ...]:
-    shares = [compute_participation(modal, 0, int(root), motions) for root in roots]
-    table = np.array([list(share.values()) for share in shares])
-    named = [max(share, key=share.__getitem__) for share in shares]
-    rows, columns = linear_sum_assignment(-table)
-    for row, column in zip(rows, columns, strict=True):
-        named[row] = motions[column]
-    return tuple(named)
 
 
 def _find_crossings(
@@ -217,14 +262,21 @@ def _find_crossings(
     found = []
     for k in entries.tolist():
         at = _refine_crossing(family, x, modal, k)
-        there = decompose_states(family(np.array([at])))
+        states = family(np.array([at]))
+        there = decompose_states(states.A)
         root = _find_axis_root(there)
         frequency = float(np.imag(there.values[0, root]))
         later = exits[exits > k]
         recovery = _refine_crossing(family, x, modal, int(later[0])) if later.size else None
-        mechanism = Mechanism.FLUTTER if frequency > STATIC_ROOT_RAD_S else Mechanism.DIVERGENCE
-        shares = compute_participation(there, 0, root, motions)
-        found.append(FlutterCrossing(at, max(frequency, 0.0), mechanism, branch, shares, recovery))
+        shares = compute_participation(there, 0, states.membership)[:, root].tolist()
+        participation = dict(zip(motions, shares, strict=True))
+        mechanism = Mechanism.FLUTTER
+        if frequency <= STATIC_ROOT_RAD_S:
+            is_spiral = max(motions, key=participation.__getitem__) == SPIRAL
+            mechanism = Mechanism.SPIRAL if is_spiral else Mechanism.DIVERGENCE
+        found.append(
+            FlutterCrossing(at, max(frequency, 0.0), mechanism, branch, participation, recovery)
+        )
     return found
 
 

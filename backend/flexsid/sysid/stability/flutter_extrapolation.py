@@ -1,7 +1,8 @@
 """Flutter prediction by extrapolation: damping, flutter margin, envelope function.
 
 These methods need no model, only the roots of a mode at the speeds flown. Compared with
-the model's own prediction they show the benefit of a known structure.
+the model's own prediction they show the benefit of a known structure. Each raises
+NotIdentifiable where zero is never reached, or fewer than three airspeeds were flown.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 
 from flexsid.errors import NotIdentifiable
 
@@ -31,13 +32,7 @@ class TestPoint:
 
 
 def extrapolate_damping(points: Sequence[TestPoint]) -> float:
-    """Extrapolate the critical decay rates by a parabola to zero; return the airspeed. [m/s]
-
-    Raises
-    ------
-    NotIdentifiable
-        If it never does, or there are fewer than three points.
-    """
+    """Extrapolate the critical decay rates by a parabola to zero; return the airspeed. [m/s]"""
     V = np.array([point.airspeed for point in points])
     rate = np.array([np.real(point.critical) for point in points])
     return _extrapolate_to_zero(V, rate, "the decay rate")
@@ -45,11 +40,6 @@ def extrapolate_damping(points: Sequence[TestPoint]) -> float:
 
 def extrapolate_flutter_margin(points: Sequence[TestPoint]) -> float:
     """Extrapolate the flutter margin of two roots to zero; return the airspeed. [m/s]
-
-    Raises
-    ------
-    NotIdentifiable
-        If it never does, or there are fewer than three points.
 
     Notes
     -----
@@ -65,11 +55,6 @@ def extrapolate_flutter_margin(points: Sequence[TestPoint]) -> float:
 
 def extrapolate_envelope(points: Sequence[TestPoint]) -> float:
     """Extrapolate the decay of the envelope of an impulse response; return the airspeed. [m/s]
-
-    Raises
-    ------
-    NotIdentifiable
-        If it never does, or there are fewer than three points.
 
     Notes
     -----
@@ -107,24 +92,17 @@ def _extrapolate_to_zero(
     x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], what: str
 ) -> float:
     """Where a parabola (a line through fewer than four points) first reaches zero beyond x[0]."""
-    if x.size < 3:
-        raise NotIdentifiable(
-            f"{what} of {x.size} test points cannot be extrapolated; it needs three",
-            code="too-few-points",
-        )
-    n_distinct = np.unique(np.round(x / np.abs(x).max(), 2)).size
+    n_distinct = np.unique(np.round(x / np.abs(x).max(initial=0.0), 2)).size
     if n_distinct < 3:
         raise NotIdentifiable(
             f"{what} of {x.size} test points at {n_distinct} airspeeds cannot be extrapolated; it"
             " needs three",
             code="too-few-points",
         )
-    order = np.argsort(x)
-    centre, width = float(x.mean()), float(np.ptp(x))
     size = float(np.abs(y).max()) or 1.0
-    fit = np.polynomial.Polynomial.fit(x[order], y[order] / size, 2 if n_distinct > 3 else 1)
-    roots: Complex[np.ndarray, " n"] = np.asarray(fit.roots(), dtype=complex)
-    real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * (centre + width)])
+    fit = np.polynomial.Polynomial.fit(x, y / size, 2 if n_distinct > 3 else 1)
+    roots = np.asarray(fit.roots(), dtype=complex)
+    real = np.real(roots[np.abs(np.imag(roots)) < 1e-9 * float(x.mean() + np.ptp(x))])
     beyond = real[real > x.min()]
     if not beyond.size:
         raise NotIdentifiable(

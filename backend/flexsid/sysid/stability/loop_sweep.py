@@ -17,12 +17,13 @@ from flexsid.sysid.model.laws import build_delays, build_instrument_chain, serie
 from flexsid.sysid.stability.closed_loop import (
     Margins,
     close_loop,
+    compute_broken_loops,
     compute_margins,
     frequency_response,
 )
+from flexsid.sysid.stability.flutter import STATIC_ROOT_RAD_S
 
 _FINE = 400  # frequencies between which margins are interpolated
-_STILL = 1e-3  # rad/s: a slower root neither grows nor decays
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,39 +59,23 @@ class LoopPoint:
     @property
     def stable(self) -> bool:
         """Whether all roots are stable."""
-        return self.growth < _STILL
+        return self.growth < STATIC_ROOT_RAD_S
 
     def widen(self, others: Sequence[LoopPoint]) -> LoopPoint:
         """Widen the errors by the differences to stable points of other model structures."""
-        alike = [other for other in others if other.stable]
-
-        def widened(
-            std: Float[np.ndarray, " n"], quantity: Callable[[Margins], float]
-        ) -> np.ndarray:
-            off = [
-                [
-                    quantity(b) - quantity(a)
-                    for a, b in zip(self.margins, other.margins, strict=True)
-                ]
-                for other in alike
-            ]
-            values = np.array(off, dtype=float).reshape(-1, std.size)
-            known = np.where(np.isfinite(values), values, 0.0)
-            n = np.maximum(np.isfinite(values).sum(axis=0), 1)
-            return np.sqrt(std**2 + (known**2).sum(axis=0) / n)
-
-        return replace(
-            self,
-            gain_std=widened(self.gain_std, lambda m: float(np.log(m.gain_up))),
-            phase_std=widened(self.phase_std, lambda m: m.phase),
-            disk_std=widened(self.disk_std, lambda m: m.disk),
-        )
+        alike = [_tabulate_margins(other.margins) for other in others if other.stable]
+        if not alike:
+            return self
+        apart = np.ma.masked_invalid(alike) - np.ma.masked_invalid(_tabulate_margins(self.margins))
+        bias = np.ma.filled((apart**2).mean(axis=0), 0.0)
+        std = np.sqrt(np.stack([self.gain_std, self.phase_std, self.disk_std]) ** 2 + bias)
+        return replace(self, gain_std=std[0], phase_std=std[1], disk_std=std[2])
 
 
 def evaluate_loop_point(
     model: AeroelasticModel,
     table: DerivativeTable,
-    draws: Sequence[DerivativeTable],
+    samples: Sequence[DerivativeTable],
     loop: Loop,
     band: tuple[float, float],
 ) -> LoopPoint:
@@ -98,12 +83,8 @@ def evaluate_loop_point(
 
     Parameters
     ----------
-    model
-        With the outputs that the law reads.
-    table, draws
+    table, samples
         Derivatives, and tables drawn from their covariance.
-    loop
-        Law, actuators and delay.
     band
         Frequencies between which margins are looked for. [rad/s]
 
@@ -118,20 +99,23 @@ def evaluate_loop_point(
     Pade delays. Gain margins scatter as factors, standard deviation of their logarithm.
     """
     roots = _compute_roots(model, table, loop)
-    growths = np.array([compute_largest_growth(model, one, loop) for one in draws])
+    growths = np.array([compute_largest_growth(model, one, loop) for one in samples])
     omega = np.geomspace(band[0], band[1], _FINE)
     lead = _law_response(loop, omega)
     margins = _compute_margins(model, table, loop, omega, lead)
-    drawn = [_compute_margins(model, one, loop, omega, lead) for one in draws]
+    drawn = [_tabulate_margins(_compute_margins(model, one, loop, omega, lead)) for one in samples]
+    std = np.zeros((3, len(margins)))
+    if drawn:
+        std = np.ma.filled(np.ma.masked_invalid(drawn).std(axis=0), 0.0)
     return LoopPoint(
         airspeed=model.condition.airspeed,
         roots=roots,
         growth=float(np.real(roots).max()),
         growth_std=float(growths.std()) if growths.size else 0.0,
         margins=margins,
-        gain_std=_compute_std([[np.log(m.gain_up) for m in row] for row in drawn], len(margins)),
-        phase_std=_compute_std([[m.phase for m in row] for row in drawn], len(margins)),
-        disk_std=_compute_std([[m.disk for m in row] for row in drawn], len(margins)),
+        gain_std=std[0],
+        phase_std=std[1],
+        disk_std=std[2],
     )
 
 
@@ -143,34 +127,26 @@ def compute_largest_growth(model: AeroelasticModel, table: DerivativeTable, loop
 def find_stability_limit(
     points: Sequence[LoopPoint],
     growth_at: Callable[[float], float],
-    growths_at: Callable[[float], Float[np.ndarray, " n_draws"]],
+    growths_at: Callable[[float], Float[np.ndarray, " n_resamplings"]],
 ) -> tuple[float | None, tuple[float, float] | None]:
-    """Find the lowest airspeed at which stability is lost, and its 95 % interval from draws.
+    """Find the lowest airspeed at which stability is lost, and its 95 % interval from samples.
 
-    Parameters
-    ----------
-    points
-        Airspeeds in rising order, between two of which it is lost.
-    growth_at, growths_at
-        Largest real part at any airspeed: of the best estimate, and of every draw.
+    The airspeeds of the points are rising; ``growth_at`` and ``growths_at`` give the largest real
+    part at any airspeed, of the best estimate and of every sample.
 
     Notes
     -----
-    The crossings of draws are extrapolated from two airspeeds at the crossing.
+    The crossings of samples are extrapolated from two airspeeds at the crossing.
     """
-    between = next(
-        (
-            (low.airspeed, high.airspeed)
-            for low, high in pairwise(points)
-            if low.stable and not high.stable
-        ),
-        None,
-    )
-    if between is None:
+    for stable, unstable in pairwise(points):
+        if stable.stable and not unstable.stable:
+            break
+    else:
         return None, None
-    lost = float(brentq(lambda v: growth_at(v) - _STILL, *between, xtol=1e-4 * between[0]))
+    low, high = stable.airspeed, unstable.airspeed
+    lost = float(brentq(lambda v: growth_at(v) - STATIC_ROOT_RAD_S, low, high, xtol=1e-4 * low))
     beyond = 1.01 * lost
-    here, there = growths_at(lost) - _STILL, growths_at(beyond) - _STILL
+    here, there = growths_at(lost) - STATIC_ROOT_RAD_S, growths_at(beyond) - STATIC_ROOT_RAD_S
     if here.size == 0:
         return lost, None
     slope = np.maximum(there - here, 1e-9)
@@ -208,17 +184,9 @@ def _compute_margins(
     read = [model.outputs.index(name) for name in loop.law.inputs]
     driven = [model.inputs.index(name) for name in loop.law.outputs]
     G = model.response(table, omega)[:, read][:, :, driven]
-    closed = np.linalg.inv(np.eye(len(driven)) - lead @ G)
-    loops = 1.0 / np.einsum("kii->ki", closed) - 1.0
-    return tuple(compute_margins(n, omega, loops[:, k]) for k, n in enumerate(loop.law.outputs))
+    return tuple(map(compute_margins, compute_broken_loops(lead @ G).T))
 
 
-def _compute_std(rows: list[list[float]], count: int) -> Float[np.ndarray, " n_driven"]:
-    """Standard deviation over draws of those that are finite."""
-    if not rows:
-        return np.zeros(count)
-    values = np.array(rows, dtype=float)
-    finite = np.isfinite(values)
-    n = np.maximum(finite.sum(axis=0), 1)
-    mean = np.where(finite, values, 0.0).sum(axis=0) / n
-    return np.sqrt(np.where(finite, (values - mean) ** 2, 0.0).sum(axis=0) / n)
+def _tabulate_margins(margins: Sequence[Margins]) -> Float[np.ndarray, "3 n_driven"]:
+    """Logarithm of the gain, phase and disk margin of every loop; infinite where unlimited."""
+    return np.array([[np.log(one.gain_up), one.phase, one.disk] for one in margins]).T

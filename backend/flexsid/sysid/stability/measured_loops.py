@@ -18,7 +18,7 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
 from flexsid.sysid.stability.closed_loop import Margins, compute_margins
 
-_DRAWS = 200  # of Monte Carlo, for the errors of margins
+_MONTE_CARLO_SAMPLES = 200  # standard errors of margins scatter by 5 %
 _FINE = 1500  # frequencies between which margins are interpolated
 _LEAST_HARMONICS = 8  # of an input, for a cubic interpolation of its loop gain
 
@@ -44,7 +44,6 @@ def estimate_loop_gains(
     commands: FrequencyData,
     actuators: Complex[np.ndarray, "n_omega n_u"],
     assigned_input: np.ndarray,
-    seed: int = 0,
 ) -> tuple[MeasuredLoop, ...]:
     """Estimate loop gains L_i = A e_i / delta_i - 1 with their margins.
 
@@ -58,8 +57,6 @@ def estimate_loop_gains(
         Deflection over command of every input. [1]
     assigned_input
         Index of the input that each harmonic is assigned to.
-    seed
-        Of the draws from which the margins' errors come.
 
     Raises
     ------
@@ -72,14 +69,14 @@ def estimate_loop_gains(
         deflections.values,
         commands.values[np.arange(assigned_input.size), assigned_input],
     )
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     loops = []
     for index, name in enumerate(deflections.names):
         own = np.flatnonzero(assigned_input == index)
         if own.size < _LEAST_HARMONICS:
             raise BadInput(
                 f"input '{name}' has {own.size} harmonics; its loop needs {_LEAST_HARMONICS}",
-                code="too-few-lines",
+                code="too-few-frequencies",
                 input=name,
             )
         delta = deflections.values[own, index]
@@ -89,11 +86,10 @@ def estimate_loop_gains(
         omega, gain = deflections.omega[own], returned - 1.0
         fine = np.linspace(omega[0], omega[-1], _FINE)
         matrix = make_interp_spline(omega, np.eye(own.size), k=3)(fine)
-        scatter = rng.normal(size=(_DRAWS, own.size)) + 1j * rng.normal(size=(_DRAWS, own.size))
-        drawn = [
-            compute_margins(name, fine, matrix @ (gain + std * each / np.sqrt(2.0)))
-            for each in scatter
-        ]
+        scatter = rng.normal(size=(_MONTE_CARLO_SAMPLES, own.size)) + 1j * rng.normal(
+            size=(_MONTE_CARLO_SAMPLES, own.size)
+        )
+        drawn = [compute_margins(matrix @ (gain + std * each / np.sqrt(2.0))) for each in scatter]
         phases = np.array([margins.phase for margins in drawn])
         finite = phases[np.isfinite(phases)]
         loops.append(
@@ -102,7 +98,7 @@ def estimate_loop_gains(
                 omega=omega,
                 gain=gain,
                 std=std,
-                margins=compute_margins(name, fine, matrix @ gain),
+                margins=compute_margins(matrix @ gain),
                 phase_std=float(finite.std()) if finite.size else float("nan"),
                 disk_std=float(np.std([margins.disk for margins in drawn])),
             )

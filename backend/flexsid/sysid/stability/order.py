@@ -98,7 +98,7 @@ def study_order(
         error = None
         if full_response is not None:
             reduced = compute_reduced_response(model, derivatives, retained, omega)
-            error = _compute_relative_error(reduced - full_response, full_response)
+            error = _compute_relative_error(reduced, full_response)
         steps.append(
             ReducedModel(
                 modes=retained,
@@ -112,10 +112,8 @@ def study_order(
                 response_error=error,
             )
         )
-    enough = [step.sufficient for step in steps]
-    needed = len(enough) - 1
-    while needed > 0 and enough[needed - 1]:
-        needed -= 1
+    insufficient = [k for k, step in enumerate(steps[:-1]) if not step.sufficient]
+    needed = insufficient[-1] + 1 if insufficient else 0
     return OrderStudy(derivatives, poles, tuple(steps), needed)
 
 
@@ -136,35 +134,21 @@ def compute_reduced_response(
 ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
     """Compute responses of a residualised model, omitted modes static in the sensors.
 
-    Parameters
-    ----------
-    model, derivatives
-        The full model.
-    retained
-        Numbers of its first modes.
-    omega
-        Frequencies. [rad/s]
+    Model and derivatives are the full ones; ``retained`` are the numbers of its first modes.
     """
     n, k, n_u = len(derivatives.modes), len(retained), len(model.inputs)
     residualized = residualize(derivatives, model.modes, model.condition, retained)
     motion = model.with_modes(k).motion(residualized, omega)
     _, static = compute_static_recovery(derivatives, model.modes, model.condition, retained)
-    rate = model.condition.rate_factor
-    s = 1j * omega[:, None, None]
-    variables = np.concatenate(
-        [
-            motion[:, :1],
-            rate * motion[:, 1:2],
-            motion[:, 2:],
-            rate * s * motion[:, 2:],
-            np.broadcast_to(np.eye(n_u), (omega.size, n_u, n_u)),
-        ],
-        axis=1,
-    )
-    whole = np.zeros((omega.size, 2 + n, n_u), dtype=complex)
-    places = [0, 1, *(2 + derivatives.modes.index(number) for number in retained)]
+    first = model.n_rigid
+    rates = 1j * omega[:, None, None] * motion[:, first:]
+    inputs = np.broadcast_to(np.eye(n_u), (omega.size, n_u, n_u))
+    factors = model.with_modes(k).column_factors()[:, None]
+    variables = factors * np.concatenate([motion, rates, inputs], axis=1)
+    whole = np.zeros((omega.size, first + n, n_u), dtype=complex)
+    places = [*range(first), *(first + derivatives.modes.index(number) for number in retained)]
     whole[:, places] = motion
-    whole[:, [row for row in range(2 + n) if row not in places]] = static @ variables
+    whole[:, [row for row in range(first + n) if row not in places]] = static @ variables
     return model.sensors.response(omega) @ whole
 
 
@@ -172,9 +156,9 @@ def _compute_bias(full: DerivativeTable, residualized: DerivativeTable) -> tuple
     """The rigid-body derivative with the largest relative error."""
     true, found = full.named(), residualized.named()
     worst, bias = "", 0.0
-    for row in ("CZ", "Cm"):
+    for row in full.body.coefficients:
         inputs = [f"{row}_{name}" for name in full.inputs]
-        for group in ([f"{row}_alpha"], [f"{row}_q"], inputs):
+        for group in (*([f"{row}_{motion}"] for motion in full.body.motions), inputs):
             largest = max((abs(true[name]) for name in group), default=0.0)
             for name in group:
                 if abs(true[name]) <= _SMALL_SHARE * largest:
@@ -190,19 +174,16 @@ def _compute_pole_error(
 ) -> float:
     """Largest relative distance of a full model's pole in the band from the reduced one's."""
     inside = full[np.abs(full) <= highest]
-    if inside.size == 0:
-        return 0.0
     if reduced.size < inside.size:
         return float("inf")
     distance = np.abs(inside[:, None] - reduced) / np.abs(inside)[:, None]
-    pairs = linear_sum_assignment(distance)
-    return float(distance[pairs].max())
+    return float(distance[linear_sum_assignment(distance)].max(initial=0.0))
 
 
 def _compute_relative_error(
-    error: Complex[np.ndarray, "..."], of: Complex[np.ndarray, "..."]
+    one: Complex[np.ndarray, "..."], of: Complex[np.ndarray, "..."]
 ) -> float:
     """Mean over the outputs and inputs of their relative rms errors."""
     scale = np.sqrt(np.mean(np.abs(of) ** 2, axis=0))
-    size = np.sqrt(np.mean(np.abs(error) ** 2, axis=0))
+    size = np.sqrt(np.mean(np.abs(one - of) ** 2, axis=0))
     return float(np.mean(size[scale > 0] / scale[scale > 0]))

@@ -6,12 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.rational_functions import build_lagged_forces
+from flexsid.sysid.stability.speeds import (
+    Modal,
+    StateFamily,
+    compute_eigenvalue_slopes,
+    compute_participation,
+    compute_polar_slopes,
+    decompose_states,
+    name_roots,
+)
 
-SHORT_PERIOD = "SP"
+_FASTEST_ROOT = 2.0  # of the highest k of a frequency shape: poles of motion with lags are slower
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,19 +58,8 @@ def compute_named_poles(
 ) -> tuple[NamedPole, ...]:
     """Compute eigenvalues of A with first-order standard errors.
 
-    Parameters
-    ----------
-    model, parameters
-        As fitted.
-    theta, covariance
-        Estimate.
-    mode_names
-        Names of the poles dominated by each structural mode.
-
-    Returns
-    -------
-    tuple
-        Rigid-body pole first, then by mode; the integrator of theta is omitted.
+    ``mode_names`` are those of the poles dominated by each structural mode. Rigid-body
+    poles come first, then those by mode; the integrator of theta is omitted.
 
     Notes
     -----
@@ -68,153 +67,142 @@ def compute_named_poles(
     eigenvector), each motion taken once. Standard errors by the delta method from
     the derivative of a simple eigenvalue, d lambda = w^H dA v / w^H v.
     """
-    table = parameters.table(theta)
     values = dict(zip(parameters.names, theta.tolist(), strict=True))
-    A = replace(model, modes=model.modes.tuned(values)).state_space(table).A
-    dynamic = np.r_[0, 1, 3 : A.shape[0]]  # theta only integrates q unless the path is inclined
-    if np.any(A[:, 2]):
-        dynamic = np.arange(A.shape[0])
-    A = A[np.ix_(dynamic, dynamic)]
-    values, right = np.linalg.eig(A.astype(complex))
-    left = np.linalg.inv(right).conj().T  # scaled so that left^H right = 1
-    upper = np.flatnonzero(np.imag(values) >= 0)
-    names = _assign_names(left, right, upper, dynamic, mode_names)
-    gradient = _gradients(model, parameters, theta, left[:, upper], right[:, upper], dynamic)
+    tuned = replace(model, modes=model.modes.tuned(values))
+    if model.shape is None:
+        family = _build_state_family(tuned, parameters.table(theta))
+        modal = decompose_states(family.A)
+        membership = family.membership
+        upper = np.flatnonzero(np.imag(modal.values[0]) >= 0)
+        by_derivative = compute_eigenvalue_slopes(
+            family, modal, parameters.rows, parameters.columns
+        )[0]
+    else:
+        modal, membership, by_derivative = _decompose_lagged(tuned, parameters, theta)
+        upper = np.arange(modal.values.shape[1])
+    roots = modal.values[0, upper]
+    n_fixed, motions = parameters.rows.size, (*model.body.poles, *mode_names)
+    slopes = np.zeros((upper.size, theta.size), dtype=complex)
+    slopes[:, :n_fixed] = by_derivative[upper]
+    for index, extra in enumerate(parameters.extras, start=n_fixed):
+        if extra.kind in ("omega", "zeta"):
+            own = _compute_structural_slopes(model, tuned, modal, extra.kind, extra.mode)
+            slopes[:, index] = own[upper]
+    rows = [np.real(slopes), np.imag(slopes), *compute_polar_slopes(roots, slopes)]
+    named = name_roots(compute_participation(modal, 0, membership)[:, upper], motions)
     poles = [
-        _pole(name, complex(values[k]), row, covariance)
-        for name, k, row in zip(names, upper, gradient, strict=True)
+        NamedPole(name, complex(root), *_estimate_std(own, covariance))
+        for name, root, own in zip(named, roots, np.stack(rows, axis=1), strict=True)
     ]
-    order = {name: rank for rank, name in enumerate((SHORT_PERIOD, *mode_names))}
-    return tuple(sorted(poles, key=lambda p: (order.get(p.name, len(order)), abs(p.value))))
+    return tuple(sorted(poles, key=lambda pole: (motions.index(pole.name), abs(pole.value))))
 
 
-def _pole(
-    name: str,
-    value: complex,
-    gradient: Complex[np.ndarray, " n_theta"],
-    covariance: Float[np.ndarray, "n_theta n_theta"],
-) -> NamedPole:
-    """Delta method for real and imaginary part, modulus and damping ratio."""
-    size = abs(value)
-    by_real, by_imag = np.real(gradient), np.imag(gradient)
-    change = np.real(np.conj(value) * gradient) / size  # of the modulus
-    rows = np.stack(
-        [
-            by_real,
-            by_imag,
-            change,
-            -by_real / size + value.real * change / size**2,
-        ]
+def _build_state_family(model: AeroelasticModel, table: DerivativeTable) -> StateFamily:
+    A = model.state_space(table).A
+    dynamic = _select_dynamic_states(A, model.n_rigid)
+    variables = np.searchsorted(dynamic, model.variable_states())
+    scale = model.row_factors()[:, None] * model.column_factors()[: variables.size]
+    n = len(model.modes.numbers)
+    return StateFamily(
+        A[np.ix_(dynamic, dynamic)][None],
+        scale[None],
+        model.force_matrix()[dynamic],
+        variables,
+        model.body.compute_membership(dynamic.size - 2 * n, n),
     )
+
+
+def _select_dynamic_states(A: Float[np.ndarray, "n_x n_x"], attitude: int) -> np.ndarray:
+    """Select all states but an attitude that only integrates: theta in level flight."""
+    states = np.arange(len(A))
+    return states if np.any(A[:, attitude]) else np.delete(states, attitude)
+
+
+def _decompose_lagged(
+    model: AeroelasticModel, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
+) -> tuple[Modal, Float[np.ndarray, "n_motions n_x"], Complex[np.ndarray, "n_roots n_theta"]]:
+    """Decompose a model with lag states: roots of motion, with vectors on the motion alone.
+
+    Also the membership of its states and the slopes of the roots. Roots of motion have the largest
+    share outside the lags: above the real axis one of the rigid body and one of each mode, on it
+    the other poles of the rigid body. Roots far beyond the highest k are of fast lags.
+    """
+    assert model.shape is not None
+    fastest = _FASTEST_ROOT * model.shape.k[-1] / model.condition.rate_factor
+    n, first = len(model.modes.numbers), model.n_rigid
+    A = model.state_space(parameters.table(theta)).A
+    dynamic = _select_dynamic_states(A, first)
+    forced = model.force_matrix()
+    n_motion = dynamic.size - (len(A) - len(forced))
+    modal = decompose_states(A[np.ix_(dynamic, dynamic)][None])
+    values, left, right = modal.values[0], modal.left[0], modal.right[0]
+    share = np.abs(left * right)
+    outside = share[:n_motion].sum(axis=0) / share.sum(axis=0)
+    slow = np.abs(values) < fastest
+    above, real = (np.flatnonzero(slow & at) for at in (np.imag(values) > 0.0, np.isreal(values)))
+    most = [
+        own[np.argsort(-outside[own])][:count]
+        for own, count in ((above, n + 1), (real, len(model.body.poles) - 1))
+    ]
+    upper = np.sort(np.concatenate(most))
+    loads = build_lagged_forces(model.shape, model.condition).loads[:, :, dynamic]
+    rows, columns = parameters.rows, parameters.columns
+    effect = forced[dynamic[:n_motion]] * model.row_factors()
+    pull = (left[:n_motion].conj().T @ effect).T
+    slopes = pull[rows] * (loads[rows, columns] @ right)
+    motion = Modal(
+        modal.values[:, upper], modal.left[:, :n_motion, upper], modal.right[:, :n_motion, upper]
+    )
+    membership = model.body.compute_membership(n_motion - 2 * n, n)
+    return motion, membership, slopes.T[upper]
+
+
+def _compute_structural_slopes(
+    model: AeroelasticModel, tuned: AeroelasticModel, modal: Modal, kind: str, mode: int
+) -> Complex[np.ndarray, " n_x"]:
+    """Change of every root with the factor on a mode's frequency or damping in its row."""
+    n = len(model.modes.numbers)
+    etadot = modal.left.shape[1] - n + mode
+    force = modal.left[0, etadot].conj()
+    displacement, rate = modal.right[0, etadot - n], modal.right[0, etadot]
+    found = tuned.modes
+    if kind == "zeta":
+        return -2.0 * force * model.modes.zeta[mode] * found.omega[mode] * rate
+    moved = found.zeta[mode] * rate + found.omega[mode] * displacement
+    return -2.0 * force * model.modes.omega[mode] * moved
+
+
+def _estimate_std(
+    rows: Float[np.ndarray, "4 n_theta"], covariance: Float[np.ndarray, "n_theta n_theta"]
+) -> list[float]:
+    """Standard errors by the delta method, NaN for what depends on fixed parameters only.
+
+    Such a value is not known exactly: it was not estimated.
+    """
     # Parameters without effect on the pole may have no standard error.
     moves = np.any(rows != 0.0, axis=0)
-    rows = rows[:, moves]
-    variance = np.einsum("ri,ij,rj->r", rows, covariance[np.ix_(moves, moves)], rows)
-    # A pole that depends on fixed parameters only is not known exactly: it was not estimated.
-    return NamedPole(name, value, *map(float, np.sqrt(np.where(variance > 0.0, variance, np.nan))))
+    part = rows[:, moves]
+    variance = np.einsum("ri,ij,rj->r", part, covariance[np.ix_(moves, moves)], part)
+    return np.sqrt(np.where(variance > 0.0, variance, np.nan)).tolist()
 
 
-def _assign_names(
-    left: Complex[np.ndarray, "n_x n_x"],
-    right: Complex[np.ndarray, "n_x n_x"],
-    upper: np.ndarray,
-    dynamic: np.ndarray,
-    mode_names: tuple[str, ...],
-) -> list[str]:
-    n = len(mode_names)
-    participation = np.abs(left * right)[:, upper]
-    participation = participation / participation.sum(axis=0)
-    groups = [np.isin(dynamic, (0, 1, 2))]
-    groups += [np.isin(dynamic, (3 + i, 3 + n + i)) for i in range(n)]
-    share = np.stack([participation[group].sum(axis=0) for group in groups])
-    rows, columns = linear_sum_assignment(-share)
-    names = [""] * upper.size
-    for row, column in zip(rows, columns, strict=True):
-        names[column] = (SHORT_PERIOD, *mode_names)[row]
-    for column, name in enumerate(names):
-        if not name:
-            names[column] = (SHORT_PERIOD, *mode_names)[int(np.argmax(share[:, column]))]
-    return names
-
-
-def _gradients(
-    model: AeroelasticModel,
-    parameters: Parameters,
-    theta: Float[np.ndarray, " n_theta"],
-    left: Complex[np.ndarray, "n_x n_p"],
-    right: Complex[np.ndarray, "n_x n_p"],
-    dynamic: np.ndarray,
-) -> Complex[np.ndarray, "n_p n_theta"]:
-    n = len(model.modes.numbers)
-    scale = model.row_factors()[parameters.rows] * model.column_factors()[parameters.columns]
-    place = {int(state): index for index, state in enumerate(dynamic)}
-    force_states = np.r_[0, 1, 3 + n : 3 + 2 * n]
-    variable_states = np.r_[0, 1, 3 : 3 + 2 * n]
-    gradient = np.zeros((left.shape[1], parameters.start.size), dtype=complex)
-    for index, (row, column) in enumerate(zip(parameters.rows, parameters.columns, strict=True)):
-        if column < variable_states.size:
-            force = place[int(force_states[row])]
-            variable = place[int(variable_states[column])]
-            gradient[:, index] = left[force].conj() * right[variable] * scale[index]
-    _add_structural(gradient, model, parameters, theta, left, right, place)
-    return gradient
-
-
-def _add_structural(
-    gradient: Complex[np.ndarray, "n_p n_theta"],
-    model: AeroelasticModel,
-    parameters: Parameters,
-    theta: Float[np.ndarray, " n_theta"],
-    left: Complex[np.ndarray, "n_x n_p"],
-    right: Complex[np.ndarray, "n_x n_p"],
-    place: dict[int, int],
-) -> None:
-    """Frequency and damping factors enter the structural rows."""
-    n = len(model.modes.numbers)
-    w, z = model.modes.omega, model.modes.zeta
-    found = model.modes.tuned(dict(zip(parameters.names, theta.tolist(), strict=True)))
-    for offset, extra in enumerate(parameters.extras):
-        if extra.kind not in ("omega", "zeta"):
-            continue
-        i = extra.mode
-        force = left[place[3 + n + i]].conj()
-        eta, etadot = right[place[3 + i]], right[place[3 + n + i]]
-        index = parameters.rows.size + offset
-        if extra.kind == "omega":
-            gradient[:, index] = (
-                -2.0 * force * w[i] * (found.zeta[i] * etadot + found.omega[i] * eta)
-            )
-        else:
-            gradient[:, index] = -2.0 * force * z[i] * found.omega[i] * etadot
-
-
-def compute_separation_factor(A: Float[np.ndarray, "n_x n_x"], n_modes: int) -> float | None:
+def compute_separation_factor(model: AeroelasticModel, table: DerivativeTable) -> float | None:
     """Compute the lowest structural over the highest rigid-body frequency of a model.
 
-    Parameters
-    ----------
-    A
-        State matrix in [alpha, q, theta, eta..., etadot...].
-    n_modes
-        Number of structural modes.
-
-    Returns
-    -------
-    float or None
-        None without structural modes, or where no pole is of rigid or of structural motion.
+    None without structural modes, or where no pole is of rigid or of structural motion.
 
     Notes
     -----
     A pole is structural when modal states take the larger part in it. References 22 and 23
     of the paper treat the motions as decoupled from a factor of five on.
     """
-    if n_modes == 0:
+    if not model.modes.numbers:
         return None
-    dynamic = np.r_[0, 1, 3 : A.shape[0]]
-    values, right = np.linalg.eig(A[np.ix_(dynamic, dynamic)].astype(complex))
-    part = np.abs(np.linalg.inv(right).T * right)
-    rigid = part[:2].sum(axis=0) > 0.5 * part.sum(axis=0)
-    size = np.abs(values)
+    family = _build_state_family(model, table)
+    modal = decompose_states(family.A)
+    shares = compute_participation(modal, 0, family.membership)[: len(model.body.poles)]
+    rigid = shares.sum(axis=0) > 0.5
+    size = np.abs(modal.values[0])
     if not rigid.any() or rigid.all():
         return None
     return float(size[~rigid].min() / size[rigid].max())

@@ -6,10 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.stability.bands import (
     UncertainDerivatives,
     compute_frequency_slopes,
@@ -19,8 +18,8 @@ from flexsid.sysid.stability.flight_evidence import (
     FlownInstability,
     FlownPoint,
     Standing,
-    build_instability,
     compare_with_flight,
+    name_leading,
 )
 from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus, track_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
@@ -32,12 +31,6 @@ _TREND_SPAN = 0.1  # of the largest dynamic pressure: least range of a straight 
 _UNRESOLVED_SHARE = 0.3  # of a flutter speed: with a larger error it is not identifiable
 _LARGEST_EXTRAPOLATION = 2.0  # of the largest dynamic pressure flown, of a straight line
 _MOST_PREDICTIONS = 30  # of a fixed-point iteration
-
-
-MODAL_FREQUENCY = 0.02
-"""Relative standard deviation of a modal table's frequencies where no other is known.
-
-Finite element models that were not updated differ from ground vibration tests by 1 to 3 %."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +45,46 @@ class StiffnessError:
 
 
 @dataclass(frozen=True, slots=True)
+class DerivativePrior:
+    """Prior of the estimated derivatives in their order; precision zero where there is none.
+
+    ``nuisance`` are those that are no results. ``weight`` is that of a run whose data other
+    runs share as well: one over their number.
+    """
+
+    mean: Float[np.ndarray, " n_theta"]
+    precision: Float[np.ndarray, " n_theta"]
+    nuisance: Bool[np.ndarray, " n_theta"]
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class IdentifiedModes:
     """Derivatives of one run on a model structure, and which of them it estimated.
 
-    ``stiffness`` is None where the frequencies of the structure are exact.
+    ``stiffness`` is None where the frequencies of the structure are exact. ``prior`` is the
+    part of the estimates that is no data of the run: all runs of an aircraft share it.
     """
 
     aircraft: Aeroelastic
     uncertain: UncertainDerivatives
     stiffness: StiffnessError | None = None
+    prior: DerivativePrior | None = None
+
+    @property
+    def places(self) -> frozenset[tuple[int, int]]:
+        """Row and column of the derivatives that were estimated as results."""
+        uncertain = self.uncertain
+        rows, columns = uncertain.rows.tolist(), uncertain.columns.tolist()
+        nuisance = np.zeros(len(rows), dtype=bool) if self.prior is None else self.prior.nuisance
+        every = zip(rows, columns, nuisance.tolist(), strict=True)
+        return frozenset((i, j) for i, j, is_nuisance in every if not is_nuisance)
+
+    @property
+    def estimated_modes(self) -> frozenset[int]:
+        """Numbers of the modes whose generalised forces have estimated derivatives."""
+        rows = {i - self.aircraft.derivatives.body.size for i, _ in self.places}
+        return frozenset(n for k, n in enumerate(self.aircraft.modes.numbers) if k in rows)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +101,6 @@ class FlutterPrediction:
     locus: RootLocus
     crossing: FlutterCrossing | None
     airspeed_std: float
-    frequency_std: float
     spread: float
     sentence: str
     modal_std: float = 0.0
@@ -109,8 +132,6 @@ def predict_flutter(
 
     Parameters
     ----------
-    found
-        Derivatives with their covariance.
     band
         Lowest and highest airspeed. [m/s]
     density
@@ -139,30 +160,28 @@ def predict_flutter(
             code="bad-airspeed",
         )
     locus = track_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
-    growing = np.flatnonzero(np.real(locus.roots[0]) > 0.0)
+    growing = locus.unstable
     crossing, remark, refusal = _compare_crossings(found, locus, flown, names)
-    if refusal:
-        sentence = f"No flutter speed is predicted. {refusal}"
-        return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence, refusal=refusal)
     already = ""
-    if growing.size:
-        name = names[locus.names[int(growing[0])]]
+    if growing:
+        name = names[locus.names[growing[0]]]
         already = f"Already unstable at {low:.1f} m/s in {name}; look at lower speeds."
-        if crossing is None:
-            return FlutterPrediction(locus, None, np.nan, np.nan, spread, f"{already}{remark}")
     if crossing is None:
-        weakest = int(np.argmin(locus.damping().min(axis=0)))
-        sentence = (
-            f"Stable up to {high:.1f} m/s; the least damping is "
-            f"{100.0 * max(0.0, float(locus.damping()[:, weakest].min())):.1f} % in "
-            f"{names[locus.names[weakest]]}.{remark}"
-        )
-        return FlutterPrediction(locus, None, np.nan, np.nan, spread, sentence)
-    error = estimate_crossing_error(found.aircraft, crossing, found.uncertain, density)
+        sentence = f"{already}{remark}"
+        if refusal:
+            sentence = f"No flutter speed is predicted. {refusal}"
+        elif not already:
+            least = locus.damping().min(axis=0)
+            weakest = int(np.argmin(least))
+            sentence = (
+                f"Stable up to {high:.1f} m/s; the least damping is "
+                f"{100.0 * max(0.0, float(least[weakest])):.1f} % in "
+                f"{names[locus.names[weakest]]}.{remark}"
+            )
+        return FlutterPrediction(locus, None, np.nan, spread, sentence, refusal=refusal)
+    std = estimate_crossing_error(found.aircraft, crossing, found.uncertain, density)
     modal_std = _modal_std(found, crossing, density)
-    prediction = FlutterPrediction(
-        locus, crossing, error.airspeed_std, error.frequency_std, spread, "", modal_std
-    )
+    prediction = FlutterPrediction(locus, crossing, std, spread, "", modal_std)
     reach = 2.0 * prediction.total_std
     sentence = f"{already} " if already else ""
     sentence += f"{_describe_crossing(crossing, names)} at {crossing.airspeed:.2f}"
@@ -181,22 +200,25 @@ def _compare_crossings(
     """The crossing that agrees with the flights, a remark on it, or the reason for none."""
     if not flown:
         return locus.flutter, "", ""
-    numbers = found.aircraft.modes.numbers
-    free = {int(row) - 2 for row in found.uncertain.rows}
-    estimated = frozenset(str(n) for k, n in enumerate(numbers) if k in free)
+    estimated = frozenset(map(str, found.estimated_modes))
 
     def compare(instability: FlownInstability) -> tuple[Standing, str]:
         return compare_with_flight(instability, locus, found.aircraft, estimated, flown, names)
 
     remarks = ""
-    for branch in np.flatnonzero(np.real(locus.roots[0]) > 0.0).tolist():
+    for branch in locus.unstable:
         standing, words = compare(_build_initial_instability(locus, branch, names))
         if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
             return None, "", words
         remarks += f" {words}" if standing is Standing.PASSED else ""
-    for crossing in locus.crossings:
+    for crossing in locus.dangerous:
         words = f"{_describe_crossing(crossing, names)} at {crossing.airspeed:.1f} m/s"
-        standing, words = compare(build_instability(crossing, words))
+        high = np.inf if crossing.recovers_at is None else crossing.recovers_at
+        standing, words = compare(
+            FlownInstability(
+                words, crossing.airspeed, high, crossing.branch, crossing.participation
+            )
+        )
         if standing in (Standing.CONTRADICTED, Standing.UNDETERMINED):
             return None, "", words
         remarks += f" {words}" if words else ""
@@ -217,9 +239,7 @@ def _build_initial_instability(
 
 
 def _describe_crossing(crossing: FlutterCrossing, names: Mapping[str, str]) -> str:
-    shares = crossing.participation
-    leading = sorted(shares, key=shares.__getitem__)[::-1][:2]
-    moving = " with ".join(names[name] for name in leading)
+    moving = name_leading(crossing.participation, names, "with")
     return f"{crossing.mechanism.value.capitalize()} of {moving}"
 
 
@@ -237,14 +257,11 @@ def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float
     aircraft, stiffness = found.aircraft, found.stiffness
     air = aircraft.condition.density if density is None else density
     pressure = 0.5 * air * crossing.airspeed**2
-    own = set(zip(found.uncertain.rows.tolist(), found.uncertain.columns.tolist(), strict=True))
+    own = found.places
     modes = aircraft.modes
-    left = np.array(
-        [
-            1.0 - pressure / stiffness.pressure if (2 + k, 2 + k) in own else 1.0
-            for k in range(len(modes.numbers))
-        ]
-    )
+    first = aircraft.derivatives.body.size
+    is_estimated = [(first + k, first + k) in own for k in range(len(modes.numbers))]
+    left = np.where(is_estimated, 1.0 - pressure / stiffness.pressure, 1.0)
     change = 2.0 * modes.omega**2 * stiffness.relative_std * left
     slopes = compute_frequency_slopes(aircraft, crossing, density)
     return float(np.sqrt(np.sum((slopes * change) ** 2)))
@@ -271,13 +288,21 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
     Notes
     -----
     Where the runs scatter by more than their errors, the covariance is widened by the
-    ratio (Birge), for a structure that is too small changes with the condition.
+    ratio (Birge), for a structure that is too small changes with the condition. A prior that
+    the runs share counts once.
     """
-    first = parts[0]
+    return _fuse(parts, to, np.ones((len(parts), 1)))
+
+
+def _fuse(
+    parts: Sequence[IdentifiedModes], to: Aeroelastic, lines: Float[np.ndarray, "n_parts n_powers"]
+) -> IdentifiedModes:
+    """Fit the derivatives of all parts by the columns of ``lines``; the first one's count."""
+    first = parts[0].uncertain
     for part in parts:
         same = part.aircraft.modes.numbers == to.modes.numbers and (
-            np.array_equal(part.uncertain.rows, first.uncertain.rows)
-            and np.array_equal(part.uncertain.columns, first.uncertain.columns)
+            np.array_equal(part.uncertain.rows, first.rows)
+            and np.array_equal(part.uncertain.columns, first.columns)
         )
         if not same:
             raise BadInput(
@@ -285,24 +310,24 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
                 "and the same free derivatives",
                 code="different-structures",
             )
-    rows, columns = first.uncertain.rows, first.uncertain.columns
-    if rows.size == 0:  # nothing was estimated: there is nothing to weigh
-        return IdentifiedModes(to, first.uncertain, _average_stiffness(parts))
-    values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
+    fused = IdentifiedModes(to, first, _average_stiffness(parts), parts[0].prior)
+    if first.rows.size == 0:  # nothing was estimated: there is nothing to weigh
+        return fused
+    place = first.rows, first.columns
+    values = np.stack([part.aircraft.derivatives.values[place] for part in parts])
     covariances = [part.uncertain.covariance for part in parts]
     if not (np.all(np.isfinite(values)) and all(np.all(np.isfinite(C)) for C in covariances)):
         raise NotIdentifiable(
             "a derivative, or its standard error, is not finite: a run did not converge or did"
             " not identify it; exclude that run, or fix the derivative"
         )
-    mean, covariance = compute_weighted_mean(values, covariances)
     table = to.derivatives.values.copy()
-    table[rows, columns] = mean
-    derivatives = DerivativeTable(to.modes.numbers, to.derivatives.inputs, table)
-    return IdentifiedModes(
-        replace(to, derivatives=derivatives),
-        UncertainDerivatives(rows, columns, covariance),
-        _average_stiffness(parts),
+    priors = [part.prior for part in parts]
+    table[place], covariance = _fit_weighted(values, covariances, lines, priors)
+    return replace(
+        fused,
+        aircraft=replace(to, derivatives=replace(to.derivatives, values=table)),
+        uncertain=replace(first, covariance=covariance),
     )
 
 
@@ -327,10 +352,8 @@ def fuse_with_trend(
 
     Parameters
     ----------
-    parts
-        Of runs with one structure, at three or more dynamic pressures.
-    to
-        As for ``fuse_identified``.
+    parts, to
+        As for ``fuse_identified``, at three or more dynamic pressures.
     pressure
         Dynamic pressure that the result stands for. [Pa]
 
@@ -341,8 +364,6 @@ def fuse_with_trend(
     NotIdentifiable
         If a covariance is singular.
     """
-    fused = fuse_identified(parts, to)  # refuses what does not belong together
-    rows, columns = fused.uncertain.rows, fused.uncertain.columns
     pressures = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
     distinct = np.unique(np.round(pressures / pressures.max(), 2))
     if distinct.size < _TREND_POINTS or distinct[-1] - distinct[0] < _TREND_SPAN:
@@ -353,29 +374,7 @@ def fuse_with_trend(
             code="no-trend",
         )
     away = (pressures - pressure) / pressures.max()
-    values = np.stack([part.aircraft.derivatives.values[rows, columns] for part in parts])
-    covariances = [part.uncertain.covariance for part in parts]
-    scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
-    n = scale.size
-    weights = [np.linalg.solve(C / np.outer(scale, scale), np.eye(n)) for C in covariances]
-    information, moment = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
-    for W, x, value in zip(weights, away, values / scale, strict=True):
-        line = np.array([1.0, x])
-        information += np.kron(np.outer(line, line), W)
-        moment += np.kron(line, W @ value)
-    solved = np.linalg.solve(information, moment)
-    off = values / scale - solved[:n] - away[:, None] * solved[n:]
-    chi_square = sum(float(d @ W @ d) for d, W in zip(off, weights, strict=True))
-    birge = max(1.0, chi_square / (n * (len(parts) - 2)))
-    covariance = birge * np.linalg.inv(information)[:n, :n] * np.outer(scale, scale)
-    table = fused.aircraft.derivatives.values.copy()
-    table[rows, columns] = solved[:n] * scale
-    derivatives = replace(fused.aircraft.derivatives, values=table)
-    return replace(
-        fused,
-        aircraft=replace(fused.aircraft, derivatives=derivatives),
-        uncertain=UncertainDerivatives(rows, columns, covariance),
-    )
+    return _fuse(parts, to, np.stack([np.ones(away.size), away], axis=1))
 
 
 def fuse_at_crossing(
@@ -386,12 +385,8 @@ def fuse_at_crossing(
 ) -> IdentifiedModes:
     """Fuse derivatives at the dynamic pressure of their own flutter crossing.
 
-    Parameters
-    ----------
-    fuse
-        Gives the derivatives that stand for a dynamic pressure. [Pa]
-    band, density, tested
-        Airspeeds to search, air density, and the fastest airspeed flown. [m/s], [kg/m3]
+    ``fuse`` gives the derivatives that stand for a dynamic pressure [Pa]; ``band`` are the
+    airspeeds to search, ``tested`` is the fastest one flown [m/s], in air of a density. [kg/m3]
 
     Notes
     -----
@@ -417,20 +412,100 @@ def compute_weighted_mean(
     covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
     """Compute the mean weighted by information, and its covariance widened by Birge's ratio."""
-    if len(values) == 1:
+    return _fit_weighted(values, covariances, np.ones((len(values), 1)))
+
+
+def _fit_weighted(
+    values: Float[np.ndarray, "n_parts n_theta"],
+    covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
+    lines: Float[np.ndarray, "n_parts n_powers"],
+    priors: Sequence[DerivativePrior | None] | None = None,
+) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
+    """Generalised least squares of every value on the columns of ``lines``.
+
+    Returns the coefficients of the first column, and their covariance widened by Birge's ratio.
+
+    Notes
+    -----
+    The data of a part have the information C^-1 - P and the moment C^-1 theta - P mu. The mean
+    of the priors is added once, with mean zero for the further columns.
+    """
+    n_parts, n_powers = lines.shape
+    if n_parts == 1:
         return values[0], covariances[0]
     scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
     if not (scale > 0.0).all():
         raise NotIdentifiable("a derivative without standard error cannot be weighted")
-    outer, identity = np.outer(scale, scale), np.eye(scale.size)
-    weights = [np.linalg.solve(C / outer, identity) for C in covariances]
-    information = np.sum(weights, axis=0)
-    moment = np.sum([W @ (v / scale) for W, v in zip(weights, values, strict=True)], axis=0)
-    mean = np.linalg.solve(information, moment)
-    off = values / scale - mean
-    chi_square = sum(float(d @ W @ d) for d, W in zip(off, weights, strict=True))
-    birge = max(1.0, chi_square / (off.size - scale.size))
-    return mean * scale, birge * np.linalg.solve(information, identity) * outer
+    n, outer = scale.size, np.outer(scale, scale)
+    known = [prior for prior in priors or () if prior is not None]
+    shared = np.mean([prior.precision for prior in known], axis=0) * scale**2 if known else 0.0
+    information = np.kron(np.eye(n_powers), np.diag(np.broadcast_to(shared, n)))
+    moment = np.zeros(n_powers * n)
+    if known:
+        moment[:n] = shared * np.mean([prior.mean for prior in known], axis=0) / scale
+    parts = [
+        _separate_data(C / outer, value, scale, prior)
+        for C, value, prior in zip(
+            covariances, values / scale, priors or [None] * n_parts, strict=True
+        )
+    ]
+    for part, line in zip(parts, lines, strict=True):
+        information += np.kron(np.outer(line, line), part.information)
+        moment += np.kron(line, part.moment)
+    solved = np.linalg.solve(information, moment).reshape(n_powers, n)
+    chi_square = sum(
+        part.compute_chi_square(line @ solved) for part, line in zip(parts, lines, strict=True)
+    )
+    n_data = sum(float(part.shares.sum()) for part in parts)
+    if not n_data > 0.0:
+        raise NotIdentifiable("the runs have no data beyond the prior that they share")
+    birge = max(1.0, chi_square / (n_data * (1.0 - n_powers / n_parts)))
+    return solved[0] * scale, birge * np.linalg.inv(information)[:n, :n] * outer
+
+
+@dataclass(frozen=True, slots=True)
+class _PartData:
+    """Information of the data of one part, without its prior.
+
+    ``axes`` whiten what the data identify; ``shares`` are the parts of the information along
+    them that are data.
+    """
+
+    information: Float[np.ndarray, "n_theta n_theta"]
+    moment: Float[np.ndarray, " n_theta"]
+    axes: Float[np.ndarray, "n_theta n_axes"]
+    shares: Float[np.ndarray, " n_axes"]
+
+    def compute_chi_square(self, theta: Float[np.ndarray, " n_theta"]) -> float:
+        """Compute the distance of the data from a value, weighted by the shares."""
+        off = self.axes.T @ (self.moment - self.information @ theta)
+        return float(np.sum(self.shares * off**2))
+
+
+def _separate_data(
+    C: Float[np.ndarray, "n_theta n_theta"],
+    value: Float[np.ndarray, " n_theta"],
+    scale: Float[np.ndarray, " n_theta"],
+    prior: DerivativePrior | None,
+) -> _PartData:
+    """Remove the prior from an estimate; covariance and value are divided by ``scale``."""
+    total = np.linalg.solve(C, np.eye(scale.size))
+    total = 0.5 * (total + total.T)
+    precision, moment = np.zeros(scale.size), total @ value
+    if prior is not None:
+        precision = prior.weight * prior.precision * scale**2
+        moment -= precision * prior.mean / scale
+    size, axes = np.linalg.eigh(total - np.diag(precision))
+    # A covariance wider than the prior, of coloured noise, has no data in that direction.
+    is_data = size > 1e-12 * size[-1]
+    size, axes = size[is_data], axes[:, is_data]
+    of_prior = np.einsum("ik,i,ik->k", axes, precision, axes)
+    return _PartData(
+        information=(axes * size) @ axes.T,
+        moment=axes @ (axes.T @ moment),
+        axes=axes / np.sqrt(size),
+        shares=size / (size + of_prior),
+    )
 
 
 def compute_structure_spread(speeds: Sequence[float], preferred: float) -> float:
@@ -440,5 +515,13 @@ def compute_structure_spread(speeds: Sequence[float], preferred: float) -> float
     return float(np.sqrt(np.mean((np.asarray(speeds, dtype=float) - preferred) ** 2)))
 
 
+_RIGID_MOTIONS = {
+    "SP": "the short period",
+    "DR": "the dutch roll",
+    "roll": "the roll mode",
+    "spiral": "the spiral",
+}
+
+
 def _name_motion(motion: str) -> str:
-    return "the short period" if motion == "SP" else f"mode {motion}"
+    return _RIGID_MOTIONS.get(motion) or f"mode {motion}"

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy.optimize import linear_sum_assignment
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.frequency_shape import FrequencyShape
 from flexsid.sysid.modes.shapes import StructuralModes
 
 
@@ -17,30 +19,36 @@ from flexsid.sysid.modes.shapes import StructuralModes
 class Aeroelastic:
     """Derivatives, structure and loading of an aircraft at any speed.
 
-    ``condition`` is one trimmed condition; others follow from it by constant weight.
+    ``condition`` is one trimmed condition; others follow from it by constant weight. Without a
+    ``shape`` the air forces are quasi-steady.
     """
 
     condition: FlightCondition
     modes: StructuralModes
     derivatives: DerivativeTable
+    shape: FrequencyShape | None = None
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """Motions: the short period and each mode by number."""
-        return ("SP", *(str(number) for number in self.modes.numbers))
+        """Names of roots: those of the rigid body, and each mode by number."""
+        return (*self.derivatives.body.poles, *(str(number) for number in self.modes.numbers))
 
 
 @dataclass(frozen=True, slots=True)
 class StateFamily:
     """State matrices at many speeds, and where each derivative enters them.
 
-    The states are alpha, q, eta..., etadot...: attitude only integrates q in level flight.
+    The states are the motions of the rigid body, the attitude if gravity acts by it, eta...,
+    etadot...: the pitch angle only integrates q in level flight. ``forced`` is the effect of
+    each row of the derivatives on the rates of the states, ``membership`` assigns states to
+    the motions that name roots.
     """
 
     A: Float[np.ndarray, "n_v n_x n_x"]
     scale: Float[np.ndarray, "n_v n_rows n_columns"]
-    force_states: np.ndarray
+    forced: Float[np.ndarray, "n_x n_rows"]
     variable_states: np.ndarray
+    membership: Float[np.ndarray, "n_motions n_x"]
 
 
 def build_state_family(
@@ -54,10 +62,8 @@ def build_state_family(
     ----------
     aircraft
         Derivatives, structure, and the condition they are known from.
-    airspeed
-        True airspeeds. [m/s]
-    density
-        Of the air; that of the known condition by default. [kg/m3]
+    airspeed, density
+        True airspeeds [m/s], and the air's density, that of the condition by default. [kg/m3]
 
     Raises
     ------
@@ -95,37 +101,46 @@ def build_state_family(
     clean = (c.thrust - c.induced_drag * weight**2 / known) / known
     alpha = c.alpha * known / force
     thrust = force * clean + c.induced_drag * weight**2 / force
-    rows = np.empty((V.size, 2 + n))
-    rows[:, 0] = force / (c.mass * V)
-    rows[:, 1] = force * c.chord / c.pitch_inertia
-    rows[:, 2:] = (force * c.chord)[:, None] / modes.mass
-    columns = np.ones((V.size, 2 + 2 * n))
-    columns[:, [1, *range(2 + n, 2 + 2 * n)]] = (c.chord / (2.0 * V))[:, None]
-    scale = rows[:, :, None] * columns[:, None, :]
-    force_states = np.r_[0, 1, 2 + n : 2 + 2 * n]
-    A = np.zeros((V.size, 2 + 2 * n, 2 + 2 * n))
-    A[:, force_states] = scale * aircraft.derivatives.values[:, : 2 + 2 * n]
-    A[:, 0, 0] += GRAVITY * np.sin(c.gamma) / V - thrust * np.cos(alpha) / (c.mass * V)
-    A[:, 0, 1] += 1.0
-    eta, etadot = np.arange(2, 2 + n), np.arange(2 + n, 2 + 2 * n)
+    body = aircraft.derivatives.body
+    trim = Trim(V, 0.5 * air * V**2, alpha, thrust)
+    columns = body.column_factors(c, n, 0, trim)
+    scale = body.row_factors(c, modes.mass, trim)[:, :, None] * columns[:, None, :]
+    known = body.kinematics(c, trim)
+    first = body.size
+    n_rigid = first + body.acts_by_gravity
+    eta, etadot = np.arange(n_rigid, n_rigid + n), np.arange(n_rigid + n, n_rigid + 2 * n)
+    variable_states = np.r_[:first, eta, etadot]
+    inverse = np.linalg.inv(known.inertia)
+    forced = np.zeros((n_rigid + 2 * n, first + n))
+    forced[:first, :first] = inverse
+    forced[etadot, first:] = np.eye(n)
+    A = np.zeros((V.size, n_rigid + 2 * n, n_rigid + 2 * n))
+    A[:, :, variable_states] = forced @ (
+        scale * aircraft.derivatives.values[:, : variable_states.size]
+    )
+    A[:, :first, :first] += inverse @ known.coupling
+    if body.acts_by_gravity:
+        A[:, :first, first] += known.gravity @ inverse.T
+        A[:, first, :first] = known.attitude_rate
     A[:, eta, etadot] = 1.0
     A[:, etadot, eta] -= modes.omega**2
     A[:, etadot, etadot] -= 2.0 * modes.zeta * modes.omega
-    return StateFamily(A, scale, force_states, np.arange(2 + 2 * n))
+    membership = body.compute_membership(n_rigid, n)
+    return StateFamily(A, scale, forced, variable_states, membership)
 
 
 @dataclass(frozen=True, slots=True)
 class Modal:
     """Eigenvalues with left and right vectors, scaled so that left^H right = 1."""
 
-    values: Complex[np.ndarray, "n_v n_x"]
-    left: Complex[np.ndarray, "n_v n_x n_x"]
-    right: Complex[np.ndarray, "n_v n_x n_x"]
+    values: Complex[np.ndarray, "n_v n_roots"]
+    left: Complex[np.ndarray, "n_v n_x n_roots"]
+    right: Complex[np.ndarray, "n_v n_x n_roots"]
 
 
-def decompose_states(family: StateFamily) -> Modal:
-    """Compute eigenvalues and vectors at every speed."""
-    values, right = (part.astype(complex) for part in np.linalg.eig(family.A))
+def decompose_states(A: Float[np.ndarray, "n_v n_x n_x"]) -> Modal:
+    """Compute eigenvalues and vectors of the state matrices of every speed."""
+    values, right = (part.astype(complex) for part in np.linalg.eig(A))
     left = np.linalg.inv(right).conj().transpose(0, 2, 1)
     return Modal(values, left, right)
 
@@ -142,10 +157,6 @@ def compute_eigenvalue_slopes(
 
     Parameters
     ----------
-    family, modal
-        State matrices, their eigenvalues and vectors.
-    rows, columns
-        Of the derivatives.
     left_of, right_of
         Eigenvalues at every speed (n_v, n_roots) whose left and right vectors to take; all
         by default. For two different ones it is their coupling.
@@ -154,18 +165,47 @@ def compute_eigenvalue_slopes(
     -----
     d lambda = w^H dA v for vectors with w^H v = 1. Derivatives of the inputs change nothing.
     """
-    n_x = family.A.shape[1]
-    acts = columns < n_x
+    acts = columns < family.variable_states.size
     at = np.where(acts, columns, 0)
-    pull = _vectors(modal.left, left_of, family.force_states[rows]).conj()
-    moved = _vectors(modal.right, right_of, family.variable_states[at])
+    pull = (_select_roots(modal.left, left_of) @ family.forced)[:, :, rows].conj()
+    moved = _select_roots(modal.right, right_of)[:, :, family.variable_states[at]]
     weight = np.where(acts, family.scale[:, rows, at], 0.0)
     return pull * moved * weight[:, None, :]
 
 
-def _vectors(
-    vectors: Complex[np.ndarray, "n_v n_x n_x"], roots: np.ndarray | None, states: np.ndarray
-) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
-    """Entries of eigenvectors, one of every parameter."""
+def _select_roots(
+    vectors: Complex[np.ndarray, "n_v n_x n_x"], roots: np.ndarray | None
+) -> Complex[np.ndarray, "n_v n_roots n_x"]:
+    """Eigenvectors of the roots, one in each row."""
     beside = vectors if roots is None else np.take_along_axis(vectors, roots[:, None, :], axis=2)
-    return beside.transpose(0, 2, 1)[:, :, states]
+    return beside.transpose(0, 2, 1)
+
+
+def compute_polar_slopes(
+    roots: Complex[np.ndarray, "*roots"], slopes: Complex[np.ndarray, "*roots n_theta"]
+) -> tuple[Float[np.ndarray, "*roots n_theta"], Float[np.ndarray, "*roots n_theta"]]:
+    """Compute the change of the modulus of roots [rad/s] and of their damping ratio [1]."""
+    size = np.maximum(np.abs(roots), 1e-12)[..., None]
+    modulus = np.real(np.conj(roots)[..., None] * slopes) / size
+    return modulus, -np.real(slopes) / size + np.real(roots)[..., None] / size**2 * modulus
+
+
+def compute_participation(
+    modal: Modal, at: int, membership: Float[np.ndarray, "n_motions n_x"]
+) -> Float[np.ndarray, "n_motions n_roots"]:
+    """Compute the share of every motion in every root.
+
+    Left times right eigenvector, summed over the states of a motion.
+    """
+    share = membership @ np.abs(modal.left[at] * modal.right[at])
+    return share / share.sum(axis=0)
+
+
+def name_roots(
+    participation: Float[np.ndarray, "n_motions n_roots"], motions: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Name roots by their motion of largest participation, each motion taken once if possible."""
+    leading = np.argmax(participation, axis=0)
+    motion, root = linear_sum_assignment(-participation)
+    leading[root] = motion
+    return tuple(motions[k] for k in leading)

@@ -11,12 +11,13 @@ from jaxtyping import Bool, Float
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.leakage import correct_leakage
-from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.leakage import fit_with_leakage_correction
+from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.structure_determination.evidence import Evidence, estimate_subset
 from flexsid.sysid.structure_determination.likelihood import (
     compute_likelihood_evidence,
+    expand_values,
     select_candidates,
 )
 from flexsid.sysid.structure_determination.selection import (
@@ -43,7 +44,7 @@ class CandidateModel:
 
     ``cost`` is the negative log likelihood of all maneuvers, ``bic`` Schwarz's criterion,
     ``likelihood_ratio`` twice the rise of the cost (negative: fall) from the model before, and
-    ``predicted_ratio`` the same predicted by the quadratic expansionaround that one.
+    ``predicted_ratio`` the same predicted by the quadratic expansion around that one.
     ``estimates`` are by maneuver.
     """
 
@@ -93,12 +94,8 @@ def search_candidates(
     start
         Names of the derivatives to begin with, e.g. what equation error chose; all by
         default.
-    thresholds
-        Partial F to enter and to stay.
-    settings
-        Of every fit.
     report
-        Called before every fit; an exception ends the search.
+        Called before every fit and at its iterations; an exception ends the search.
     values
         Starting values of all candidates by maneuver, where they are not those of
         ``candidates``.
@@ -134,10 +131,29 @@ def search_candidates(
     why, predicted_ratio = "start", 0.0
     while len(fitted) < _ROUNDS and selected.tobytes() not in visited:
         visited.add(selected.tobytes())
-        report_progress(len(fitted), f"Fitting {int(selected.sum())} parameters")
-        lines, estimates = _fit(maneuvers, candidates, selected, theta, settings)
-        before = fitted[-1] if fitted else None
-        now = _candidate(why, candidates, selected, path, estimates, before, predicted_ratio)
+        n_fitted, message = len(fitted), f"Fitting {int(selected.sum())} parameters"
+        report_progress(n_fitted, message)
+
+        def report_iteration(
+            iteration: int, cost: float, n_fitted: int = n_fitted, message: str = message
+        ) -> None:
+            report_progress(n_fitted, f"{message}, iteration {iteration}")
+
+        corrected, estimates = _fit(
+            maneuvers, candidates, selected, theta, settings, report_iteration
+        )
+        cost = float(sum(one.steps[-1].cost for one in estimates))
+        n_data = [2.0 * sum(data.measured.size for data in one.lines) for one in estimates]
+        now = CandidateModel(
+            why=why,
+            selected=tuple(candidates.names[k] for k in np.flatnonzero(selected)),
+            changed=path,
+            cost=cost,
+            bic=2.0 * cost + int(selected.sum()) * float(np.log(n_data).sum()),
+            likelihood_ratio=2.0 * (cost - fitted[-1].cost) if fitted else 0.0,
+            predicted_ratio=predicted_ratio,
+            estimates=tuple(estimates),
+        )
         fitted.append(now)
         if not _is_usable(now):
             break
@@ -153,15 +169,19 @@ def search_candidates(
             terms = ", ".join(step.term for step in back)
             why = f"{terms} restored: likelihood ratio larger than predicted"
             continue
-        theta = [_expand_values(selected, estimate.values) for estimate in estimates]
+        theta = [expand_values(selected, estimate.values) for estimate in estimates]
         evidences = tuple(
             compute_likelihood_evidence(
                 experiment, candidates, values, int(selected.sum()), kind=settings.noise, parts=True
             )
-            for experiment, values in zip(lines, theta, strict=True)
+            for experiment, values in zip(corrected, theta, strict=True)
         )
         end = select_terms(evidences, SelectionState(selected), thresholds, forced=forced)
-        predicted_ratio = _predict_ratio(evidences, selected, end.selected)
+        rise = [
+            estimate_subset(one, end.selected).rest - estimate_subset(one, selected).rest
+            for one in evidences
+        ]
+        predicted_ratio = float(sum(rise))
         path, selected, why = end.path, end.selected, _describe_path(end.path)
     usable = [one for one in fitted if _is_usable(one)]
     if not usable or not evidences:
@@ -170,12 +190,11 @@ def search_candidates(
             f"{fitted[0].estimates[0].message}",
             code="bad-start",
         )
-    settled = not path and usable[-1] is fitted[-1]
     best = fitted[-1]
-    if not settled:
+    if path or usable[-1] is not best:
         best = min(usable, key=lambda one: (not one.converged, one.bic))
     in_best = np.array([name in set(best.selected) for name in candidates.names])
-    selection = summarise_selection("likelihood", evidences, SelectionState(in_best), thresholds)
+    selection = summarise_selection(evidences, SelectionState(in_best), thresholds)
     return CandidateSearchResult(tuple(fitted), best, selection, evidences)
 
 
@@ -205,6 +224,7 @@ def _fit(
     selected: Bool[np.ndarray, " n_theta"],
     theta: Sequence[Float[np.ndarray, " n_theta"]],
     settings: FitSettings,
+    report: Callable[[int, float], None],
 ) -> tuple[list[Experiment], list[Estimate]]:
     """Estimates, and the experiments corrected for leakage."""
     if not selected.any():
@@ -212,61 +232,15 @@ def _fit(
             "no term is left: none of the candidates is significant", code="empty"
         )
     priors = settings.priors or {}
-    lines, found = [], []
+    corrected, found = [], []
     for experiment, values in zip(maneuvers, theta, strict=True):
         parameters = select_candidates(candidates, selected, values)
         held = {name: prior for name, prior in priors.items() if name in parameters.names}
         own = replace(settings, priors=held)
-        estimate = maximize([experiment], parameters, own)
-        (settled,), estimate = correct_leakage([experiment], parameters, estimate, own)
-        lines.append(settled)
+        settled, estimate = fit_with_leakage_correction([experiment], parameters, own, report)
+        corrected += settled
         found.append(estimate)
-    return lines, found
-
-
-def _expand_values(
-    selected: Bool[np.ndarray, " n_theta"], values: Float[np.ndarray, " n_selected"]
-) -> Float[np.ndarray, " n_theta"]:
-    """Values at their place among all candidates, zero elsewhere."""
-    theta = np.zeros(selected.size)
-    theta[selected] = values
-    return theta
-
-
-def _candidate(
-    why: str,
-    candidates: Parameters,
-    selected: Bool[np.ndarray, " n_theta"],
-    path: tuple[SelectionStep, ...],
-    estimates: Sequence[Estimate],
-    before: CandidateModel | None,
-    predicted_ratio: float,
-) -> CandidateModel:
-    cost = float(sum(one.steps[-1].cost for one in estimates))
-    n_data = [2.0 * sum(lines.measured.size for lines in one.lines) for one in estimates]
-    return CandidateModel(
-        why=why,
-        selected=tuple(
-            name for name, inside in zip(candidates.names, selected, strict=True) if inside
-        ),
-        changed=path,
-        cost=cost,
-        bic=2.0 * cost + int(selected.sum()) * float(np.log(n_data).sum()),
-        likelihood_ratio=0.0 if before is None else 2.0 * (cost - before.cost),
-        predicted_ratio=predicted_ratio,
-        estimates=tuple(estimates),
-    )
-
-
-def _predict_ratio(
-    evidences: Sequence[Evidence],
-    before: Bool[np.ndarray, " n_theta"],
-    after: Bool[np.ndarray, " n_theta"],
-) -> float:
-    """Predict the rise of twice the cost between two sets of terms by the quadratic."""
-    return float(
-        sum(estimate_subset(e, after).rest - estimate_subset(e, before).rest for e in evidences)
-    )
+    return corrected, found
 
 
 def _describe_path(path: Sequence[SelectionStep]) -> str:

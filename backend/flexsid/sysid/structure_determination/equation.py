@@ -17,7 +17,6 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.estimation.regression import ErrorsInVariables, WeightedFit, compensate_bias
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import coefficients
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.structure_determination.evidence import Evidence, Parts
 
@@ -36,10 +35,8 @@ def compute_equation_evidence(
 
     Parameters
     ----------
-    model
-        Condition, modes and inputs.
-    motion
-        Reconstructed motion with its uncertainty.
+    model, motion
+        Condition and modes, and the reconstructed motion with its uncertainty.
     inputs
         Surface deflections, instrument dynamics removed. [rad s]
     candidates
@@ -58,7 +55,7 @@ def compute_equation_evidence(
     held = candidates.base.values.copy()
     held[candidates.rows, candidates.columns] = 0.0
     found = {}
-    for row, name in enumerate(coefficients(model.modes.numbers)):
+    for row, name in enumerate(model.coefficients):
         place = np.flatnonzero(candidates.rows == row)
         if place.size:
             columns = candidates.columns[place]
@@ -85,25 +82,25 @@ def compute_regression_evidence(
         If there are fewer than three frequencies, or all regressors are zero.
     """
     weighing = _fit_reference(X, z, names, errors)
-    n_lines = z.size
+    n_frequencies = z.size
     nu = (z - X @ weighing.values) / np.sqrt(weighing.variance)
-    freedom = n_lines - 0.5 * np.count_nonzero(weighing.values)
+    freedom = n_frequencies - 0.5 * np.count_nonzero(weighing.values)
     level = max(float(np.sum(np.abs(nu) ** 2)) / freedom, np.finfo(float).tiny)
     weight = 2.0 / (weighing.variance * level)
     parts = _sum_parts(X, z, weight, weighing.fraction_removed, errors)
-    one_group = np.zeros(n_lines, dtype=int)
+    one_group = np.zeros(n_frequencies, dtype=int)
     density = np.real(noise.smooth_density(nu[:, None], one_group, 1).expand_blocks()[:, 0, 0])
-    density *= n_lines / freedom / level
+    density *= n_frequencies / freedom / level
     noisy = np.real((X.conj() * (density * weight)[:, None]).T @ X)
     scores = np.real(X.conj() * (weight * (z - X @ weighing.values))[:, None])
-    alone = n_lines / freedom * scores.T @ scores
+    alone = n_frequencies / freedom * scores.T @ scores
     return Evidence(
         names=names,
         information=parts.information.sum(axis=0),
         moment=parts.moment.sum(axis=0),
         scatter=np.stack([0.5 * (noisy + noisy.T), alone]),
         total=float(parts.total.sum()),
-        n_data=2.0 * n_lines,
+        n_data=2.0 * n_frequencies,
         parts=parts,
     )
 
@@ -115,13 +112,13 @@ def _fit_reference(
     errors: ErrorsInVariables,
 ) -> WeightedFit:
     """Fit all terms that the data resolve; the others are zero."""
-    n_lines, p = X.shape
+    n_frequencies, p = X.shape
     size = np.linalg.norm(X, axis=0)
-    if n_lines < 3 or not size.any():
+    if n_frequencies < 3 or not size.any():
         raise NotIdentifiable(
-            f"{n_lines} frequencies without motion cannot resolve the terms of "
+            f"{n_frequencies} frequencies without motion cannot resolve the terms of "
             f"{names[0].split('_')[0]}; use more frequencies",
-            lines=n_lines,
+            frequencies=n_frequencies,
         )
     unit = np.divide(X, size, out=np.zeros_like(X), where=size > 0.0)
     stacked = np.concatenate([np.real(unit), np.imag(unit)])
@@ -129,8 +126,8 @@ def _fit_reference(
     rank = int(np.count_nonzero(np.abs(np.diag(r)) > _LEAST_DIRECTION))
     target = np.concatenate([np.real(z), np.imag(z)])
     resolved = np.sort(order[:rank])
-    if rank > n_lines // 2:
-        resolved = _select_leading(stacked, target, n_lines // 2)
+    if rank > n_frequencies // 2:
+        resolved = _select_leading(stacked, target, n_frequencies // 2)
     first = np.linalg.lstsq(stacked[:, resolved], target, rcond=None)[0] / size[resolved]
     among = ErrorsInVariables(
         errors.regressors[:, resolved[:, None], resolved],
@@ -166,23 +163,23 @@ def _sum_parts(
     errors: ErrorsInVariables,
 ) -> Parts:
     """Weighted sums over combs of frequencies, corrected for the errors in variables."""
-    n_lines, p = X.shape
+    n_frequencies, p = X.shape
     stacked = np.concatenate([np.real(X), np.imag(X)])
     target = np.concatenate([np.real(z), np.imag(z)])
-    comb = assign_combs(n_lines)
+    comb = assign_combs(n_frequencies)
     information, moment, total = [], [], []
     for number in range(int(comb.max()) + 1):
         w = np.where(comb == number, weight, 0.0)
         twice = np.concatenate([w, w])
         weighted = stacked.T * twice
-        spread = (w @ errors.regressors.reshape(n_lines, -1)).reshape(p, p)
+        spread = (w @ errors.regressors.reshape(n_frequencies, -1)).reshape(p, p)
         information.append(weighted @ stacked - fraction * spread)
         moment.append(weighted @ target - fraction * (w @ errors.cross))
         total.append(float(twice @ target**2))
     return Parts(np.stack(information), np.stack(moment), np.array(total))
 
 
-def assign_combs(n_lines: int) -> np.ndarray:
+def assign_combs(n_frequencies: int) -> np.ndarray:
     """Assign each frequency to a comb; runs of neighbours stay together."""
-    run = np.arange(n_lines) // max(1, min(_RUN_LENGTH, n_lines // N_PARTS))
+    run = np.arange(n_frequencies) // max(1, min(_RUN_LENGTH, n_frequencies // N_PARTS))
     return run % N_PARTS

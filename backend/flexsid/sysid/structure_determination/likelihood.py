@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -11,12 +11,15 @@ from jaxtyping import Bool, Complex, Float
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalSpectra, score_covariance
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, Sensitivity
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.leakage import build_leakage_columns
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.structure_determination.equation import assign_combs
 from flexsid.sysid.structure_determination.evidence import Evidence, Parts
+
+_STEP_RIDGE = 1e-9  # of a term's information: a step of collinear candidates stays finite
+_LEAKAGE_RIDGE = 1e-12  # of a column's power: nearly dependent leakage columns stay solvable
 
 
 def compute_likelihood_evidence(
@@ -32,14 +35,10 @@ def compute_likelihood_evidence(
 
     Parameters
     ----------
-    experiment
-        The data of the maneuver.
     candidates
         All terms and extras that could be free.
-    theta
-        The estimate; terms that are not in the model are zero.
-    n_fitted
-        How many of them were fitted.
+    theta, n_fitted
+        The estimate, zero for terms that are not in the model, and how many were fitted.
     kind
         Of the noise, as in the fit.
     parts
@@ -72,27 +71,27 @@ def compute_likelihood_evidence(
     alone = residuals
     weights = weights_for(residuals)
     if n_fitted < len(candidates.names):
-        alone = residuals - J @ _solve_step(*form.equations(sensitivity, residuals, weights))
+        N, g = form.equations(sensitivity, residuals, weights)
+        alone = residuals - J @ _solve_scaled(N, g, _STEP_RIDGE)
         weights = weights_for(alone)
     weighted = weights.times(residuals[:, :, None])[:, :, 0]
     left = 2.0 * np.real(np.sum(residuals.conj() * weighted, axis=1))
     comb = assign_combs(experiment.omega.size)
-    lines: _FrequencySums
     if experiment.edges_s:
         J = _project_leakage(J, build_leakage_columns(model, response, theta), weights)
-        lines = _Expanded(J, residuals)
+        sum_equations = partial(_sum_equations, J, residuals)
         density = noise.smooth_density(alone, experiment.group, n_groups)
-        middle, _ = lines.equations(density.between(weights))
+        middle, _ = sum_equations(density.between(weights))
     else:
-        lines = _Factored(form, sensitivity, residuals)
+        sum_equations = partial(form.equations, sensitivity, residuals)
         middle = score_covariance(FinalSpectra(form, sensitivity, alone, weights))
     pulled = weights.times(alone[:, :, None])[:, :, 0]
     scores = np.real(np.matmul(pulled.conj()[:, None, :], J)[:, 0])
-    N, g = lines.equations(weights)
+    N, g = sum_equations(weights)
     found = None
     if parts:
         sums = [
-            lines.equations(_restrict_weights(weights, comb == number))
+            sum_equations(_restrict_weights(weights, comb == number))
             for number in range(int(comb.max()) + 1)
         ]
         information = 2.0 * np.stack([n for n, _ in sums])
@@ -114,47 +113,25 @@ def compute_likelihood_evidence(
     )
 
 
-def _solve_step(
-    N: Float[np.ndarray, "n_theta n_theta"], g: Float[np.ndarray, " n_theta"]
-) -> Float[np.ndarray, " n_theta"]:
-    """Solve one step of all candidates, regularised for collinear ones."""
+def _solve_scaled(
+    N: Float[np.ndarray, "n n"], right: Float[np.ndarray, "n *m"], ridge: float
+) -> Float[np.ndarray, "n *m"]:
+    """Solve normal equations scaled to a unit diagonal, with a ridge for collinear terms."""
     size = np.sqrt(np.maximum(np.diag(N), np.finfo(float).tiny))
-    scaled = N / np.outer(size, size) + 1e-9 * np.eye(g.size)
-    return np.linalg.solve(scaled, g / size) / size
+    scaled = N / np.outer(size, size) + ridge * np.eye(size.size)
+    return (np.linalg.solve(scaled, (right.T / size).T).T / size).T
 
 
-class _FrequencySums(Protocol):
-    """Sums over frequencies of the evidence."""
-
-    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
-        """Re sum J^H W J and Re sum J^H W nu."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class _Factored:
-    """In the Kronecker form."""
-
-    form: NormalForm
-    sensitivity: Sensitivity
-    residuals: np.ndarray
-
-    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
-        return self.form.equations(self.sensitivity, self.residuals, weights)
-
-
-@dataclass(frozen=True, slots=True)
-class _Expanded:
-    """With the sensitivities of every output and frequency, for corrected leakage."""
-
-    jacobian: np.ndarray
-    residuals: np.ndarray
-
-    def equations(self, weights: noise.SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
-        p = self.jacobian.shape[2]
-        weighted = weights.times(self.jacobian).reshape(-1, p).conj().T
-        N = np.real(weighted @ self.jacobian.reshape(-1, p))
-        return 0.5 * (N + N.T), np.real(weighted @ self.residuals.ravel())
+def _sum_equations(
+    J: Complex[np.ndarray, "n_omega n_y n_theta"],
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    weights: noise.SpectralMatrix,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Re sum J^H W J and Re sum J^H W nu, where corrected leakage forbids the Kronecker form."""
+    p = J.shape[2]
+    weighted = weights.times(J).reshape(-1, p).conj().T
+    N = np.real(weighted @ J.reshape(-1, p))
+    return 0.5 * (N + N.T), np.real(weighted @ residuals.ravel())
 
 
 def _project_leakage(
@@ -167,11 +144,8 @@ def _project_leakage(
     if k == 0:
         return J
     weighted = weights.times(E).reshape(-1, k).conj().T
-    normal = np.real(weighted @ E.reshape(-1, k))
-    size = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
-    cross = np.real(weighted @ J.reshape(-1, J.shape[2])) / size[:, None]
-    share = np.linalg.solve(normal / np.outer(size, size) + 1e-12 * np.eye(k), cross)
-    return J - E @ (share / size[:, None])
+    cross = np.real(weighted @ J.reshape(-1, J.shape[2]))
+    return J - E @ _solve_scaled(np.real(weighted @ E.reshape(-1, k)), cross, _LEAKAGE_RIDGE)
 
 
 def select_candidates(
@@ -194,10 +168,19 @@ def select_candidates(
     )
 
 
+def expand_values(
+    selected: Bool[np.ndarray, " n_theta"], values: Float[np.ndarray, " n_selected"]
+) -> Float[np.ndarray, " n_theta"]:
+    """Values of the selected terms at their place among all candidates, zero elsewhere."""
+    theta = np.zeros(selected.size)
+    theta[selected] = values
+    return theta
+
+
 def _restrict_weights(
-    weights: noise.SpectralMatrix, lines: Bool[np.ndarray, " n_omega"]
+    weights: noise.SpectralMatrix, selected: Bool[np.ndarray, " n_omega"]
 ) -> noise.SpectralMatrix:
     """Weights with the other frequencies set to zero."""
     blocks = weights.blocks[weights.block]
-    blocks[~lines] = 0.0
-    return noise.SpectralMatrix(blocks, np.arange(lines.size))
+    blocks[~selected] = 0.0
+    return noise.SpectralMatrix(blocks, np.arange(selected.size))

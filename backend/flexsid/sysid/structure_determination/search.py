@@ -6,18 +6,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from flexsid.errors import BadInput
-from flexsid.sysid.structure_determination.evidence import Evidence
-from flexsid.sysid.structure_determination.orthogonal import select_by_orthogonal_functions
+from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
 from flexsid.sysid.structure_determination.selection import (
     DEFAULT_THRESHOLDS,
     Selection,
+    SelectionState,
+    SelectionStep,
     Thresholds,
+    compute_criteria,
+    select_terms,
+    summarise_selection,
 )
-from flexsid.sysid.structure_determination.stepwise import select_stepwise
 
 SearchMethod = Literal["stepwise", "orthogonal functions"]
-_METHODS = {"stepwise": select_stepwise, "orthogonal functions": select_by_orthogonal_functions}
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +35,6 @@ class StructureSelection:
         """Names of all selected derivatives."""
         return tuple(name for one in self.coefficients.values() for name in one.selected)
 
-    @property
-    def absent(self) -> tuple[str, ...]:
-        """Names of all candidates that were not selected."""
-        return tuple(
-            term.name
-            for one in self.coefficients.values()
-            for term in one.terms
-            if not term.selected
-        )
-
 
 def search_equations(
     maneuvers: Sequence[Mapping[str, Evidence]],
@@ -49,14 +43,7 @@ def search_equations(
 ) -> StructureSelection:
     """Select the terms of every coefficient by equation error.
 
-    Parameters
-    ----------
-    maneuvers
-        Evidence of each maneuver by coefficient, as ``compute_equation_evidence`` gives it.
-    method
-        ``stepwise`` regression or multivariate ``orthogonal functions``.
-    thresholds
-        Of the partial F and of the predicted squared error.
+    ``maneuvers`` is the evidence of each by coefficient, from ``compute_equation_evidence``.
 
     Raises
     ------
@@ -73,6 +60,71 @@ def search_equations(
                 "inputs and modes",
                 code="other-candidates",
             )
+    select = select_stepwise if method == "stepwise" else select_by_orthogonal_functions
     return StructureSelection(
-        {name: _METHODS[method]([one[name] for one in maneuvers], thresholds) for name in first}
+        {name: select([one[name] for one in maneuvers], thresholds) for name in first}
     )
+
+
+def select_stepwise(
+    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
+) -> Selection:
+    """Select the terms of one coefficient over one maneuver or many by stepwise regression.
+
+    Notes
+    -----
+    Source: Klein and Morelli, stepwise regression with partial F. Departures: the scatter
+    of a term is that of the residuals as they are, coloured or not, with all candidates;
+    and when no further term enters, all candidates enter and the weak ones are dropped
+    again. The result with the lower predicted squared error is taken: a term that replaces
+    another one early can exclude it permanently.
+    """
+    nothing = SelectionState(np.zeros(len(evidences[0].names), dtype=bool))
+    forward = select_terms(evidences, nothing, thresholds)
+    backward = select_terms(evidences, _enter_all(evidences, forward, thresholds), thresholds)
+    ends = [summarise_selection(evidences, end, thresholds) for end in (forward, backward)]
+    return min(ends, key=lambda end: end.criteria.pse)
+
+
+def select_by_orthogonal_functions(
+    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
+) -> Selection:
+    """Select the terms of one coefficient over one maneuver or many by orthogonal functions.
+
+    Notes
+    -----
+    Source: Morelli, multivariate orthogonal functions. The next function is the candidate
+    that, made orthogonal to those before it, reduces the residuals most; their number has the
+    least predicted squared error. In the plain terms that they are mapped back to, those
+    whose partial F is below ``f_out`` are dropped.
+    """
+    names = evidences[0].names
+    nothing = np.zeros(len(names), dtype=bool)
+    rest = pool_evidence(evidences, nothing).rest
+    path = _enter_all(evidences, SelectionState(nothing), thresholds).path
+    criteria = [compute_criteria(evidences, nothing, rest, thresholds)]
+    criteria += [step.criteria for step in path]
+    path = path[: int(np.argmin([one.pse for one in criteria]))]
+    entered = {step.term for step in path}
+    best = SelectionState(np.array([name in entered for name in names]), path)
+    end = select_terms(evidences, best, thresholds, enter=False)
+    return summarise_selection(evidences, end, thresholds)
+
+
+def _enter_all(
+    evidences: Sequence[Evidence], at: SelectionState, thresholds: Thresholds
+) -> SelectionState:
+    """Enter every candidate that the data resolve, the one of the largest gain first."""
+    selected, path = at.selected.copy(), list(at.path)
+    now = pool_evidence(evidences, selected)
+    while not selected.all():
+        gain = np.where(selected, -1.0, now.gain)
+        entering = int(np.argmax(gain))
+        if gain[entering] <= 0.0:
+            break
+        f = float(now.f[entering])
+        selected[entering] = True
+        now = pool_evidence(evidences, selected)
+        criteria = compute_criteria(evidences, selected, now.rest, thresholds)
+        path.append(SelectionStep("enter", evidences[0].names[entering], f, criteria))
+    return SelectionState(selected, tuple(path))

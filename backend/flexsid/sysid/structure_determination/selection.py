@@ -1,8 +1,8 @@
-"""Selection: terms selected one by one, with the criteria after every step."""
+"""Selection: terms selected one by one, with the criteria after every step, and its stability."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,7 +88,6 @@ class Term:
 class Selection:
     """Selected terms of one coefficient, and the path of the search."""
 
-    method: str
     path: tuple[SelectionStep, ...]
     terms: tuple[Term, ...]
     criteria: Criteria
@@ -142,18 +141,8 @@ def select_terms(
 ) -> SelectionState:
     """Select terms: drop the weakest unsupported one, else enter the strongest supported one.
 
-    Parameters
-    ----------
-    evidences
-        Of the same candidates, one per maneuver.
-    start
-        The terms to start from; steps are appended to its path.
-    thresholds
-        Of the partial F and of the predicted squared error.
-    forced
-        Terms that are never dropped.
-    enter
-        Whether terms may enter at all.
+    The steps are appended to the path of ``start``; ``forced`` terms are never dropped, and
+    none enters without ``enter``. ``evidences`` are of the same candidates, one per maneuver.
 
     Notes
     -----
@@ -178,30 +167,44 @@ def select_terms(
         selected = selected.copy()
         selected[moved] = action == "enter"
         now = pool_evidence(evidences, selected)
-        path.append(
-            SelectionStep(
-                action, names[moved], f, compute_criteria(evidences, selected, now.rest, thresholds)
-            )
-        )
+        criteria = compute_criteria(evidences, selected, now.rest, thresholds)
+        path.append(SelectionStep(action, names[moved], f, criteria))
 
 
 def summarise_selection(
-    method: str, evidences: Sequence[Evidence], end: SelectionState, thresholds: Thresholds
+    evidences: Sequence[Evidence], end: SelectionState, thresholds: Thresholds
 ) -> Selection:
     """Summarise every term at the end of a search."""
     now = pool_evidence(evidences, end.selected)
     share = np.mean(now.each_f > thresholds.f_in, axis=0)
-    terms = tuple(
-        Term(*row)
-        for row in zip(
-            evidences[0].names,
-            end.selected.tolist(),
-            now.values.tolist(),
-            now.std_errors.tolist(),
-            now.f.tolist(),
-            share.tolist(),
-            strict=True,
-        )
-    )
+    columns = (end.selected, now.values, now.std_errors, now.f, share)
+    rows = zip(evidences[0].names, *(column.tolist() for column in columns), strict=True)
     criteria = compute_criteria(evidences, end.selected, now.rest, thresholds)
-    return Selection(method, end.path, terms, criteria)
+    return Selection(end.path, tuple(Term(*row) for row in rows), criteria)
+
+
+def compute_selection_frequency(
+    evidences: Sequence[Evidence],
+    search: Callable[[Sequence[Evidence]], Selection],
+    n_resamplings: int,
+) -> Float[np.ndarray, " p"]:
+    """Compute the share of bootstrap samples in which every candidate is selected.
+
+    ``evidences`` are of the same candidates, one per maneuver; ``search`` is repeated for
+    every sample. NaN without samples.
+
+    Notes
+    -----
+    Combs of neighbouring frequencies are drawn with replacement (bootstrap), separately
+    in every maneuver, which preserves the correlation between neighbours.
+    """
+    rng = np.random.default_rng(0)
+    sizes = [0 if one.parts is None else one.parts.total.size for one in evidences]
+    hits = np.zeros(len(evidences[0].names))
+    for _ in range(n_resamplings):
+        drawn = []
+        for one, n_parts in zip(evidences, sizes, strict=True):
+            counts = np.bincount(rng.integers(n_parts, size=n_parts), minlength=n_parts)
+            drawn.append(one.resample(counts.astype(float)))
+        hits += [term.selected for term in search(drawn).terms]
+    return hits / n_resamplings if n_resamplings else np.full(hits.size, np.nan)

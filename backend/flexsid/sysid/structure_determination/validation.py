@@ -13,12 +13,12 @@ from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
-from flexsid.sysid.estimation.leakage import correct_leakage, remove_leakage
-from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.leakage import fit_with_leakage_correction, remove_leakage
+from flexsid.sysid.estimation.likelihood import FitSettings, Report
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.stability.prediction import compute_weighted_mean
 from flexsid.sysid.structure_determination.equation import assign_combs
-from flexsid.sysid.structure_determination.likelihood import select_candidates
+from flexsid.sysid.structure_determination.likelihood import expand_values, select_candidates
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,21 +62,13 @@ def cross_validate(
     candidates: Parameters,
     others: Sequence[Experiment] = (),
     settings: FitSettings | None = None,
+    report: Report | None = None,
 ) -> tuple[ValidationResult, ...]:
     """Predict data that a model was not fitted to.
 
-    Parameters
-    ----------
-    maneuvers, estimates
-        Fitted maneuvers, and the estimates of each.
-    candidates
-        All terms; those without estimate are not in the model.
-    others
-        Validation maneuvers: other aids, other conditions. Without any, each
-        maneuver is predicted by the values of the rest; a single one is fitted and
-        predicted half by half.
-    settings
-        Of the fits to halves.
+    ``others`` are validation maneuvers: other aids, other conditions. Without any, each
+    maneuver is predicted by the values of the rest; a single one is fitted and predicted half
+    by half, reported as by ``maximize``. Candidates without estimate are not in the model.
 
     Notes
     -----
@@ -85,12 +77,12 @@ def cross_validate(
     """
     settings = settings or FitSettings()
     inside = np.array([name in estimates[0].names for name in candidates.names])
-    values = [_expand_values(candidates, inside, estimate.values) for estimate in estimates]
+    values = [expand_values(inside, estimate.values) for estimate in estimates]
     if others:
         mean = _pool_estimates(estimates, values, range(len(estimates)), inside)
         return tuple(validate_prediction(one, candidates, mean, settings.noise) for one in others)
     if len(maneuvers) == 1:
-        return _validate_halves(maneuvers[0], candidates, inside, values[0], settings)
+        return _validate_halves(maneuvers[0], candidates, inside, values[0], settings, report)
     found = []
     for index, experiment in enumerate(maneuvers):
         rest = [k for k in range(len(maneuvers)) if k != index]
@@ -105,6 +97,7 @@ def _validate_halves(
     inside: Bool[np.ndarray, " n_theta"],
     theta: Float[np.ndarray, " n_theta"],
     settings: FitSettings,
+    report: Report | None,
 ) -> tuple[ValidationResult, ...]:
     even = assign_combs(experiment.omega.size) % 2 == 0
     found = []
@@ -115,40 +108,32 @@ def _validate_halves(
         parameters = select_candidates(candidates, inside, theta)
         try:
             half = [select_frequencies(experiment, fitted)]
-            estimate = maximize(half, parameters, settings)
-            estimate = correct_leakage(half, parameters, estimate, settings)[1]
+            estimate = fit_with_leakage_correction(half, parameters, settings, report)[1]
         except NotIdentifiable:
             found.append(ValidationResult(name, np.inf, -np.inf))
             continue
         elsewhere = replace(select_frequencies(experiment, ~fitted), name=name)
-        values = _expand_values(candidates, inside, estimate.values)
+        values = expand_values(inside, estimate.values)
         found.append(validate_prediction(elsewhere, candidates, values, settings.noise))
     return tuple(found)
 
 
-def select_frequencies(experiment: Experiment, lines: Bool[np.ndarray, " n_omega"]) -> Experiment:
+def select_frequencies(
+    experiment: Experiment, selected: Bool[np.ndarray, " n_omega"]
+) -> Experiment:
     """Select some frequencies of an experiment; their correlation with others is dropped."""
-    group, numbers = np.unique(experiment.group[lines], return_inverse=True)
+    group, numbers = np.unique(experiment.group[selected], return_inverse=True)
     return replace(
         experiment,
-        instruments=experiment.instruments[lines],
-        omega=experiment.omega[lines],
-        inputs=experiment.inputs[lines],
-        measured=experiment.measured[lines],
+        instruments=experiment.instruments[selected],
+        omega=experiment.omega[selected],
+        inputs=experiment.inputs[selected],
+        measured=experiment.measured[selected],
         group=numbers,
         group_names=tuple(experiment.group_names[k] for k in group),
         source=None,
         gain=None,
     )
-
-
-def _expand_values(
-    candidates: Parameters, inside: Bool[np.ndarray, " n_theta"], values: np.ndarray
-) -> Float[np.ndarray, " n_theta"]:
-    """Values at their place among all candidates, zero elsewhere."""
-    theta = np.zeros(len(candidates.names))
-    theta[inside] = values
-    return theta
 
 
 def _pool_estimates(

@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
 from flexsid.records.maneuver import Condition
+from flexsid.records.model_structure import Structure
 from flexsid.sysid.model import sensors as rows
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Instrument
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.aircraft.longitudinal import (
+from flexsid.workflow.aircraft.axes import (
     classify_part,
-    is_pitch_sensor,
-    reads_symmetric_motion_only,
-    require_pitch_sensor,
-    require_symmetric_inputs,
-    require_symmetric_part,
-    resolve_terms,
+    find_other,
+    is_axis_sensor,
+    reads_own_motion_only,
+    require_axis_inputs,
+    require_axis_output,
 )
 
 _NO_INSTRUMENT = Instrument()
@@ -65,6 +67,10 @@ def build_flight_condition(aircraft: Aircraft, condition: Condition) -> FlightCo
         x_cg=condition.x_cg_m,
         z_cg=condition.z_cg_m,
         induced_drag=0.0 if polar is None else 1.0 / (np.pi * polar.oswald * polar.aspect_ratio),
+        span=aircraft.geometry.span_m,
+        roll_inertia=condition.roll_inertia_kg_m2 or 0.0,
+        yaw_inertia=condition.yaw_inertia_kg_m2 or 0.0,
+        product_of_inertia=condition.product_of_inertia_kg_m2 or 0.0,
     )
 
 
@@ -101,37 +107,49 @@ def define_outputs(aircraft: Aircraft, names: Iterable[str]) -> tuple[OutputDefi
 
 
 def list_default_outputs(
-    aircraft: Aircraft, recorded: Iterable[str], *, separated: bool = False
+    aircraft: Aircraft,
+    recorded: Iterable[str],
+    body: RigidBody = LONGITUDINAL,
+    *,
+    separated: bool = False,
 ) -> tuple[str, ...]:
-    """List the default outputs of a longitudinal model: symmetric sensors and symmetric parts.
+    """List the default outputs of a model: sensors and parts of pairs that measure its motion.
 
     Parameters
     ----------
     aircraft, recorded
         Aircraft, and the names of its recorded channels.
     separated
-        Only outputs without lateral motion, for maneuvers that also excite it.
+        Only outputs without motion of the other axis, for maneuvers that also excite it.
     """
     recorded = set(recorded)
     sensors = {sensor.name: sensor for sensor in aircraft.sensors}
     combined = {part for c in aircraft.combinations for part, _ in c.terms}
+    usable = {n for n, s in sensors.items() if n in recorded and is_axis_sensor(s, body)}
     single = {
         sensor.name: ((sensor, 1.0),)
         for sensor in aircraft.sensors
-        if sensor.name in recorded
+        if sensor.name in usable
         and sensor.name not in combined
-        and not (sensor.kind is SensorKind.ACCELEROMETER and sensor.axis == "y")
-        and is_pitch_sensor(sensor)
+        and not _measures_other_motion(sensor, body)
     }
     paired = {
-        c.name: terms
+        c.name: tuple((sensors[name], weight) for name, weight in c.terms)
         for c in aircraft.combinations
-        if (terms := resolve_terms(c, sensors)) is not None
-        and all(sensor.name in recorded and is_pitch_sensor(sensor) for sensor, _ in terms)
-        and classify_part(terms) != "antisymmetric"
+        if usable.issuperset(name for name, _ in c.terms)
     }
-    usable = single | paired
-    return tuple(n for n, t in usable.items() if not separated or reads_symmetric_motion_only(t))
+    other = find_other(body).symmetry
+    outputs = single | {n: t for n, t in paired.items() if classify_part(t) != other}
+    return tuple(n for n, t in outputs.items() if not separated or reads_own_motion_only(t, body))
+
+
+def _measures_other_motion(sensor: Sensor, body: RigidBody) -> bool:
+    """Whether a single accelerometer measures mostly, or only, the motion of the other axis."""
+    if sensor.kind is not SensorKind.ACCELEROMETER:
+        return False
+    if (sensor.kind.value, sensor.axis) in body.measured:
+        return False
+    return body == LONGITUDINAL or reads_own_motion_only(((sensor, 1.0),), find_other(body))
 
 
 def build_model(
@@ -140,6 +158,7 @@ def build_model(
     modes: StructuralModes,
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
+    body: RigidBody = LONGITUDINAL,
 ) -> AeroelasticModel:
     """Build the aeroelastic model of a maneuver without its derivatives.
 
@@ -149,18 +168,17 @@ def build_model(
         If a sensor's point has no mode shape in the table, or an input or output belongs
         to the lateral motion.
     """
-    require_symmetric_inputs(aircraft, inputs)
+    require_axis_inputs(aircraft, inputs, body)
     flight = build_flight_condition(aircraft, condition)
     polynomials = []
     for output in outputs:
-        total = np.zeros((4, 2 + len(modes.numbers)))
-        require_symmetric_part(output.name, output.terms)
+        total = np.zeros((4, body.size + len(modes.numbers)))
+        require_axis_output(output.name, output.terms, body)
         for sensor, weight in output.terms:
-            require_pitch_sensor(sensor)
-            total += weight * _build_sensor_row(sensor, flight, modes)
+            total += weight * _build_sensor_row(sensor, flight, modes, body)
         polynomials.append(total)
     sensors = rows.stack_rows([output.name for output in outputs], polynomials)
-    return AeroelasticModel(flight, modes, inputs, sensors)
+    return AeroelasticModel(flight, modes, inputs, sensors, body)
 
 
 def get_output_instrument(aircraft: Aircraft, output: OutputDefinition) -> Instrument:
@@ -207,26 +225,27 @@ def _get_instrument(aircraft: Aircraft, name: str | None) -> Instrument:
         return _NO_INSTRUMENT
     if name not in aircraft.instruments:
         raise BadInput(
-            f"{aircraft.name} has no instrument '{name}'", code="unknown-instrument", name=name
+            f"{aircraft.name} has no instrument '{name}'; instruments are "
+            f"{', '.join(aircraft.instruments) or 'none'}",
+            code="unknown-instrument",
+            instrument=name,
         )
     return aircraft.instruments[name]
 
 
 def _build_sensor_row(
-    sensor: Sensor, flight: FlightCondition, modes: StructuralModes
+    sensor: Sensor, flight: FlightCondition, modes: StructuralModes, body: RigidBody
 ) -> np.ndarray:
     if sensor.kind is SensorKind.STRAIN:
-        return rows.strain_row(modes.strain[_find_shape_index(sensor, modes.gauges, modes)])
-    index = _find_shape_index(sensor, modes.points, modes)
-    translation, rotation = modes.translation[index], modes.rotation[index]
+        strain = modes.strain[_find_shape_index(sensor, modes.gauges, modes)]
+        return rows.strain_row(strain, body.size)
+    translation = rotation = np.zeros((3, 0))
+    if modes.numbers:  # a rigid aircraft needs no mode shapes
+        index = _find_shape_index(sensor, modes.points, modes)
+        translation, rotation = modes.translation[index], modes.rotation[index]
     position = rows.body_axes(sensor.location_m, flight)
-    if sensor.kind is SensorKind.GYRO:
-        return rows.gyro_row(rotation)
-    if sensor.kind is SensorKind.ATTITUDE:
-        return rows.attitude_row(rotation)
-    if sensor.kind is SensorKind.VANE:
-        return rows.vane_row(position, translation, rotation, flight)
-    return rows.accelerometer_row(sensor.axis, position, translation, rotation, flight)
+    kind = sensor.kind.value
+    return body.sensor_row(kind, sensor.axis, position, translation, rotation, flight)
 
 
 def _find_shape_index(sensor: Sensor, known: tuple[str, ...], modes: StructuralModes) -> int:
@@ -240,3 +259,56 @@ def _find_shape_index(sensor: Sensor, known: tuple[str, ...], modes: StructuralM
             point=sensor.point,
         )
     return known.index(sensor.point)
+
+
+def _resolve_channels(aircraft: Aircraft, name: str) -> tuple[str, ...]:
+    """Resolve a channel to sensors and surfaces; a combination resolves to its sensors."""
+    for combination in aircraft.combinations:
+        if combination.name == name:
+            return tuple(part for part, _ in combination.terms)
+    known = [*(s.name for s in aircraft.sensors), *(s.name for s in aircraft.surfaces)]
+    if name not in known:
+        raise BadInput(
+            f"'{name}' is neither sensor nor surface of {aircraft.name}; it has {', '.join(known)}",
+            code="unknown-channel",
+            channel=name,
+        )
+    return (name,)
+
+
+def insert_instruments(aircraft: Aircraft, structure: Structure) -> Aircraft:
+    """Return the aircraft with the instruments and delays of the model structure.
+
+    Raises
+    ------
+    BadInput
+        If a channel or an instrument is unknown.
+    """
+    if not structure.instruments and not structure.delays:
+        return aircraft
+    overrides = {
+        part: instrument
+        for name, instrument in structure.instruments.items()
+        for part in _resolve_channels(aircraft, name)
+    }
+    delays = {
+        part: delay
+        for name, delay in structure.delays.items()
+        for part in _resolve_channels(aircraft, name)
+    }
+    instruments = dict(aircraft.instruments)
+
+    def select_instrument(channel: str, usual: str | None) -> str | None:
+        name = overrides.get(channel, usual)
+        plain, delay = _get_instrument(aircraft, name), delays.get(channel, 0.0)
+        if delay == 0.0:
+            return name
+        delayed = f"{name or 'direct'} and {delay:g} s"
+        instruments[delayed] = replace(plain, delay_s=plain.delay_s + delay)
+        return delayed
+
+    sensors, surfaces = (
+        tuple(replace(one, instrument=select_instrument(one.name, one.instrument)) for one in some)
+        for some in (aircraft.sensors, aircraft.surfaces)
+    )
+    return replace(aircraft, sensors=sensors, surfaces=surfaces, instruments=instruments)

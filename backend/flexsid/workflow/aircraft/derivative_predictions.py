@@ -3,14 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.prediction import DerivativePrediction
+from flexsid.records.aircraft import DerivativePrediction
 from flexsid.storage.store import Store
+from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.sysid.modes.table import interpolate
+from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
+
+
+class _StoredRecord(Protocol):
+    @property
+    def id(self) -> int | None: ...
+
+
+Record = TypeVar("Record", bound=_StoredRecord)
+
+
+def select_by_id(known: Iterable[Record], number: int, noun: str, *, code: str) -> Record:
+    """Select a record of an aircraft by its id.
+
+    Raises
+    ------
+    BadInput
+        If the aircraft has no such record.
+    """
+    for record in known:
+        if record.id == number:
+            return record
+    raise BadInput(
+        f"{noun} {number} does not belong to the aircraft of the maneuver",
+        code=code,
+        **{f"{noun.replace(' ', '_')}_id": number},
+    )
 
 
 def interpolate_prediction(
@@ -30,9 +60,86 @@ def interpolate_prediction(
     }
 
 
-def list_predicted_modes(prediction: DerivativePrediction, known: Iterable[int]) -> tuple[int, ...]:
+def interpolate_values(
+    store: Store, prediction: DerivativePrediction, fuel: float
+) -> dict[str, float]:
+    """Interpolate the values of predicted derivatives."""
+    found = interpolate_prediction(store, prediction, fuel)
+    return {name: value for name, (value, _) in found.items()}
+
+
+def load_frequency_shape(
+    store: Store,
+    prediction: DerivativePrediction,
+    fuel: float,
+    modes: tuple[int, ...],
+    inputs: tuple[str, ...],
+    body: RigidBody,
+) -> FrequencyShape:
+    """Load the frequency shape of a model's derivatives at a fuel fraction.
+
+    Raises
+    ------
+    BadInput
+        If the prediction was not computed by reduced frequency.
+    """
+    unsteady = prediction.unsteady
+    if unsteady is None:
+        raise BadInput(
+            f"prediction '{prediction.source}' has no frequency shape; compute one from the "
+            "planform, or estimate a quasi-steady model",
+            code="no-frequency-shape",
+        )
+    every = np.asarray(store.arrays.get(unsteady.coefficients))
+    at = np.array(prediction.fuel, dtype=float)
+    flat = every.reshape(at.size, -1)
+    values = interpolate(at, np.real(flat), fuel) + 1j * interpolate(at, np.imag(flat), fuel)
+    values = values.reshape(every.shape[1:])
+    predicted = dict(zip(prediction.names, values.T, strict=True))
+    k = np.array(unsteady.k)
+    return build_frequency_shape(modes, inputs, k, predicted, unsteady.reference_k, body)
+
+
+def select_shaped_prediction(
+    store: Store,
+    aircraft_id: int,
+    prediction_id: int | None,
+    modes: tuple[int, ...],
+    inputs: tuple[str, ...],
+    body: RigidBody,
+) -> DerivativePrediction:
+    """Select the requested prediction, or the newest that has a frequency shape for all of these.
+
+    Raises
+    ------
+    BadInput
+        If the requested one has no frequency shape, or none has.
+    """
+    if prediction_id is not None:
+        known = store.predictions.find(aircraft_id=aircraft_id)
+        found = select_by_id(known, prediction_id, "prediction", code="wrong-prediction")
+    else:
+        names = set(list_derivative_names(modes, inputs, body))
+        covering = [
+            p
+            for p in store.predictions.find(aircraft_id=aircraft_id)
+            if p.unsteady is not None and names <= set(p.names)
+        ]
+        found = max(covering, key=lambda p: p.id or 0, default=None)
+    if found is None or found.unsteady is None:
+        raise BadInput(
+            "the aircraft has no prediction with a frequency shape for these modes and inputs; "
+            "compute one from the planform, or estimate a quasi-steady model",
+            code="no-frequency-shape",
+        )
+    return found
+
+
+def list_predicted_modes(
+    prediction: DerivativePrediction, known: Iterable[int], body: RigidBody = LONGITUDINAL
+) -> tuple[int, ...]:
     """List the modes whose generalised force the prediction covers."""
-    return tuple(mode for mode in known if f"CQ{mode}_alpha" in prediction.names)
+    return tuple(m for m in known if f"CQ{m}_{body.motions[0]}" in prediction.names)
 
 
 def select_prediction(
@@ -41,6 +148,7 @@ def select_prediction(
     prediction_id: int | None,
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
+    body: RigidBody = LONGITUDINAL,
 ) -> DerivativePrediction | None:
     """Select the requested prediction, or the one that covers most of these derivatives.
 
@@ -51,14 +159,7 @@ def select_prediction(
     """
     known = store.predictions.find(aircraft_id=aircraft_id)
     if prediction_id is not None:
-        for prediction in known:
-            if prediction.id == prediction_id:
-                return prediction
-        raise BadInput(
-            f"prediction {prediction_id} does not belong to the aircraft of the maneuver",
-            code="wrong-prediction",
-            prediction_id=prediction_id,
-        )
-    names = set(list_derivative_names(modes, inputs))
+        return select_by_id(known, prediction_id, "prediction", code="wrong-prediction")
+    names = set(list_derivative_names(modes, inputs, body))
     covering = [p for p in known if names & set(p.names)]
     return max(covering, key=lambda p: len(names & set(p.names)), default=None)

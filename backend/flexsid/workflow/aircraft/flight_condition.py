@@ -64,7 +64,8 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
     measured
         SI values by name: ``airspeed``, ``density`` or ``altitude``, and any of
         ``fuel_fraction``, ``alpha``, ``gamma``, ``thrust``, ``mass``,
-        ``pitch_inertia``, ``x_cg``, ``z_cg``. Missing thrust follows from
+        ``pitch_inertia``, ``roll_inertia``, ``yaw_inertia``, ``product_of_inertia``,
+        ``x_cg``, ``z_cg``. Missing thrust follows from
         the thrust table if all its engines were measured, at ``total_temperature`` or that of
         standard air; otherwise it balances the drag.
 
@@ -74,11 +75,9 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         If the fuel fraction is needed and missing, or a value is impossible.
     """
     airspeed = measured["airspeed"]
-    density = (
-        measured["density"]
-        if "density" in measured
-        else compute_standard_density(measured["altitude"])
-    )
+    density = measured.get("density")
+    if density is None:
+        density = compute_standard_density(measured["altitude"])
     table = aircraft.mass
     fuel = measured.get("fuel_fraction")
     if fuel is None:
@@ -94,7 +93,16 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
             f"fraction {fuel:g}; positive numbers and a fraction from 0 to 1 are expected.",
             code="bad-condition",
         )
-    mass = measured.get("mass", _interpolate_at_fuel(table.fuel, table.mass_kg, fuel))
+
+    def get(name: str, values: tuple[float, ...]) -> float:
+        """Return a mass property as measured, else from the table."""
+        return measured.get(name, float(np.interp(fuel, table.fuel, values)))
+
+    def find(name: str, values: tuple[float, ...] | None) -> float | None:
+        """Return a property that an aircraft need not have."""
+        return measured.get(name) if values is None else get(name, values)
+
+    mass = get("mass", table.mass_kg)
     gamma = measured.get("gamma", 0.0)
     pressure_area = 0.5 * density * airspeed**2 * aircraft.geometry.area_m2
     lift = mass * GRAVITY * math.cos(gamma) / pressure_area
@@ -112,17 +120,18 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         density_kg_m3=density,
         fuel_fraction=fuel,
         mass_kg=mass,
-        pitch_inertia_kg_m2=measured.get(
-            "pitch_inertia", _interpolate_at_fuel(table.fuel, table.pitch_inertia_kg_m2, fuel)
-        ),
-        x_cg_m=measured.get("x_cg", _interpolate_at_fuel(table.fuel, table.x_cg_m, fuel)),
-        z_cg_m=measured.get("z_cg", _interpolate_at_fuel(table.fuel, table.z_cg_m, fuel)),
+        pitch_inertia_kg_m2=get("pitch_inertia", table.pitch_inertia_kg_m2),
+        x_cg_m=get("x_cg", table.x_cg_m),
+        z_cg_m=get("z_cg", table.z_cg_m),
         alpha_rad=measured.get("alpha", alpha),
         gamma_rad=gamma,
         thrust_n=thrust,
         flutter_speed_m_s=None
         if flutter is None
-        else _interpolate_at_fuel(flutter.fuel, flutter.speed_m_s, fuel),
+        else float(np.interp(fuel, flutter.fuel, flutter.speed_m_s)),
+        roll_inertia_kg_m2=find("roll_inertia", table.roll_inertia_kg_m2),
+        yaw_inertia_kg_m2=find("yaw_inertia", table.yaw_inertia_kg_m2),
+        product_of_inertia_kg_m2=find("product_of_inertia", table.product_of_inertia_kg_m2),
     )
 
 
@@ -163,9 +172,3 @@ def _compute_trim(
         return 0.0, 0.0
     drag = polar.cd_min + lift**2 / (math.pi * polar.oswald * polar.aspect_ratio)
     return lift / polar.lift_slope, pressure_area * drag
-
-
-def _interpolate_at_fuel(
-    fuel: tuple[float, ...], values: tuple[float, ...], fraction: float
-) -> float:
-    return float(np.interp(fraction, fuel, values))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, ThrustTable
@@ -68,18 +70,16 @@ def interpolate_thrust(
     """
     at = np.asarray(table.engine_speed_rad_s)
     warmth = np.asarray(table.total_temperature_k)
-    values = np.asarray(table.thrust_n)
     air = np.atleast_1d(np.asarray(temperature, dtype=float))
     if warmth.size > 1:
         _require_in_range(TOTAL_TEMPERATURE, air, warmth, "K")
+    interpolate = RegularGridInterpolator((at, warmth), np.asarray(table.thrust_n))
     total = np.zeros(1)
     for name in table.engines:
         speed = np.atleast_1d(np.asarray(speeds[name], dtype=float))
         _require_in_range(name, speed, at, "rad/s")
-        shape = np.broadcast_shapes(speed.shape, air.shape)
-        by_air = np.stack([np.interp(speed, at, column) for column in values.T], axis=-1)
-        by_air = np.broadcast_to(by_air, (*shape, warmth.size))
-        total = total + _interpolate_temperature(by_air, warmth, np.broadcast_to(air, shape))
+        inside = np.clip(speed, at[0], at[-1]), np.clip(air, warmth[0], warmth[-1])
+        total = total + interpolate(np.stack(np.broadcast_arrays(*inside), axis=-1))
     return total
 
 
@@ -126,7 +126,7 @@ def parse_thrust_table(
     if len(rows) < 2:
         raise BadInput("a thrust table has two rows or more", code="bad-thrust-table")
     head: list[float] = []
-    if _parse_number(rows[0][1][0]) is None:
+    if math.isnan(_parse_number(rows[0][1][0])):
         head = _parse_row(rows[0][0], rows[0][1][1:])
         rows = rows[1:]
     numbers = [_parse_row(number, row) for number, row in rows]
@@ -139,8 +139,7 @@ def parse_thrust_table(
                 code="bad-thrust-table",
                 row=number,
             )
-    has_units = len(head) == width - 1
-    if width > 2 and not has_units:
+    if width > 2 and len(head) != width - 1:
         raise BadInput(
             f"{width - 1} columns of thrust need as many temperatures in the first row, behind "
             "a label",
@@ -202,17 +201,6 @@ def set_thrust_table(store: Store, aircraft_id: int, table: ThrustTable | None) 
         return store.aircraft.replace(replace(aircraft, thrust=table))
 
 
-def _interpolate_temperature(by_air: np.ndarray, warmth: np.ndarray, air: np.ndarray) -> np.ndarray:
-    """Interpolate along the last axis, linear in temperature."""
-    if warmth.size == 1:
-        return by_air[..., 0]
-    index = np.clip(np.searchsorted(warmth, air) - 1, 0, warmth.size - 2)
-    share = np.clip((air - warmth[index]) / (warmth[index + 1] - warmth[index]), 0.0, 1.0)
-    low = np.take_along_axis(by_air, index[..., None], axis=-1)[..., 0]
-    high = np.take_along_axis(by_air, index[..., None] + 1, axis=-1)[..., 0]
-    return low + share * (high - low)
-
-
 def _require_in_range(name: str, values: np.ndarray, known: np.ndarray, unit: str) -> None:
     margin = _BEYOND * (known[-1] - known[0])
     low, high = float(np.min(values)), float(np.max(values))
@@ -227,9 +215,8 @@ def _require_in_range(name: str, values: np.ndarray, known: np.ndarray, unit: st
 
 def _parse_row(number: int, row: list[str]) -> list[float]:
     values = [_parse_number(cell) for cell in row]
-    found: list[float] = []
     for column, value in enumerate(values, 1):
-        if value is None or not np.isfinite(value):
+        if not math.isfinite(value):
             raise BadInput(
                 f"row {number}, column {column} is '{row[column - 1][:30]}'; a finite number is "
                 "expected",
@@ -237,12 +224,12 @@ def _parse_row(number: int, row: list[str]) -> list[float]:
                 row=number,
                 column=str(column),
             )
-        found.append(value)
-    return found
+    return values
 
 
-def _parse_number(cell: str) -> float | None:
+def _parse_number(cell: str) -> float:
+    """Parse a number; NaN for any other text."""
     try:
         return float(cell)
     except ValueError:
-        return None
+        return math.nan

@@ -13,8 +13,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.trend import fit_trend
-from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
-from flexsid.workflow.aircraft.longitudinal import require_longitudinal
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
 from flexsid.workflow.model_structures.run_results import get_result
 
 _POINTS = 60
@@ -54,7 +53,7 @@ def fit_derivative_trend(
     Raises
     ------
     BadInput
-        If no run has this derivative, or the maneuver of one is not longitudinal.
+        If no run has this derivative.
     """
     get_condition = _CONDITION[against]
     points: list[TrendPoint] = []
@@ -64,7 +63,6 @@ def fit_derivative_trend(
         run = store.runs.get(run_id)
         result = get_result(run)
         maneuver = store.maneuvers.get(run.maneuver_id)
-        require_longitudinal(maneuver)
         x = get_condition(maneuver)
         known.update(parameter.name for parameter in result.parameters)
         estimate = next((one for one in result.parameters if one.name == name), None)
@@ -139,14 +137,10 @@ def _build_predicted_lines(
     for number in dict.fromkeys(prediction_ids):
         prediction = store.predictions.get(number)
         found = [
-            (x, values[name][0])
+            (x, values[name])
             for x, maneuver in ordered
             if name
-            in (
-                values := interpolate_prediction(
-                    store, prediction, maneuver.condition.fuel_fraction
-                )
-            )
+            in (values := interpolate_values(store, prediction, maneuver.condition.fuel_fraction))
         ]
         if found:
             lines.append(

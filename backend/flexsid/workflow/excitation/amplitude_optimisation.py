@@ -16,10 +16,22 @@ from flexsid.sysid.estimation.amplitude_optimisation import (
 )
 from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
-from flexsid.workflow.excitation.predicted_accuracy import PredictionModel, load_prediction_model
+from flexsid.workflow.excitation.predicted_accuracy import (
+    DesignQuery,
+    PredictionModel,
+    load_prediction_model,
+)
 from flexsid.workflow.model_structures.run_results import get_result
 
 _SIGNIFICANT = 4.0  # standard errors from zero, from which a relative error is meaningful
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AmplitudeQuery(DesignQuery):
+    """A design, a run, and limits of deflection [rad] and load factor [g]."""
+
+    deflection: float | None = None
+    load_factor: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,7 +106,7 @@ def optimise_amplitudes(
         raise BadInput(
             f"no derivative of run {run_id} exceeds {_SIGNIFICANT:g} standard errors; select a more"
             " accurate run",
-            code="nothing-counts",
+            code="no-significant-derivative",
         )
     gains = {
         "flat": np.ones(len(flat.inputs)),
@@ -102,7 +114,7 @@ def optimise_amplitudes(
         "d_optimal": optimise_amplitudes_d_optimal(flat, limits),
     }
     predicted = {name: _predict_scaled(at, design, level, flat, g) for name, g in gains.items()}
-    errors = {name: one.std_errors() / np.abs(one.theta) for name, one in predicted.items()}
+    std_errors = {name: at.compute_std_errors(one) for name, one in predicted.items()}
     multisine = build_multisine(design, level)
     period = (
         np.arange(round(design.specification.duration_s * design.specification.rate_hz))
@@ -131,7 +143,7 @@ def optimise_amplitudes(
                 name=flat.names[k],
                 value=float(flat.theta[k]),
                 counts=bool(counts[k]),
-                **{n: float(e[k]) for n, e in errors.items()},
+                **{n: float(e[k] / abs(flat.theta[k])) for n, e in std_errors.items()},
             )
             for k in columns
             if flat.theta[k] != 0.0
@@ -179,13 +191,19 @@ def _find_peaks(flat: FisherInformation) -> np.ndarray:
 
 def _find_significant(at: PredictionModel) -> np.ndarray:
     """Find derivatives with a meaningful relative error: more than four standard errors."""
-    rows = {row.name: row for row in get_result(at.run).parameters}
-    errors = [rows[name].std_error for name in at.parameters.names]
-    clear = [
-        error is not None and abs(value) > _SIGNIFICANT * error
-        for value, error in zip(at.parameters.start, errors, strict=True)
-    ]
-    return np.array(clear) & (np.arange(len(clear)) < len(at.derivatives))
+    std_errors = {row.name: row.std_error for row in get_result(at.run).parameters}
+    derivatives = set(at.derivatives)
+
+    def is_significant(name: str, value: float) -> bool:
+        std_error = std_errors[name]
+        return std_error is not None and abs(value) > _SIGNIFICANT * std_error
+
+    return np.array(
+        [
+            name in derivatives and is_significant(name, value)
+            for name, value in zip(at.parameters.names, at.parameters.start, strict=True)
+        ]
+    )
 
 
 def _predict_scaled(

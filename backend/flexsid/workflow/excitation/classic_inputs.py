@@ -20,6 +20,7 @@ from flexsid.sysid.excitation.classic_inputs import KINDS, design_classic_input,
 from flexsid.sysid.signals import TimeHistory
 from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.predicted_accuracy import PredictionModel, load_prediction_model
+from flexsid.workflow.excitation.target_modes import find_band
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +88,8 @@ def _find_best(
     for pulse_s, history in _generate_candidates(at, design, kind, peaks):
         try:
             scaled, information = _scale_to_limits(at, design, history, against)
-            size = np.linalg.slogdet(information.covariance())[1]
+            reported = np.ix_(information.reported, information.reported)
+            size = np.linalg.slogdet(information.covariance()[reported])[1]
         except NotIdentifiable as error:
             lacking = error.message
             continue
@@ -107,7 +109,7 @@ def _generate_candidates(
 ) -> Iterator[tuple[float | None, TimeHistory]]:
     duration_s, rate_hz = design.specification.duration_s, design.specification.rate_hz
     record_s = duration_s + at.noise_model.margin_s
-    band = _find_band(design)
+    band = find_band(design.specification)
     if kind == "sweep":
         yield None, design_classic_input(kind, peaks, duration_s, rate_hz, record_s, band)
         return
@@ -126,15 +128,9 @@ def _scale_to_limits(
     gain = float(np.min(np.array(_find_peaks(against)) / np.array([moved[:-1].max(), moved[-1]])))
     scaled = replace(history, values=gain * history.values)
     return scaled, predict_cramer_rao_bounds_from_history(
-        at.model, at.parameters, scaled, at.noise_model, _find_band(design), at.priors
+        *(at.model, at.parameters, scaled, at.noise_model),
+        *(find_band(design.specification), at.priors, at.nuisance),
     )
-
-
-def _find_band(design: ExcitationDesign) -> tuple[float, float]:
-    every = [harmonic for own in design.specification.inputs for harmonic in own.harmonics]
-    return min(every) / design.specification.duration_s, max(
-        every
-    ) / design.specification.duration_s
 
 
 def _find_peaks(information: FisherInformation) -> tuple[float, float]:

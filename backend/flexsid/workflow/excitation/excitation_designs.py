@@ -9,8 +9,8 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.run import Progress
 from flexsid.records.views import DesignedExcitation
-from flexsid.storage.store import Store
 from flexsid.sysid.excitation import designer, export
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
@@ -250,26 +250,32 @@ def check_amplitudes(specification: DesignSpecification) -> None:
             )
 
 
-def create_design(
-    store: Store,
-    name: str,
-    specification: DesignSpecification,
-    fta: int | None = None,
-    note: str = "",
-    report: Callable[[str, float, float], None] | None = None,
-) -> ExcitationDesign:
-    """Search the phases of a specification and save the design."""
-    check_amplitudes(specification)
-    multisine = designer.design(specification, report)
-    return store.designs.add(
-        ExcitationDesign(
-            name=name,
-            specification=specification,
-            phases={own: tuple(tones.phases.tolist()) for own, tones in multisine.tones.items()},
-            peak_factors=designer.compute_peak_factors(multisine),
-            fta=fta,
-            note=note,
-        )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignOrder:
+    """Specification of a design whose phases are to be searched, and how it is to be stored."""
+
+    name: str
+    specification: DesignSpecification
+    fta: int | None = None
+    note: str = ""
+
+
+def compute_design(order: DesignOrder, report: Callable[[Progress], None]) -> ExcitationDesign:
+    """Search the phases of a specification; nothing is stored."""
+
+    def report_best(name: str, best: float, fraction: float) -> None:
+        message = f"{name} at a relative peak factor of {best:.4f}"
+        report(Progress(fraction=fraction, message=message))
+
+    check_amplitudes(order.specification)
+    multisine = designer.design(order.specification, report_best)
+    return ExcitationDesign(
+        name=order.name,
+        specification=order.specification,
+        phases={own: tuple(tones.phases.tolist()) for own, tones in multisine.tones.items()},
+        peak_factors=designer.compute_peak_factors(multisine),
+        fta=order.fta,
+        note=order.note,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
@@ -23,7 +23,7 @@ from flexsid.sysid.excitation.multisine import Tones
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.recognition import recognise_multisine
 from flexsid.units import factor
-from flexsid.workflow.excitation.excitation_designs import check_amplitudes, create_design
+from flexsid.workflow.excitation.excitation_designs import DesignOrder, check_amplitudes
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,17 +91,13 @@ def save_designs(
         return tuple(store.designs.add(design) for design in designs)
 
 
-def search_phases(
-    store: Store,
-    design: ExcitationDesign,
-    name: str,
-    effort: str = "thorough",
-    report: Callable[[str, float, float], None] | None = None,
-) -> ExcitationDesign:
-    """Search new phases for the harmonics, powers and peaks of a design."""
-    note = f"Harmonics of {design.name} with new phases"
-    return create_design(
-        store, name, replace(design.specification, effort=effort), design.fta, note, report
+def redesign(design: ExcitationDesign, name: str, effort: str) -> DesignOrder:
+    """Order new phases for the harmonics, powers and peaks of a design."""
+    return DesignOrder(
+        name=name,
+        specification=replace(design.specification, effort=effort),
+        fta=design.fta,
+        note=f"Harmonics of {design.name} with new phases",
     )
 
 

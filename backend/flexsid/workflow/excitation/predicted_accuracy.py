@@ -10,7 +10,6 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Method, Pole
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
@@ -31,7 +30,6 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.aircraft.aircraft_models import (
-    OutputDefinition,
     define_outputs,
     get_output_instrument,
     get_servo,
@@ -42,9 +40,10 @@ from flexsid.workflow.excitation.excitation_designs import (
     check_evaluation,
 )
 from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.computation import EstimationTask, ManeuverData
 from flexsid.workflow.runs.estimation import prepare
+from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.runs.identified_models import build_identified_model
+from flexsid.workflow.runs.run_identity import list_run_contents
 
 _LEAST_HARMONICS = 5  # about a mode's frequency, for its signal-to-noise ratio
 _EXCITING = 5.0  # half-power half-widths: further away a mode responds with a fifth of its peak
@@ -63,32 +62,53 @@ class ExpectedError:
 class ExpectedErrors:
     """Predicted standard errors under a design, with the assumptions of the prediction.
 
-    ``surfaces`` is the assumed response of surfaces to commands, and ``lines_outside`` the number
-    of harmonics outside the run's band, where noise and responses are held constant.
+    ``surfaces`` is the assumed response of surfaces to commands, and ``harmonics_outside_band``
+    the number of harmonics outside the run's band, where noise and responses are held constant.
     """
 
     items: tuple[ExpectedError, ...]
     surfaces: str
-    lines_outside: int
+    harmonics_outside_band: int
     next: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignQuery:
+    """A design at one of its amplitudes, and the output-error run with model and noise."""
+
+    design_id: int
+    run_id: int
+    level: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PredictedAccuracy:
+    """Predicted standard errors, and the response that they rest on."""
+
+    errors: ExpectedErrors
+    response: ExpectedResponse
 
 
 @dataclass(frozen=True, slots=True)
 class PredictionModel:
-    """Model, free parameters, noise and surfaces of an output-error run."""
+    """Model, free parameters, noise and surfaces of an output-error run.
+
+    ``nuisance`` are the free derivatives of the modes that the run retained.
+    """
 
     run: EstimationRun
     model: AeroelasticModel
     parameters: Parameters
     noise_model: FlightNoiseModel
     priors: Mapping[str, float]
+    nuisance: frozenset[str]
     surfaces: str
     band: tuple[float, float]  # [rad/s]
 
     @property
     def derivatives(self) -> tuple[str, ...]:
-        """Free parameters that are derivatives; they come first."""
-        return self.parameters.names[: self.parameters.rows.size]
+        """Reported parameters that are derivatives; they come first."""
+        return self.parameters.names[: self.parameters.rows.size - len(self.nuisance)]
 
     def predict(self, design: ExcitationDesign, level: int) -> FisherInformation:
         """Predict the Fisher information of a design at one of its amplitudes."""
@@ -96,11 +116,55 @@ class PredictionModel:
         check_evaluation(design.specification)
         return self.predict_multisine(build_multisine(design, level))
 
+    def compute_std_errors(self, information: FisherInformation) -> np.ndarray:
+        """Compute standard errors with those due to the modal table, which no data reduce."""
+        modal = {row.name: row.modal_std or 0.0 for row in get_result(self.run).parameters}
+        return np.hypot(
+            information.std_errors(), [modal.get(name, 0.0) for name in information.names]
+        )
+
     def predict_multisine(self, multisine: Multisine) -> FisherInformation:
         """Predict the Fisher information of a multisine."""
         return predict_cramer_rao_bounds(
-            self.model, self.parameters, multisine, self.noise_model, self.priors
+            *(self.model, self.parameters, multisine, self.noise_model),
+            *(self.priors, self.nuisance),
         )
+
+
+def identify_design_query(store: Store, query: DesignQuery) -> tuple[object, ...]:
+    """Check a query, and return all records on which its result depends.
+
+    Raises
+    ------
+    BadInput
+        If the run is not of output error, or the design is too large.
+    UnknownRecord
+        If design or run do not exist.
+    Conflict
+        If the run has no result, or it was altered.
+    """
+    get_result(_get_output_error_run(store, query.run_id))
+    design = store.designs.get(query.design_id)
+    check_amplitudes(design.specification)  # designs stored before amplitudes were checked
+    check_evaluation(design.specification)
+    return design, *list_run_contents(store, (query.run_id,))
+
+
+def predict_accuracy(
+    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
+) -> PredictedAccuracy:
+    """Predict the standard errors of a run's derivatives and its response under a design.
+
+    Raises
+    ------
+    BadInput
+        If the run is not of output error, or lacks inputs of the design.
+    """
+    at = load_prediction_model(store, run_id)
+    information = at.predict(design, level)
+    return PredictedAccuracy(
+        errors=_collect_errors(at, information), response=_collect_response(at, information)
+    )
 
 
 def predict_errors(
@@ -110,35 +174,37 @@ def predict_errors(
 
     Model, condition and free parameters are the run's; surfaces respond to commands as recorded
     there, and the noise is that of its residuals. Amplitudes are in radians, and residuals not
-    explained by the model are assumed not to grow with them.
+    explained by the model are assumed not to grow with them. Errors of the modal table, which no
+    excitation reduces, are those of the run.
 
     Raises
     ------
     BadInput
         If the run is not of output error, or lacks inputs of the design.
     """
-    at = load_prediction_model(store, run_id)
-    information = at.predict(design, level)
+    return predict_accuracy(store, design, run_id, level).errors
+
+
+def _collect_errors(at: PredictionModel, information: FisherInformation) -> ExpectedErrors:
     omega = np.concatenate([spectra.omega for spectra in information.lines])
     return ExpectedErrors(
         items=tuple(
             ExpectedError(name=name, value=float(value), std_error=float(std_error))
             for name, value, std_error in zip(
-                information.names, information.theta, information.std_errors(), strict=True
+                *(information.names, information.theta, at.compute_std_errors(information)),
+                strict=True,
             )
             if name in at.derivatives
         ),
         surfaces=at.surfaces,
-        lines_outside=int(np.sum((omega < at.band[0] - 1e-9) | (omega > at.band[1] + 1e-9))),
+        harmonics_outside_band=int(
+            np.sum((omega < at.band[0] - 1e-9) | (omega > at.band[1] + 1e-9))
+        ),
     )
 
 
-def predict_response(
-    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
-) -> ExpectedResponse:
-    """Predict the information of every harmonic, and signal-to-noise of outputs and modes."""
-    at = load_prediction_model(store, run_id)
-    information = at.predict(design, level)
+def _collect_response(at: PredictionModel, information: FisherInformation) -> ExpectedResponse:
+    """Collect the information of every harmonic, and signal-to-noise of outputs and modes."""
     of_inputs = list(zip(information.inputs, information.lines, strict=True))
     omega = np.concatenate([spectra.omega for spectra in information.lines])
     ratio = np.abs(np.concatenate([spectra.signal for spectra in information.lines]))
@@ -149,7 +215,9 @@ def predict_response(
         names=information.inputs,
         outputs=at.model.outputs,
         frequency_hz={name: spectra.omega / (2.0 * np.pi) for name, spectra in of_inputs},
-        worth=dict(zip(information.inputs, information.information_by_frequency(), strict=True)),
+        information=dict(
+            zip(information.inputs, information.information_by_frequency(), strict=True)
+        ),
         signal_to_noise={name: np.abs(spectra.signal) for name, spectra in of_inputs},
         modes=tuple(
             _predict_mode(pole, omega, ratio, at.model.outputs)
@@ -187,10 +255,21 @@ def _predict_mode(
         name=pole.name,
         frequency_hz=modulus / (2.0 * np.pi),
         damping=-pole.real / modulus,
-        lines=within.size,
+        n_harmonics=within.size,
         output=output,
         signal_to_noise=signal_to_noise,
     )
+
+
+def _get_output_error_run(store: Store, run_id: int) -> EstimationRun:
+    run = store.runs.get(run_id)
+    if run.method is not Method.OE:
+        raise BadInput(
+            f"run {run_id} is {run.method.value}; output noise is estimated by OE"
+            " only; select an output-error run",
+            code="not-output-error",
+        )
+    return run
 
 
 def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
@@ -203,13 +282,7 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     Conflict
         If it has no result.
     """
-    run = store.runs.get(run_id)
-    if run.method is not Method.OE:
-        raise BadInput(
-            f"run {run_id} is {run.method.value}; output noise is estimated by OE"
-            " only; select an output-error run",
-            code="not-output-error",
-        )
+    run = _get_output_error_run(store, run_id)
     result = get_result(run)
     task = prepare(store, run)
     data = task.maneuvers[0]
@@ -218,17 +291,23 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     follow, surfaces = _find_surface_responses(aircraft, data)
     outputs = define_outputs(aircraft, found.model.outputs)
+    instruments = [get_output_instrument(aircraft, output) for output in outputs]
     noise, missed = split_residuals(
         _read_residuals(store, run, task), found.model.inputs, len(result.parameters)
     )
+    excitation = maneuver.excitation
+    excited_s = np.inf if excitation is None else excitation.n_periods * excitation.period_s
     noise_model = FlightNoiseModel(
         command_responses=follow,
         noise=noise,
         unmodelled_responses=missed,
-        instruments=_build_instruments(aircraft, outputs),
-        margin_s=_find_margin(maneuver),
+        instruments=lambda omega: np.stack([i.response(omega) for i in instruments], axis=1),
+        margin_s=max(0.0, maneuver.duration_s - excited_s),
     )
-    values = {parameter.name: parameter.value for parameter in result.parameters}
+    retained = result.retained
+    marginalised = () if retained is None else retained.parameters
+    priors = task.priors if retained is None else task.list_priors(retained.spread)
+    values = {row.name: row.value for row in (*result.parameters, *marginalised)}
     derivatives = [name for name in values if name in found.derivatives.named()]
     extras = [name for name in values if name not in derivatives]
     parameters = select_parameters(found.derivatives, derivatives, found.model.outputs, extras)
@@ -239,7 +318,8 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
         model=task.model,
         parameters=parameters,
         noise_model=noise_model,
-        priors={name: std for name, (_, std) in task.priors.items()},
+        priors={name: std for name, (_, std) in priors.items()},
+        nuisance=frozenset(row.name for row in marginalised),
         surfaces=surfaces,
         band=(float(omega[0]), float(omega[-1])),
     )
@@ -280,7 +360,7 @@ def _read_residuals(
             RecordResiduals(
                 omega=arrays[block.arrays["omega"]],
                 values=left[:, order],
-                record_s=_find_transformed_s(store.maneuvers.get(number)),
+                record_s=store.maneuvers.get(number).transformed_s,
                 assigned_input=assigned,
                 command=commands.values[np.arange(assigned.size), assigned]
                 if commands is not None and known
@@ -288,24 +368,3 @@ def _read_residuals(
             )
         )
     return found
-
-
-def _find_transformed_s(maneuver: Maneuver) -> float:
-    """Return the transformed duration: the record, or the periods after the first. [s]"""
-    excitation = maneuver.excitation
-    if excitation is None or excitation.n_periods == 1:
-        return maneuver.duration_s
-    return (excitation.n_periods - 1) * excitation.period_s
-
-
-def _find_margin(maneuver: Maneuver) -> float:
-    """Return the duration recorded before and after the excitation. [s]"""
-    excitation = maneuver.excitation
-    if excitation is None:
-        return 0.0
-    return max(0.0, maneuver.duration_s - excitation.n_periods * excitation.period_s)
-
-
-def _build_instruments(aircraft: Aircraft, outputs: tuple[OutputDefinition, ...]) -> Response:
-    chains = [get_output_instrument(aircraft, output) for output in outputs]
-    return lambda omega: np.stack([chain.response(omega) for chain in chains], axis=1)

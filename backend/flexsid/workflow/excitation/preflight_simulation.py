@@ -8,19 +8,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, Surface
-from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
-from flexsid.records.preflight_simulation import PreflightSimulation
-from flexsid.records.run import EstimationRun, RunState
+from flexsid.records.aircraft import Aircraft, SensorKind, Surface
+from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.maneuver import Channel, Excitation, Flight, Maneuver, Role
+from flexsid.records.run import EstimationRun, Progress, RunState, Start
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.model.laws import build_instrument_chain
 from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
 from flexsid.sysid.simulation.recording import apply_instruments
-from flexsid.workflow.aircraft.aircraft_models import define_outputs, get_output_instrument
+from flexsid.sysid.simulation.turbulence import Turbulence, add_gust_input, generate_gust
+from flexsid.workflow.aircraft.aircraft_models import (
+    OutputDefinition,
+    define_outputs,
+    get_output_instrument,
+)
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
     PredictionModel,
@@ -28,13 +31,13 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     predict_errors,
 )
 from flexsid.workflow.flutter.controllers import interpolate_controller
-from flexsid.workflow.importing.persistence import compute_largest_correlation
+from flexsid.workflow.importing.flight_import import compute_largest_correlation, find_or_add_flight
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.run_identity import add_hashes
 
-Report = Callable[[float, str], None]
-
 _TRIM_S, _SETTLE_S = 2.0, 4.0
+_LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
+_GUST_SEED = 797  # separates the seed of the turbulence from that of the noise
 _RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
 _NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
@@ -62,15 +65,35 @@ class SimulationResult:
     derivatives: tuple[SimulatedDerivative, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationRequest:
+    """Design and its amplitude, the run whose model flies it, a controller, and turbulence."""
+
+    design_id: int
+    run_id: int
+    level: int = 1
+    controller_id: int | None = None
+    turbulence: Turbulence = Turbulence.NONE
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedManeuver:
+    """Maneuver and recorded channels of a simulation: name, unit, role and samples."""
+
+    maneuver: Maneuver
+    channels: list[tuple[str, str, Role, np.ndarray]]
+    rate_hz: float
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
 def simulate_design(
     store: Store,
     design: ExcitationDesign,
-    run_id: int,
-    level: int = 1,
-    controller_id: int | None = None,
-    report: Report | None = None,
-) -> PreflightSimulation:
-    """Simulate one amplitude of a design, store the recorded channels and queue an estimation.
+    request: SimulationRequest,
+    report: Callable[[Progress], None],
+) -> SimulatedManeuver:
+    """Simulate one amplitude of a design; nothing is stored.
 
     Model, condition, sensors, noise and unmodelled response are the run's. Surfaces respond
     through their servos; commands are those of the design and of a controller, if selected.
@@ -80,8 +103,15 @@ def simulate_design(
     BadInput
         If the model lacks surfaces of the design, or the simulation diverges.
     """
-    report_progress = report or (lambda fraction, message: None)
+    run_id, level, controller_id = request.run_id, request.level, request.controller_id
     at = load_prediction_model(store, run_id)
+    if at.model.shape is not None:
+        raise BadInput(
+            f"run {run_id} has derivatives with a frequency shape, and pre-flight simulations are "
+            "flown with quasi-steady ones; select a quasi-steady run",
+            code="not-with-shape",
+            run_id=run_id,
+        )
     flown = store.maneuvers.get(at.run.maneuver_id)
     aircraft = store.aircraft.get(flown.aircraft_id)
     check_amplitudes(design.specification)
@@ -97,45 +127,77 @@ def simulate_design(
             "the controller belongs to another aircraft; select one of this aircraft",
             code="wrong-aircraft",
         )
+    lead = round(_LEAD_S * rate) if request.turbulence is not Turbulence.NONE else 0
+    excitation = np.vstack([np.zeros((lead, excitation.shape[1])), excitation])
+    gust = generate_gust(
+        request.turbulence,
+        flown.condition.airspeed_m_s,
+        len(excitation),
+        rate,
+        np.random.default_rng([run_id, _GUST_SEED]),
+    )
+    plant = add_gust_input(
+        at.model,
+        at.parameters.table(at.parameters.start),
+        _measure_flow(define_outputs(aircraft, at.model.outputs)),
+    )
+    chain = [*(servos[name] for name in at.model.inputs), Instrument()]
     moved = simulate_flight(
-        at.model.state_space(at.parameters.table(at.parameters.start)),
-        build_instrument_chain([servos[name] for name in at.model.inputs], at.model.inputs),
-        np.array([servos[name].delay_s for name in at.model.inputs]),
-        excitation,
+        plant,
+        build_instrument_chain(chain, plant.inputs),
+        np.array([one.delay_s for one in chain]),
+        np.column_stack([excitation, gust]),
         rate,
         None
         if controller is None
         else interpolate_controller(controller, flown.condition.airspeed_m_s),
         0.0 if controller is None else controller.delay_s,
-        lambda share: report_progress(0.9 * share, "Simulating"),
+        lambda share: report(Progress(fraction=0.9 * share, message="Simulating")),
     )
-    report_progress(0.9, "Recording")
-    channels = _simulate_channels(at, aircraft, moved, excitation, rate)
-    label = f"Simulation of {design.name}, {_LEVELS[level]}"
+    report(Progress(fraction=0.9, message="Recording"))
+    channels = [
+        (name, unit, role, samples[lead:])
+        for name, unit, role, samples in _simulate_channels(at, aircraft, moved, excitation, rate)
+    ]
+    maneuver = Maneuver(
+        aircraft_id=flown.aircraft_id,
+        flight_id=0,  # of pre-flight simulations, found when it is stored
+        label=f"Simulation of {design.name}, {_LEVELS[level]}"[:200],
+        start_s=0.0,
+        duration_s=(excitation.shape[0] - lead) / rate,
+        condition=flown.condition,
+        fta=design.fta,
+        axis=flown.axis,
+        excitation=Excitation(
+            period_s=multisine.period_s, harmonics=multisine.harmonics(), start_s=_TRIM_S
+        ),
+        airspeed_ratio=flown.airspeed_ratio,
+        max_input_correlation=compute_largest_correlation(
+            [samples for _, _, role, samples in channels if role is Role.INPUT]
+        ),
+        note=f"Simulated with the model of run {run_id}, "
+        + ("no controller" if controller is None else controller.name)
+        + (f", {request.turbulence} turbulence" if lead else ""),
+    )
+    return SimulatedManeuver(maneuver, channels, rate, at.model.inputs, at.model.outputs)
+
+
+def store_simulation(
+    store: Store, request: SimulationRequest, simulated: SimulatedManeuver, author: str
+) -> PreflightSimulation:
+    """Store the maneuver of a simulation with its channels, and queue an estimation from it."""
     with store.transaction():
-        flight = _find_flight(store, aircraft)
-        maneuver = store.maneuvers.add(
-            Maneuver(
-                aircraft_id=flown.aircraft_id,
-                flight_id=flight.id or 0,
-                label=label[:200],
-                start_s=0.0,
-                duration_s=excitation.shape[0] / rate,
-                condition=flown.condition,
-                fta=design.fta,
-                axis=flown.axis,
-                excitation=Excitation(
-                    period_s=multisine.period_s, harmonics=multisine.harmonics(), start_s=_TRIM_S
-                ),
-                airspeed_ratio=flown.airspeed_ratio,
-                max_input_correlation=compute_largest_correlation(
-                    [samples for _, _, role, samples in channels if role is Role.INPUT]
-                ),
-                note=f"Simulated with the model of run {run_id}, "
-                + ("no controller" if controller is None else controller.name),
-            )
+        source = store.runs.get(request.run_id)
+        flight = find_or_add_flight(
+            store,
+            Flight(
+                aircraft_id=simulated.maneuver.aircraft_id,
+                number=_NUMBER,
+                description="Pre-flight simulations",
+            ),
         )
-        for name, unit, role, samples in channels:
+        maneuver = store.maneuvers.add(replace(simulated.maneuver, flight_id=flight.id or 0))
+        for name, unit, role, samples in simulated.channels:
             stored = samples.astype(np.float32)
             store.channels.add(
                 Channel(
@@ -143,7 +205,7 @@ def simulate_design(
                     name=name,
                     unit=unit,
                     role=role,
-                    rate_hz=rate,
+                    rate_hz=simulated.rate_hz,
                     start_s=0.0,
                     n_samples=stored.size,
                     array=store.arrays.put(stored, unit),
@@ -155,25 +217,32 @@ def simulate_design(
                 store,
                 EstimationRun(
                     maneuver_id=maneuver.id or 0,
-                    method=at.run.method,
+                    method=source.method,
                     structure=replace(
-                        at.run.structure, inputs=at.model.inputs, outputs=at.model.outputs
+                        source.structure, inputs=simulated.inputs, outputs=simulated.outputs
                     ),
                     settings=replace(
-                        at.run.settings, additional_maneuver_ids=(), start_run_id=None
+                        source.settings,
+                        # A run to start from is of another maneuver.
+                        start=Start.BEST
+                        if source.settings.start is Start.RUN
+                        else source.settings.start,
+                        additional_maneuver_ids=(),
+                        start_run_id=None,
                     ),
-                    modal_table_id=at.run.modal_table_id,
-                    damping_table_id=at.run.damping_table_id,
-                    prediction_id=at.run.prediction_id,
+                    modal_table_id=source.modal_table_id,
+                    damping_table_id=source.damping_table_id,
+                    prediction_id=source.prediction_id,
+                    author=author,
                 ),
             ),
         )
         return store.preflight_simulations.add(
             PreflightSimulation(
-                design_id=design.id or 0,
-                level=level,
-                model_run_id=run_id,
-                controller_id=controller_id,
+                design_id=request.design_id,
+                level=request.level,
+                model_run_id=request.run_id,
+                controller_id=request.controller_id,
                 maneuver_id=maneuver.id or 0,
                 run_id=run.id or 0,
             )
@@ -217,6 +286,14 @@ def _summarise(
         state=run.state,
         correlation=maneuver.max_input_correlation,
         derivatives=rows,
+    )
+
+
+def _measure_flow(outputs: tuple[OutputDefinition, ...]) -> np.ndarray:
+    """Return what every output measures of the angle of the flow: the weights of its vanes."""
+    return np.array(
+        [sum(w for sensor, w in o.terms if sensor.kind is SensorKind.VANE) for o in outputs],
+        dtype=float,
     )
 
 
@@ -306,20 +383,6 @@ def _draw_noise(at: PredictionModel, n_samples: int, rate: float) -> np.ndarray:
     # A sequence of density S has sums over T of variance S T; its rfft is rate times that.
     spectrum[1:-1] = np.sqrt(0.5 * n_samples * rate) * np.einsum("kij,kj->ki", root, white)
     return np.fft.irfft(spectrum, n_samples, axis=0)
-
-
-def _find_flight(store: Store, aircraft: Aircraft) -> Flight:
-    assert aircraft.id is not None
-    known = store.flights.find(aircraft_id=aircraft.id, number=_NUMBER)
-    if known:
-        return known[0]
-    return store.flights.add(
-        Flight(
-            aircraft_id=aircraft.id,
-            number=_NUMBER,
-            description="Pre-flight simulations",
-        )
-    )
 
 
 def _get_servo(aircraft: Aircraft, name: str) -> Instrument:

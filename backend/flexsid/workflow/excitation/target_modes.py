@@ -10,7 +10,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import ELASTIC_GROUPS, FlightTestAid
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.workflow.excitation.excitation_designs import find_flight_test_aid
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 _ABOVE = 1.05  # of a mode's in-vacuo frequency: harmonics on both sides of its peak
 _RIGID_HZ = 0.1  # free-free models give rigid modes as numerical zeros

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -10,12 +11,12 @@ from scipy.optimize import brentq
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Surface
-from flexsid.records.closed_loop import ClosedLoop, LoopMargin
-from flexsid.records.controller import Controller
+from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
+from flexsid.records.run import Aerodynamics, Progress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Instrument
+from flexsid.sysid.stability.flutter import STATIC_ROOT_RAD_S
 from flexsid.sysid.stability.loop_sweep import (
     Loop,
     LoopPoint,
@@ -26,19 +27,70 @@ from flexsid.sysid.stability.loop_sweep import (
 from flexsid.sysid.stability.prediction import IdentifiedModes, compute_structure_spread
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import complete_condition
-from flexsid.workflow.cache import list_run_contents, load_or_compute
 from flexsid.workflow.flutter.controllers import interpolate_controller
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, FusedModel, fuse_model
-from flexsid.workflow.flutter.run_flutter import load_run_models
+from flexsid.workflow.flutter.flutter_analysis import describe_failed_fits
+from flexsid.workflow.flutter.flutter_models import FlutterModels, FlutterQuery
 
-_SPEEDS = 20
-_DRAWS = 24
+_SPEEDS = 20  # airspeeds at which roots and margins are computed
+_MONTE_CARLO_SAMPLES = 24  # standard errors from samples scatter by 15 %
 _BAND = (0.6, 1.8)  # of the fastest flown point
 _FREQUENCIES = (0.3, 150.0)  # rad/s, range of the loop frequency responses
 
 
-def analyse_closed_loop(store: Store, query: FlutterQuery, controller_id: int) -> ClosedLoop:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedLoopQuery:
+    """A flutter query and the controller that closes the loop."""
+
+    flutter: FlutterQuery
+    controller_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class FusedModel:
+    """Preferred fused model of several runs at one loading, and those of other structures."""
+
+    aircraft: Aircraft
+    found: IdentifiedModes
+    others: tuple[IdentifiedModes, ...]
+    fuel: float
+    density: float
+    tested_m_s: float
+
+
+def refuse_shaped_runs(store: Store, run_ids: Sequence[int]) -> None:
+    """Refuse runs whose derivatives have a frequency shape: loops are of quasi-steady models.
+
+    Raises
+    ------
+    BadInput
+        Naming the run.
+    """
+    for number in run_ids:
+        if store.runs.get(number).settings.aerodynamics is Aerodynamics.SHAPED:
+            raise BadInput(
+                f"run {number} has derivatives with a frequency shape, and closed loops are "
+                "analysed with quasi-steady ones; select quasi-steady runs",
+                code="not-with-shape",
+                run_id=number,
+            )
+
+
+def analyse_closed_loop(
+    store: Store,
+    models: FlutterModels,
+    controller_id: int,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> ClosedLoop:
     """Compute stability margins of a controller's loop over airspeed, with standard errors.
+
+    Parameters
+    ----------
+    store, models
+        Fused runs, and the records that they are from.
+    controller_id
+        The controller.
+    report
+        Called at every airspeed; may raise to stop.
 
     Raises
     ------
@@ -46,42 +98,18 @@ def analyse_closed_loop(store: Store, query: FlutterQuery, controller_id: int) -
         If the controller belongs to another aircraft, or has signals that the model lacks.
     """
     controller = store.controllers.get(controller_id)
-    contents = list_run_contents(store, query.run_ids)
-    key = ("closed loop", query, controller, contents)
-    return load_or_compute(key, lambda: _closed_loop(store, query, controller))
-
-
-def compute_closed_loop(
-    store: Store, query: FlutterQuery, controller_id: int, report: Callable[[float, str], None]
-) -> None:
-    """Compute closed-loop stability run by run and cache it.
-
-    Parameters
-    ----------
-    store, query, controller_id
-        As for ``closed_loop``.
-    report
-        Called with the completed fraction and the next step; may raise to stop.
-    """
-    numbers = list(dict.fromkeys(query.run_ids))
-    for k, number in enumerate(numbers):
-        report(0.6 * k / len(numbers), f"Loading run {number}")
-        load_run_models(store, number, query.unmodelled_modes)
-    report(0.6, "Closing the loop over airspeed")
-    analyse_closed_loop(store, query, controller_id)
-
-
-def _closed_loop(store: Store, query: FlutterQuery, controller: Controller) -> ClosedLoop:
-    fused = fuse_model(store, query)
+    others = tuple(group.found for group in models.groups if group is not models.best)
+    at, best = models.at, models.best.found
+    fused = FusedModel(at.aircraft, best, others, models.fuel, at.density, at.tested)
     if controller.aircraft_id != fused.aircraft.id:
         raise BadInput(
             "the controller belongs to another aircraft; select one of this aircraft",
             code="wrong-aircraft",
         )
     table = fused.found.aircraft.derivatives
-    draws = [
-        DerivativeTable(table.modes, table.inputs, values)
-        for values in fused.found.uncertain.draw(table, _DRAWS, seed=0)
+    samples = [
+        replace(table, values=values)
+        for values in fused.found.uncertain.draw(table, _MONTE_CARLO_SAMPLES, seed=0)
     ]
     _check_drives(controller, table.inputs)
     airspeeds = np.linspace(_BAND[0] * fused.tested_m_s, _BAND[1] * fused.tested_m_s, _SPEEDS)
@@ -102,12 +130,14 @@ def _closed_loop(store: Store, query: FlutterQuery, controller: Controller) -> C
 
     def growths_at(airspeed: float) -> np.ndarray:
         model, loop = close_loop(airspeed)
-        return np.array([compute_largest_growth(model, one, loop) for one in draws])
+        return np.array([compute_largest_growth(model, one, loop) for one in samples])
 
     points, still = [], []
-    for airspeed in airspeeds:
+    for k, airspeed in enumerate(airspeeds):
+        fraction = 0.6 + 0.4 * k / _SPEEDS
+        report(Progress(fraction=fraction, message="Closing the loop over airspeed"))
         model, loop = close_loop(float(airspeed))
-        point = evaluate_loop_point(model, table, draws, loop, _FREQUENCIES)
+        point = evaluate_loop_point(model, table, samples, loop, _FREQUENCIES)
         points.append(
             point.widen([_evaluate_other(*close_loop(float(airspeed), o), o) for o in fused.others])
         )
@@ -122,9 +152,12 @@ def _closed_loop(store: Store, query: FlutterQuery, controller: Controller) -> C
         ]
         spread = compute_structure_spread(other_limits, lost)
         low, high = (float(np.hypot(edge - lost, 1.96 * spread)) for edge in interval)
-        interval = lost - low, lost + high
+        # Without a refit that failed, the spread is unknown, and the interval with it.
+        interval = None if models.has_failed_fits else (max(0.0, lost - low), lost + high)
     return ClosedLoop(
-        sentence=_describe(points, lost, interval, fused.tested_m_s),
+        sentence=_describe(points, lost, interval, fused.tested_m_s)
+        + describe_failed_fits(models.derived_runs),
+        derived_runs=models.derived_runs,
         controller=controller.name,
         fuel_fraction=fused.fuel,
         density_kg_m3=fused.density,
@@ -148,13 +181,20 @@ def _evaluate_other(model: AeroelasticModel, loop: Loop, found: IdentifiedModes)
 
 
 def _find_limit(airspeeds: np.ndarray, growth_at: Callable[[float], float]) -> float | None:
-    """Find the airspeed at which a root becomes unstable; None if none does."""
-    grows = [growth_at(float(airspeed)) > 0.0 for airspeed in airspeeds]
+    """Find the airspeed at which a root becomes unstable; None if none does.
+
+    A root at rest, such as that of an attitude without feedback, is not one.
+    """
+
+    def excess_at(airspeed: float) -> float:
+        return growth_at(airspeed) - STATIC_ROOT_RAD_S
+
+    grows = [excess_at(float(airspeed)) >= 0.0 for airspeed in airspeeds]
     first = next((k for k in range(1, len(grows)) if grows[k] and not grows[k - 1]), None)
     if first is None:
         return None
     low, high = float(airspeeds[first - 1]), float(airspeeds[first])
-    return float(brentq(growth_at, low, high, xtol=1e-3))
+    return float(brentq(excess_at, low, high, xtol=1e-3))
 
 
 def _build_model(
@@ -166,7 +206,8 @@ def _build_model(
     )
     table = found.aircraft.derivatives
     outputs = define_outputs(fused.aircraft, controller.reads)
-    return build_model(fused.aircraft, condition, found.aircraft.modes, table.inputs, outputs)
+    modes, inputs = found.aircraft.modes, table.inputs
+    return build_model(fused.aircraft, condition, modes, inputs, outputs, table.body)
 
 
 def _check_drives(controller: Controller, inputs: tuple[str, ...]) -> None:

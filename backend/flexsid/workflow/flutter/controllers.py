@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.source import Sources
-from flexsid.records.controller import ControlLaw, Controller
+from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.laws import Law, check_laws, realise_transfer_functions, schedule_law

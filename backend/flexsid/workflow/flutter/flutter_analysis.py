@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from flexsid.errors import FlexsidError
-from flexsid.records.aircraft import Aircraft
+from flexsid.records import finite_or_none
 from flexsid.records.flutter import (
+    Along,
     Flutter,
     FlutterMap,
+    FlutterResult,
     Participation,
     ProgressForecast,
     RunForecast,
     StructureForecast,
     TrackerForecast,
 )
+from flexsid.records.run import DerivedRun, Progress
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.equivalent import compute_separation
 from flexsid.sysid.stability.flutter import FlutterCrossing, track_roots
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
@@ -29,7 +31,6 @@ from flexsid.sysid.stability.flutter_extrapolation import (
 )
 from flexsid.sysid.stability.prediction import (
     FlutterPrediction,
-    IdentifiedModes,
 )
 from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.flutter_models import (
@@ -39,27 +40,26 @@ from flexsid.workflow.flutter.flutter_models import (
     Group,
     compute_spread,
     fuse_runs,
-    load_cached,
     name_motion,
 )
 from flexsid.workflow.flutter.flutter_roots import (
-    fit_equivalent_lines,
-    list_equivalent_points,
+    compute_equivalents,
     trace_flutter_roots,
 )
-from flexsid.workflow.flutter.run_flutter import RunModel, UnmodelledModes, load_run_models
+from flexsid.workflow.flutter.run_flutter import RunModel, UnmodelledModes
 from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
+from flexsid.workflow.model_structures.run_results import get_result
 
 __all__ = [
     "FlutterQuery",
-    "FusedModel",
     "UnmodelledModes",
     "analyse_flutter",
     "compute_flutter",
-    "fuse_model",
     "map_flutter_speed",
     "trace_flutter_roots",
 ]
+
+Report = Callable[[Progress], None]
 
 _STEP = 1.02  # ratio of airspeeds: closer ones are one step of a campaign
 _METHODS = {
@@ -77,18 +77,20 @@ def analyse_flutter(store: Store, query: FlutterQuery) -> Flutter:
     BadInput
         If there is no run, runs are of several aircraft, or the loading is impossible.
     """
-    return load_cached(store, "flutter", query, lambda: _analyse(store, query))
+    return summarise_flutter(store, fuse_runs(store, query))
 
 
-def _analyse(store: Store, query: FlutterQuery) -> Flutter:
-    models = fuse_runs(store, query)
+def summarise_flutter(store: Store, models: FlutterModels) -> Flutter:
+    """Summarise the flutter prediction of fused runs."""
     best = models.best.prediction
     tested = models.at.tested
-    next_speed = query.next_m_s or NEXT * tested
+    next_speed = models.query.next_m_s or NEXT * tested
     interval, crossing = best.interval, best.crossing
     known = models.at.aircraft.flutter
+    equivalents, equivalent_points = compute_equivalents(store, models)
+    failed = describe_failed_fits(models.derived_runs)
     return Flutter(
-        sentence=f"{best.sentence} {_describe_search(models)}",
+        sentence=f"{best.sentence} {_describe_search(models)}{failed}",
         refusal=best.refusal,
         searched_from_m_s=models.at.band[0],
         searched_to_m_s=models.at.band[1],
@@ -100,8 +102,8 @@ def _analyse(store: Store, query: FlutterQuery) -> Flutter:
         margin=None if crossing is None else crossing.airspeed / tested - 1.0,
         next_m_s=next_speed,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_get_finite(best.airspeed_std),
-        spread_m_s=best.spread,
+        airspeed_std_m_s=finite_or_none(best.airspeed_std),
+        spread_m_s=finite_or_none(best.spread),
         modal_std_m_s=best.modal_std,
         low_m_s=None if interval is None else interval[0],
         high_m_s=None if interval is None else interval[1],
@@ -122,18 +124,14 @@ def _analyse(store: Store, query: FlutterQuery) -> Flutter:
         runs=tuple(_summarise_run(store, models, part) for part in models.best.parts),
         progress=_list_progress(store, models),
         trackers=_extrapolate(models),
-        equivalents=fit_equivalent_lines(store, models),
-        equivalent_points=list_equivalent_points(store, models),
+        equivalents=equivalents,
+        equivalent_points=equivalent_points,
+        derived_runs=models.derived_runs,
     )
 
 
-def map_flutter_speed(store: Store, query: FlutterQuery) -> FlutterMap:
+def map_flutter_speed(store: Store, models: FlutterModels) -> FlutterMap:
     """Map flutter speed over fuel and altitude with the preferred model structure."""
-    return load_cached(store, "map", query, lambda: _compute_map(store, query))
-
-
-def _compute_map(store: Store, query: FlutterQuery) -> FlutterMap:
-    models = fuse_runs(store, query)
     fuel, altitude = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 6000.0, 7)
     speeds = np.full((altitude.size, fuel.size), np.nan)
     band = np.linspace(*models.at.band, 60)
@@ -141,7 +139,7 @@ def _compute_map(store: Store, query: FlutterQuery) -> FlutterMap:
         aircraft = models.fuse(store, models.best.parts, share).aircraft
         for row, height in enumerate(altitude):
             locus = track_roots(aircraft, band, compute_standard_density(float(height)))
-            crossing = next((c for c in locus.crossings if not _is_passed(c, models)), None)
+            crossing = next((c for c in locus.dangerous if not _is_passed(c, models)), None)
             if crossing is not None and not models.best.prediction.refusal:
                 speeds[row, column] = crossing.airspeed
     return FlutterMap(fuel=fuel, altitude_m=altitude, airspeed_m_s=speeds)
@@ -152,73 +150,37 @@ def _is_passed(crossing: FlutterCrossing, models: FlutterModels) -> bool:
     return crossing.recovers_at is not None and crossing.recovers_at < models.at.tested
 
 
-@dataclass(frozen=True, slots=True)
-class FusedModel:
-    """Preferred fused model of several runs at one loading.
-
-    ``others`` are models of the same runs in other model structures.
-    """
-
-    aircraft: Aircraft
-    found: IdentifiedModes
-    others: tuple[IdentifiedModes, ...]
-    fuel: float
-    density: float
-    tested_m_s: float
-
-
-def compute_flutter(
-    store: Store, query: FlutterQuery, report: Callable[[float, str], None]
-) -> None:
-    """Compute all flutter results run by run and cache them.
+def compute_flutter(store: Store, models: FlutterModels, report: Report) -> FlutterResult:
+    """Predict flutter of fused runs, with roots over every variable and the map.
 
     Parameters
     ----------
-    store, query
-        As for ``flutter``.
+    store, models
+        Fused runs, and the records that they are from.
     report
         Called with the completed fraction and the next step; may raise to stop.
     """
-    numbers = list(dict.fromkeys(query.run_ids))
-    for k, number in enumerate(numbers):
-        report(0.6 * k / len(numbers), f"Loading run {number}")
-        load_run_models(store, number, query.unmodelled_modes)
-    for share, words, find in (
-        (0.6, "Predicting flutter", analyse_flutter),
-        (0.8, "Tracing roots", trace_flutter_roots),
-        (0.9, "Mapping flutter speed", map_flutter_speed),
-    ):
-        report(share, words)
-        find(store, query)
-
-
-def fuse_model(store: Store, query: FlutterQuery) -> FusedModel:
-    """Fuse runs as for their flutter prediction."""
-    models = fuse_runs(store, query)
-    others = tuple(group.found for group in models.groups if group is not models.best)
-    return FusedModel(
-        models.at.aircraft,
-        models.best.found,
-        others,
-        models.fuel,
-        models.at.density,
-        models.at.tested,
-    )
+    report(Progress(fraction=0.6, message="Predicting flutter"))
+    flutter = summarise_flutter(store, models)
+    report(Progress(fraction=0.8, message="Tracing roots"))
+    roots = {along: trace_flutter_roots(store, models, along) for along in Along}
+    report(Progress(fraction=0.9, message="Mapping flutter speed"))
+    return FlutterResult(flutter=flutter, roots=roots, map=map_flutter_speed(store, models))
 
 
 def _summarise_structure(group: Group, *, preferred: bool) -> StructureForecast:
     found, prediction, last = group.found, group.prediction, group.parts[-1]
-    numbers = found.aircraft.modes.numbers
-    free = {int(row) - 2 for row in found.uncertain.rows}
+    numbers, estimated = found.aircraft.modes.numbers, found.estimated_modes
     crossing = prediction.crossing
     return StructureForecast(
         run_ids=tuple(part.run.id or 0 for part in group.parts),
-        modes=tuple(n for k, n in enumerate(numbers) if k in free),
-        held_modes=tuple(n for k, n in enumerate(numbers) if k not in free),
+        modes=tuple(n for n in numbers if n in estimated),
+        held_modes=tuple(n for n in numbers if n not in estimated.union(last.retained_modes)),
+        nuisance_modes=last.retained_modes,
         unmodelled_modes=last.omitted_modes,
         source=last.source,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_get_finite(
+        airspeed_std_m_s=finite_or_none(
             float(np.hypot(prediction.airspeed_std, prediction.modal_std))
         ),
         frequency_rad_s=None if crossing is None else crossing.frequency,
@@ -232,20 +194,21 @@ def _summarise_run(store: Store, models: FlutterModels, part: RunModel) -> RunFo
     found = models.fuse(store, [part], models.fuel)
     prediction = models.at.predict(found, [part], models.fuel)
     crossing = prediction.crossing
-    short = part.poles.get("SP", 0j)
-    elastic = [abs(pole) for name, pole in part.poles.items() if name != "SP"]
+    body = found.aircraft.derivatives.body
+    rigid = [abs(pole) for name, pole in part.poles.items() if name in body.poles]
+    elastic = [abs(pole) for name, pole in part.poles.items() if name not in body.poles]
+    oscillates = any(pole.imag > 0.0 for name, pole in part.poles.items() if name in body.poles)
     return RunForecast(
         run_id=part.run.id or 0,
         label=part.maneuver.label,
         tested_m_s=part.maneuver.condition.airspeed_m_s,
         airspeed_m_s=None if crossing is None else crossing.airspeed,
-        airspeed_std_m_s=_get_finite(
+        airspeed_std_m_s=finite_or_none(
             float(np.hypot(prediction.airspeed_std, prediction.modal_std))
         ),
         sentence=prediction.sentence,
-        separation=compute_separation(elastic, abs(short))
-        if elastic and short.imag > 0.0
-        else None,
+        separation=min(elastic) / max(rigid) if elastic and oscillates else None,
+        adequacy=get_result(part.run).adequacy.state,
     )
 
 
@@ -276,7 +239,8 @@ def _predict_until(store: Store, models: FlutterModels, speed: float) -> Progres
     ]
     interval, crossing = best.interval, best.crossing
     if crossing is not None:
-        interval = replace(best, spread=compute_spread(crossing.airspeed, others)).interval
+        spread = np.inf if models.has_failed_fits else compute_spread(crossing.airspeed, others)
+        interval = replace(best, spread=spread).interval
     return ProgressForecast(
         tested_m_s=speed,
         n_runs=sum(p.maneuver.condition.airspeed_m_s <= speed for p in models.best.parts),
@@ -287,29 +251,32 @@ def _predict_until(store: Store, models: FlutterModels, speed: float) -> Progres
 
 
 def _extrapolate(models: FlutterModels) -> tuple[TrackerForecast, ...]:
-    """Extrapolate damping, flutter margin and envelope of the short period and critical mode."""
+    """Extrapolate damping, flutter margin and envelope of the critical mode and its partner."""
     found, best = models.best.found, models.best.prediction
     motions = found.aircraft.motions
     if best.crossing is not None:
         shares = best.crossing.participation
         motions = tuple(sorted(shares, key=lambda name: -shares[name]))
-    elastic = [name for name in motions if name != "SP"]
-    critical = name_motion(models.at.modes, elastic[0]) if elastic else ""
+    body = found.aircraft.derivatives.body
+    elastic = [name_motion(models.at.modes, name) for name in motions if name not in body.poles]
+    critical = elastic[0] if elastic else ""
+    # The short period couples with wing bending; in the lateral axis two modes couple.
+    partner = "SP" if "SP" in body.poles else "".join(elastic[1:2])
     points = [
         TestPoint(
             part.maneuver.condition.airspeed_m_s,
             0.5 * part.maneuver.condition.density_kg_m3 * part.maneuver.condition.airspeed_m_s**2,
             part.poles[critical],
-            part.poles["SP"],
+            part.poles[partner],
         )
         for part in models.best.parts
-        if critical in part.poles and "SP" in part.poles
+        if critical in part.poles and partner in part.poles
     ]
     result = []
     for name, extrapolate in _METHODS.items():
         try:
             speed = extrapolate(points)
-            sentence = f"Extrapolated from {len(points)} test points of {critical} and SP."
+            sentence = f"Extrapolated from {len(points)} test points of {critical} and {partner}."
         except FlexsidError as reason:
             speed, sentence = None, str(reason)
         result.append(TrackerForecast(name=name, airspeed_m_s=speed, sentence=sentence))
@@ -325,5 +292,11 @@ def _describe_search(models: FlutterModels) -> str:
     )
 
 
-def _get_finite(std: float) -> float | None:
-    return std if np.isfinite(std) else None
+def describe_failed_fits(derived_runs: Sequence[DerivedRun]) -> str:
+    """Describe refits that failed, without which the spread is unknown."""
+    fits = "; ".join(
+        f"run {one.run_id}, to {one.purpose}: {one.failure}"
+        for one in derived_runs
+        if one.failure is not None
+    )
+    return f" No interval is given, since refits failed ({fits})." if fits else ""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.run import DerivedRun, Progress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.stability.flight_evidence import FlownPoint
@@ -25,23 +25,23 @@ from flexsid.sysid.stability.prediction import (
 from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
-from flexsid.workflow.cache import list_run_contents, load_or_compute
 from flexsid.workflow.flutter.run_flutter import (
     RunModel,
     UnmodelledModes,
+    load_model_with_fewer_modes,
     load_run_models,
     load_run_modes,
-    refit_with_fewer_modes,
     scale_to_fuel,
 )
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes
 from flexsid.workflow.model_structures.run_results import get_result
-
-_T = TypeVar("_T")
+from flexsid.workflow.runs.derived_runs import DerivedFit, DerivedRuns
+from flexsid.workflow.runs.run_identity import list_run_contents
 
 NEXT = 1.03
 """Default next test point, as a ratio of the fastest flown airspeed."""
 
+_FUSION_SHARE = 0.6  # of the progress of a prediction
 _BAND = (0.35, 2.0)  # of the fastest flown point: range of the flutter search
 _MOST_RUNS = 100  # in a prediction: minutes where each is fitted again
 _FUEL, _ALTITUDE_M, _NEXT_M_S = (0.0, 1.0), (-1000.0, 11_000.0), (0.1, 1000.0)
@@ -65,6 +65,10 @@ class FlutterQuery:
     next_m_s: float | None = None
     unmodelled_modes: UnmodelledModes = UnmodelledModes.PREDICTED
     trend: bool = False
+
+    def __post_init__(self) -> None:
+        """Sort the runs: the same set is the same request."""
+        object.__setattr__(self, "run_ids", tuple(sorted(set(self.run_ids))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,12 +127,24 @@ class _At:
 
 @dataclass(frozen=True, slots=True)
 class FlutterModels:
-    """Fused models of a flutter query by model structure; the preferred group is ``best``."""
+    """Fused models of a flutter query by model structure; the preferred group is ``best``.
 
+    ``derived_runs`` are the refits that these rest on, ``new_fits`` those computed for them. The
+    spread between structures is infinite where one of them failed.
+    """
+
+    query: FlutterQuery
     at: _At
     groups: list[Group]
     best: Group
     fuel: float
+    derived_runs: tuple[DerivedRun, ...]
+    new_fits: tuple[DerivedFit, ...]
+
+    @property
+    def has_failed_fits(self) -> bool:
+        """Whether a refit failed, so that the spread between structures is unknown."""
+        return any(one.failure is not None for one in self.derived_runs)
 
     def predict(
         self, store: Store, parts: Sequence[RunModel], spread: float = 0.0
@@ -142,23 +158,31 @@ class FlutterModels:
         return _fuse(store, parts, self.at, fuel)[0]
 
 
-def fuse_runs(store: Store, query: FlutterQuery) -> FlutterModels:
-    """Load runs, scale them to one loading and fuse those of one model structure.
+def identify_query(store: Store, query: FlutterQuery) -> tuple[object, ...]:
+    """Check a query, and return all records on which its result depends.
 
     Raises
     ------
     BadInput
-        If there is no run, runs are of several aircraft, or the loading is impossible.
+        If no run is selected, too many are, or the loading is impossible.
+    UnknownRecord
+        If a run does not exist.
+    Conflict
+        If a run has no result, or it was altered.
     """
-    any_speed = replace(query, next_m_s=None)
-    return load_cached(store, "models", any_speed, lambda: _models(store, any_speed))
+    _check(query)
+    for number in query.run_ids:
+        get_result(store.runs.get(number))
+    return list_run_contents(store, query.run_ids)
 
 
 def _check(query: FlutterQuery) -> None:
     """Check the number of runs, and fuel, altitude and airspeed for wrong units."""
-    if len(set(query.run_ids)) > _MOST_RUNS:
+    if not query.run_ids:
+        raise BadInput("no run is selected; select at least one run that succeeded", code="no-run")
+    if len(query.run_ids) > _MOST_RUNS:
         raise BadInput(
-            f"{len(set(query.run_ids))} runs; expected at most {_MOST_RUNS}, since each may be"
+            f"{len(query.run_ids)} runs; expected at most {_MOST_RUNS}, since each may be"
             " fitted again; select one run of each maneuver, or the fastest maneuvers",
             code="too-many-runs",
         )
@@ -171,12 +195,6 @@ def _check(query: FlutterQuery) -> None:
             raise BadInput(
                 f"the {what} is {value:g}; expected {low:g} to {high:g} {unit}", code="bad-loading"
             )
-
-
-def load_cached(store: Store, what: str, query: FlutterQuery, find: Callable[[], _T]) -> _T:
-    """Return the cached result of a query, or compute it."""
-    _check(query)
-    return load_or_compute((what, query, list_run_contents(store, query.run_ids)), find)
 
 
 def build_loaded_model(
@@ -197,6 +215,7 @@ def build_loaded_model(
         build_flight_condition(aircraft, condition),
         structure.tuned(_average_factors(modes, parts)),
         last.found.aircraft.derivatives,
+        last.found.aircraft.shape,
     )
 
 
@@ -219,20 +238,46 @@ def name_motion(modes: AircraftModes, motion: str) -> str:
     return motion if not motion.isdigit() else modes.names.get(int(motion), f"mode {motion}")
 
 
-def _models(store: Store, query: FlutterQuery) -> FlutterModels:
-    if not query.run_ids:
-        raise BadInput("no run is selected; select at least one run that succeeded", code="no-run")
-    parts = [
-        part
-        for number in dict.fromkeys(query.run_ids)
-        for part in load_run_models(store, number, query.unmodelled_modes)
-    ]
+def fuse_runs(
+    store: Store, query: FlutterQuery, report: Callable[[Progress], None] = lambda progress: None
+) -> FlutterModels:
+    """Load runs, scale them to one loading and fuse those of one model structure.
+
+    Refits that are not stored are computed, and stored as runs.
+
+    Parameters
+    ----------
+    store, query
+        Runs, and the loading.
+    report
+        Called at every run and iteration; may raise to stop.
+
+    Raises
+    ------
+    BadInput
+        If there is no run, runs are of several aircraft, or the loading is impossible.
+    """
+    _check(query)
+    derived = DerivedRuns(store, report)
+    parts: list[RunModel] = []
+    for k, number in enumerate(query.run_ids):
+        progress = Progress(
+            fraction=_FUSION_SHARE * k / len(query.run_ids), message=f"Run {number}"
+        )
+        report(progress)
+        parts += load_run_models(store, number, query.unmodelled_modes, derived, progress)
     parts, refused = _drop_worse_fits(_drop_duplicates(parts))
     assigned_inputs = {part.maneuver.aircraft_id for part in parts}
     if len(assigned_inputs) > 1:
         raise BadInput(
             "the runs belong to different aircraft; select runs of one aircraft",
             code="different-aircraft",
+        )
+    if len({part.found.aircraft.derivatives.body.axis for part in parts}) > 1:
+        raise BadInput(
+            "the runs are of both axes, whose flutter is predicted separately; select runs of one "
+            "axis",
+            code="mixed-axes",
         )
     aircraft = store.aircraft.get(assigned_inputs.pop())
     modes = load_run_modes(store, parts[0].run, parts[0].maneuver)
@@ -244,26 +289,41 @@ def _models(store: Store, query: FlutterQuery) -> FlutterModels:
     at = _At(aircraft, modes, density, fastest.airspeed_m_s, query.trend)
     structures = _group_by_structure(parts)
     if len(structures) == 1:
-        fewer = [
-            check for part in parts if (check := refit_with_fewer_modes(store, part)) is not None
-        ]
-        structures += _group_by_structure(fewer)
+        checks: list[RunModel | None] = []
+        for part in (one for one in parts if not one.retained_modes):
+            progress = Progress(fraction=_FUSION_SHARE, message=f"Run {part.run.id}")
+            checks.append(load_model_with_fewer_modes(store, part, derived, progress))
+        structures += _group_by_structure([check for check in checks if check is not None])
     fused: list[tuple[list[RunModel], IdentifiedModes, str]] = []
     for same in structures:
         found, note = _fuse(store, same, at, fuel)
         fused.append(
             (same, found, f"{_describe_modes(same[-1])}{refused}{note}{_describe_outcomes(same)}")
         )
-    groups = _predict_groups(fused, at, fuel)
-    return FlutterModels(at, groups, groups[0], fuel)
+    has_failed_fits = any(one.failure is not None for one in derived.used)
+    groups = _predict_groups(fused, at, fuel, has_failed_fits=has_failed_fits)
+    used, computed = tuple(derived.used), tuple(derived.computed)
+    return FlutterModels(query, at, groups, groups[0], fuel, used, computed)
 
 
 def _group_by_structure(parts: Sequence[RunModel]) -> list[list[RunModel]]:
     found: dict[tuple[object, ...], list[RunModel]] = {}
     for part in parts:
-        key = (part.found.aircraft.modes.numbers, part.source is None, *_list_free(part))
+        key = (
+            part.found.aircraft.modes.numbers,
+            part.source is None,
+            _identify_shape(part),
+            *_list_free(part),
+        )
         found.setdefault(key, []).append(part)
     return list(found.values())
+
+
+def _identify_shape(part: RunModel) -> int | None:
+    """Return the prediction whose frequency shape a run has; derivatives are fused within it."""
+    if part.found.aircraft.shape is None:
+        return None
+    return get_result(part.run).prediction_id
 
 
 def _drop_worse_fits(parts: Sequence[RunModel]) -> tuple[list[RunModel], str]:
@@ -294,7 +354,11 @@ def _get_content(part: RunModel) -> tuple[int, frozenset[int]]:
 
 
 def _predict_groups(
-    fused: Sequence[tuple[list[RunModel], IdentifiedModes, str]], at: _At, fuel: float
+    fused: Sequence[tuple[list[RunModel], IdentifiedModes, str]],
+    at: _At,
+    fuel: float,
+    *,
+    has_failed_fits: bool,
 ) -> list[Group]:
     """Predict flutter for all structures, the preferred one first, with the structure spread.
 
@@ -321,7 +385,7 @@ def _predict_groups(
     if crossing is None:
         return [first, *rest]
     note = next(note for same, _, note in fused if same is first.parts)
-    spread = compute_spread(crossing.airspeed, rest)
+    spread = np.inf if has_failed_fits else compute_spread(crossing.airspeed, rest)
     best = at.predict(first.found, first.parts, fuel, spread)
     return [Group(first.parts, first.found, _add_note(best, note)), *rest]
 
@@ -340,11 +404,14 @@ def _add_note(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
 
 def _describe_modes(part: RunModel) -> str:
     """Describe the modes that the run did not estimate."""
-    free = {int(row) - 2 for row in part.found.uncertain.rows}
-    held = [n for k, n in enumerate(part.found.aircraft.modes.numbers) if k not in free]
+    found = part.found
+    known = found.estimated_modes.union(part.retained_modes)
+    held = [n for n in found.aircraft.modes.numbers if n not in known]
     if part.check:
         return " One mode fewer, in a second fit, to bound the effect of omitted modes."
     text = ""
+    if part.retained_modes:
+        text += f" Modes {_join(part.retained_modes)} as nuisance parameters."
     if held and part.source is not None:
         text += f" Modes {_join(held)} with derivatives of {part.source}, in a second fit."
     elif held:
@@ -378,7 +445,7 @@ def _fuse(
 ) -> tuple[IdentifiedModes, str]:
     """Fuse derivatives of one structure at a loading; return them and a note on the fusion."""
     parts = [
-        _scale_covariance(scale_to_fuel(store, part, fuel), shares)
+        _share_data(scale_to_fuel(store, part, fuel), shares)
         for part, shares in zip(flown_parts, _count_shared(flown_parts), strict=True)
     ]
     to = replace(
@@ -410,10 +477,14 @@ def _count_shared(parts: Sequence[RunModel]) -> list[int]:
     return [max(sum(m in other for other in used) for m in own) for own in used]
 
 
-def _scale_covariance(found: IdentifiedModes, shares: int) -> IdentifiedModes:
-    """Multiply the covariance by the number of runs that share the data."""
-    uncertain = found.uncertain
-    return replace(found, uncertain=replace(uncertain, covariance=shares * uncertain.covariance))
+def _share_data(found: IdentifiedModes, shares: int) -> IdentifiedModes:
+    """Divide the information of a run by the number of runs that share its data."""
+    uncertain, prior = found.uncertain, found.prior
+    return replace(
+        found,
+        uncertain=replace(uncertain, covariance=shares * uncertain.covariance),
+        prior=None if prior is None else replace(prior, weight=1.0 / shares),
+    )
 
 
 def _list_free(part: RunModel) -> tuple[tuple[int, int], ...]:

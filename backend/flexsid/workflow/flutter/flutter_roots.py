@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import FlexsidError
+from flexsid.records import finite_or_none
 from flexsid.records.flutter import (
     Along,
     EquivalentLine,
@@ -28,10 +29,7 @@ from flexsid.sysid.stability.speeds import StateFamily, build_state_family
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     FlutterModels,
-    FlutterQuery,
     build_loaded_model,
-    fuse_runs,
-    load_cached,
     name_motion,
 )
 from flexsid.workflow.flutter.run_flutter import RunModel, scale_to_fuel
@@ -41,25 +39,24 @@ _HZ = 1.0 / (2.0 * np.pi)
 
 
 def trace_flutter_roots(
-    store: Store, query: FlutterQuery, along: Along = Along.AIRSPEED
+    store: Store, models: FlutterModels, along: Along = Along.AIRSPEED
 ) -> FlutterRoots:
     """Trace the roots of the preferred model with standard errors.
 
     Parameters
     ----------
-    store, query
-        As for ``flutter``.
+    store, models
+        Fused runs, and the records that they are from.
     along
         Over fuel the airspeed is that of the next point.
     """
     if along is Along.FUEL:
-        return load_cached(store, "fuel", query, lambda: _trace_over_fuel(store, query))
-    found = load_cached(store, "roots", query, lambda: _trace_over_airspeed(store, query))
-    return found if along is Along.AIRSPEED else _convert_to_pressure(store, query, found)
+        return _trace_over_fuel(store, models)
+    found = _trace_over_airspeed(models)
+    return found if along is Along.AIRSPEED else _convert_to_pressure(models, found)
 
 
-def _trace_over_airspeed(store: Store, query: FlutterQuery) -> FlutterRoots:
-    models = fuse_runs(store, query)
+def _trace_over_airspeed(models: FlutterModels) -> FlutterRoots:
     found, best = models.best.found, models.best.prediction
     locus = best.locus
     bands = estimate_root_bands(found.aircraft, locus, found.uncertain, models.at.density)
@@ -86,14 +83,14 @@ def _trace_over_airspeed(store: Store, query: FlutterQuery) -> FlutterRoots:
         flutter=None if best.crossing is None else best.crossing.airspeed,
         interval=best.interval,
         tested_to=models.at.tested,
-        by_draws=bands.by_draws,
-        note=_describe_bands(bands.by_draws, locus.airspeed, 1.0, "m/s"),
+        by_monte_carlo=bands.by_monte_carlo,
+        note=_describe_bands(bands.by_monte_carlo, locus.airspeed, 1.0, "m/s"),
     )
 
 
-def _convert_to_pressure(store: Store, query: FlutterQuery, roots: FlutterRoots) -> FlutterRoots:
+def _convert_to_pressure(models: FlutterModels, roots: FlutterRoots) -> FlutterRoots:
     """Convert roots over airspeed to roots over dynamic pressure."""
-    half = 0.5 * fuse_runs(store, query).at.density
+    half = 0.5 * models.at.density
 
     def pressure(speed: float | None) -> float | None:
         return None if speed is None else half * speed**2
@@ -107,13 +104,12 @@ def _convert_to_pressure(store: Store, query: FlutterQuery, roots: FlutterRoots)
         flutter=pressure(roots.flutter),
         interval=None if interval is None else (half * interval[0] ** 2, half * interval[1] ** 2),
         tested_to=pressure(roots.tested_to),
-        note=_describe_bands(roots.by_draws, half * roots.at**2, 1.0, "Pa"),
+        note=_describe_bands(roots.by_monte_carlo, half * roots.at**2, 1.0, "Pa"),
     )
 
 
-def _trace_over_fuel(store: Store, query: FlutterQuery) -> FlutterRoots:
-    models = fuse_runs(store, query)
-    speed = query.next_m_s or NEXT * models.at.tested
+def _trace_over_fuel(store: Store, models: FlutterModels) -> FlutterRoots:
+    speed = models.query.next_m_s or NEXT * models.at.tested
     at = np.linspace(0.0, 1.0, _FUELS)
     cached: dict[float, IdentifiedModes] = {}
 
@@ -152,9 +148,9 @@ def _trace_over_fuel(store: Store, query: FlutterQuery) -> FlutterRoots:
         flutter=None if crossing is None else crossing.airspeed,
         interval=None,
         tested_to=None,
-        by_draws=bands.by_draws,
+        by_monte_carlo=bands.by_monte_carlo,
         note=f"At {speed:.1f} m/s, at the queried air density. "
-        + _describe_bands(bands.by_draws, at, 100.0, "% fuel"),
+        + _describe_bands(bands.by_monte_carlo, at, 100.0, "% fuel"),
     )
 
 
@@ -163,18 +159,18 @@ def _concatenate(parts: list[RootBands]) -> RootBands:
         np.concatenate([part.real_std for part in parts]),
         np.concatenate([part.imag_std for part in parts]),
         np.concatenate([part.damping_std for part in parts]),
-        np.concatenate([part.by_draws for part in parts]),
+        np.concatenate([part.by_monte_carlo for part in parts]),
     )
 
 
-def _describe_bands(by_draws: np.ndarray, at: np.ndarray, factor: float, unit: str) -> str:
+def _describe_bands(by_monte_carlo: np.ndarray, at: np.ndarray, factor: float, unit: str) -> str:
     """Describe the method of the confidence bands."""
-    if not by_draws.any():
+    if not by_monte_carlo.any():
         return "Bands of ±2σ by first-order propagation of the derivative covariance."
-    where = factor * at[by_draws]
+    where = factor * at[by_monte_carlo]
     return (
         f"Bands of ±2σ by first-order propagation of the derivative covariance; at"
-        f" {int(by_draws.sum())} of {at.size} points between {where.min():.4g} and"
+        f" {int(by_monte_carlo.sum())} of {at.size} points between {where.min():.4g} and"
         f" {where.max():.4g}"
         f" {unit}, where first order is inaccurate, by 1000 Monte Carlo draws."
     )
@@ -184,8 +180,7 @@ def _build_branches(
     models: FlutterModels, locus: RootLocus, bands: RootBands
 ) -> tuple[RootBranch, ...]:
     found = models.best.found
-    free = {int(row) - 2 for row in found.uncertain.rows}
-    held = {str(n) for k, n in enumerate(found.aircraft.modes.numbers) if k not in free}
+    held = {str(n) for n in found.aircraft.modes.numbers if n not in found.estimated_modes}
     damping = locus.damping()
     return tuple(
         RootBranch(
@@ -212,8 +207,7 @@ class _EquivalentModes:
 
 def _compute_equivalent_modes(store: Store, models: FlutterModels) -> list[_EquivalentModes]:
     """Compute equivalent modes of all runs at one loading and air density."""
-    found = models.best.found
-    free = {int(row) - 2 for row in found.uncertain.rows}
+    estimated = models.best.found.estimated_modes
     result = []
     for part in models.best.parts:
         own = scale_to_fuel(store, part, models.fuel)
@@ -222,12 +216,21 @@ def _compute_equivalent_modes(store: Store, models: FlutterModels) -> list[_Equi
         )
         there = replace(at, derivatives=own.aircraft.derivatives)
         modes = compute_equivalent_modes(there, own.uncertain)
-        result.append(_EquivalentModes(part, tuple(m for k, m in enumerate(modes) if k in free)))
+        result.append(_EquivalentModes(part, tuple(m for m in modes if m.mode in estimated)))
     return result
 
 
-def list_equivalent_points(store: Store, models: FlutterModels) -> tuple[EquivalentPoint, ...]:
-    """List frequency and damping of every estimated mode in every run (Eq. 25)."""
+def compute_equivalents(
+    store: Store, models: FlutterModels
+) -> tuple[tuple[EquivalentLine, ...], tuple[EquivalentPoint, ...]]:
+    """Compute frequency and damping of every estimated mode in every run (Eq. 25), and lines."""
+    found = _compute_equivalent_modes(store, models)
+    return _fit_equivalent_lines(models, found), _list_equivalent_points(models, found)
+
+
+def _list_equivalent_points(
+    models: FlutterModels, found: list[_EquivalentModes]
+) -> tuple[EquivalentPoint, ...]:
     return tuple(
         EquivalentPoint(
             run_id=one.part.run.id or 0,
@@ -236,26 +239,27 @@ def list_equivalent_points(store: Store, models: FlutterModels) -> tuple[Equival
             dynamic_pressure_pa=mode.dynamic_pressure,
             mode=mode.mode,
             name=name_motion(models.at.modes, str(mode.mode)),
-            frequency_hz=_get_finite(mode.omega * _HZ),
-            frequency_std_hz=_get_finite(mode.omega_std * _HZ),
-            damping=_get_finite(mode.zeta),
-            damping_std=_get_finite(mode.zeta_std),
+            frequency_hz=finite_or_none(mode.omega * _HZ),
+            frequency_std_hz=finite_or_none(mode.omega_std * _HZ),
+            damping=finite_or_none(mode.zeta),
+            damping_std=finite_or_none(mode.zeta_std),
         )
-        for one in _compute_equivalent_modes(store, models)
+        for one in found
         for mode in one.modes
     )
 
 
-def fit_equivalent_lines(store: Store, models: FlutterModels) -> tuple[EquivalentLine, ...]:
+def _fit_equivalent_lines(
+    models: FlutterModels, found: list[_EquivalentModes]
+) -> tuple[EquivalentLine, ...]:
     """Fit straight lines over dynamic pressure, where there are enough points."""
-    points = _compute_equivalent_modes(store, models)
     size = models.at.aircraft.geometry
     lines = []
-    for k, mode in enumerate(points[0].modes):
+    for k, mode in enumerate(found[0].modes):
         structure = models.at.modes.table.at(models.fuel).select((mode.mode,))
         try:
             line = fit_in_vacuo_mode(
-                [one.modes[k] for one in points],
+                [one.modes[k] for one in found],
                 size.area_m2,
                 size.chord_m,
                 float(structure.mass[0]),
@@ -278,7 +282,3 @@ def fit_equivalent_lines(store: Store, models: FlutterModels) -> tuple[Equivalen
             )
         )
     return tuple(lines)
-
-
-def _get_finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None

@@ -10,7 +10,7 @@ from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.modal_table import FlutterPoint, FlutterSummary, Instability
+from flexsid.records.modal_data import FlutterPoint, FlutterSummary, Instability
 from flexsid.storage.store import Store
 
 NEUTRAL = 1e-4

@@ -9,14 +9,14 @@ from enum import StrEnum
 import numpy as np
 
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun
+from flexsid.records.run import EstimationRun, Progress, RetainedModes
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
-    MODAL_FREQUENCY,
+    DerivativePrior,
     IdentifiedModes,
     StiffnessError,
 )
@@ -25,14 +25,17 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_prediction,
     select_prediction,
 )
-from flexsid.workflow.cache import list_run_contents, load_or_compute
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.identified_models import load_identified_model
+from flexsid.workflow.runs.derived_runs import DerivedRuns
+from flexsid.workflow.runs.identified_models import (
+    IdentifiedModel,
+    load_identified_model,
+    read_covariance,
+)
 from flexsid.workflow.runs.out_of_band_refits import (
     extend_with_predicted_modes,
     find_omitted_modes,
-    refit,
     remove_highest_mode,
 )
 
@@ -52,41 +55,37 @@ class Root:
     damping_std: float | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunModel:
-    """Identified model of one run.
+    """Identified model of one run, or of a refit of it.
 
-    ``source`` is the prediction of further modes in a second fit, None for the run as estimated,
-    and ``gain`` the increase in log likelihood per measured value by them; ``omitted_modes`` are
-    modes of a prediction that the model lacks. ``check`` is a second fit with one mode fewer.
-    ``evidence`` are all roots of the fit at the flown condition.
+    ``fitted`` is the refit, or the run itself. ``source`` is the prediction of further modes in a
+    refit, and ``gain`` the increase in log likelihood per measured value by them;
+    ``omitted_modes`` are modes of a prediction that the model lacks. ``check`` is a refit with
+    one mode fewer. ``evidence`` are all roots of the fit at the flown condition.
     """
 
     run: EstimationRun
+    fitted: EstimationRun
     maneuver: Maneuver
     found: IdentifiedModes
     roots: Mapping[str, Root]
     evidence: FlownPoint
-    source: str | None
-    omitted_modes: tuple[int, ...]
+    source: str | None = None
+    omitted_modes: tuple[int, ...] = ()
     gain: float = 0.0
     check: bool = False
+
+    @property
+    def retained_modes(self) -> tuple[int, ...]:
+        """Out-of-band modes that the fit retained as nuisance parameters."""
+        retained = get_result(self.fitted).retained
+        return () if retained is None else retained.modes
 
     @property
     def poles(self) -> dict[str, complex]:
         """Roots by name. [rad/s]"""
         return {name: root.value for name, root in self.roots.items()}
-
-
-def load_run_models(
-    store: Store, run_id: int, unmodelled_modes: UnmodelledModes
-) -> tuple[RunModel, ...]:
-    """Load a run as estimated, and with omitted modes of a prediction where requested."""
-    contents = list_run_contents(store, (run_id,))
-    return load_or_compute(
-        ("flown", unmodelled_modes, contents),
-        lambda: _build_models(store, run_id, unmodelled_modes),
-    )
 
 
 def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
@@ -100,102 +99,114 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     table = part.found.aircraft.derivatives
     prediction_id = part.run.prediction_id or get_result(part.run).prediction_id
     prediction = select_prediction(
-        store, part.maneuver.aircraft_id, prediction_id, table.modes, table.inputs
+        store, part.maneuver.aircraft_id, prediction_id, table.modes, table.inputs, table.body
     )
     if prediction is None or fuel == before:
         return part.found
     there, here = (interpolate_prediction(store, prediction, f) for f in (fuel, before))
-    rows, columns = coefficients(table.modes), variables(table.modes, table.inputs)
+    rows = coefficients(table.modes, table.body)
+    columns = variables(table.modes, table.inputs, table.body)
     factor = np.ones(table.values.shape)
     for i, row in enumerate(rows):
         for j, column in enumerate(columns):
             name = f"{row}_{column}"
             if name in there and name in here and here[name][0] != 0.0:
                 factor[i, j] = there[name][0] / here[name][0] or 1.0
-    moved = DerivativeTable(table.modes, table.inputs, table.values * factor)
+    moved = replace(table, values=table.values * factor)
     known = part.found.uncertain
-    own = factor[known.rows, known.columns]
+    own, prior = factor[known.rows, known.columns], part.found.prior
     return replace(
         part.found,
         aircraft=replace(part.found.aircraft, derivatives=moved),
         uncertain=replace(known, covariance=known.covariance * np.outer(own, own)),
+        prior=prior and replace(prior, mean=own * prior.mean, precision=prior.precision / own**2),
     )
 
 
-def _build_models(
-    store: Store, run_id: int, unmodelled_modes: UnmodelledModes
+def load_run_models(
+    store: Store,
+    run_id: int,
+    unmodelled_modes: UnmodelledModes,
+    derived: DerivedRuns,
+    at: Progress,
 ) -> tuple[RunModel, ...]:
+    """Load a run as estimated, and its refit with omitted modes of a prediction if requested.
+
+    The refit precedes the run. It is omitted if it failed, as ``derived`` then lists.
+    """
     run = store.runs.get(run_id)
     maneuver = store.maneuvers.get(run.maneuver_id)
     model = load_identified_model(store, run)
-    result = get_result(run)
     modes = load_run_modes(store, run, maneuver)
-    own = model.model.modes.numbers
-    alone = RunModel(
-        run,
-        maneuver,
-        _build_identified_modes(
-            model.model,
-            model.derivatives,
-            tuple(parameter.name for parameter in result.parameters),
-            np.asarray(store.arrays.get(result.covariance)),
-        ),
-        {p.name: Root(complex(p.real, p.imag), p.damping_std) for p in result.poles if p.imag > 0},
-        _collect_roots(
-            [(complex(p.real, p.imag), p.real_std) for p in result.poles],
-            maneuver,
-            _find_band(store, run),
-            f"run {run_id}",
-        ),
-        None,
-        find_omitted_modes(store, run, modes, own),
-    )
-    wider = (
-        extend_with_predicted_modes(store, run, model, modes)
-        if unmodelled_modes is UnmodelledModes.PREDICTED
-        else None
-    )
-    around = None if wider is None else _refit(store, alone, wider.run)
-    if wider is None or around is None:
+    omitted = find_omitted_modes(store, run, modes, model.model)
+    alone = replace(_build_model(store, run, maneuver, model), omitted_modes=omitted)
+    if unmodelled_modes is UnmodelledModes.RESIDUALIZED or get_result(run).retained is not None:
         return (alone,)
-    return (replace(around, source=wider.source, omitted_modes=()), alone)
+    wider = extend_with_predicted_modes(store, run, model, modes)
+    if wider is None:
+        return (alone,)
+    purpose = f"include modes {', '.join(map(str, wider.modes))} as predicted by {wider.source}"
+    fitted = derived.fit(run, wider.run, purpose, at)
+    if fitted is None:
+        return (alone,)
+    wide = replace(_load_refit(store, alone, fitted), source=wider.source, omitted_modes=())
+    return wide, alone
 
 
-def refit_with_fewer_modes(store: Store, part: RunModel) -> RunModel | None:
-    """Fit a run again with one mode fewer; None where not possible."""
+def load_model_with_fewer_modes(
+    store: Store, part: RunModel, derived: DerivedRuns, at: Progress
+) -> RunModel | None:
+    """Load the refit of a run with one mode fewer; None where no mode remains, or it failed."""
     fewer = remove_highest_mode(part.run)
     if fewer is None:
         return None
-    contents = list_run_contents(store, (part.run.id or 0,))
-    found = load_or_compute(("checked", contents), lambda: _refit(store, part, fewer))
-    return None if found is None else replace(found, check=True)
+    purpose = "bound the effect of omitted modes by one mode fewer"
+    fitted = derived.fit(part.run, fewer, purpose, at)
+    return None if fitted is None else replace(_load_refit(store, part, fitted), check=True)
 
 
-def _refit(store: Store, alone: RunModel, run: EstimationRun) -> RunModel | None:
-    """Fit a run again with another model; None where the fit has no optimum."""
-    again = refit(store, run)
-    if again is None or not again[1].estimate.outcome.is_optimum:
-        return None
-    fitted, computed = again
-    estimate = computed.estimate
-    values = computed.held | dict(zip(estimate.names, estimate.values.tolist(), strict=True))
-    model = replace(fitted, modes=fitted.modes.tuned(values))
-    table = DerivativeTable.from_names(model.modes.numbers, model.inputs, values)
-    before = get_result(alone.run).fit
+def _load_refit(store: Store, part: RunModel, fitted: EstimationRun) -> RunModel:
+    """Load a refit of a run, with its gain in log likelihood over the run."""
+    before, now = (get_result(one).fit for one in (part.run, fitted))
     gain = 0.0
-    if before.cost is not None and estimate.steps:
-        gain = (before.cost - estimate.steps[-1].cost) / (before.n_lines * len(before.r_squared))
+    if before.cost is not None and now.cost is not None:
+        gain = (before.cost - now.cost) / (before.n_lines * len(before.r_squared))
+    model = load_identified_model(store, fitted)
     return replace(
-        alone,
-        found=_build_identified_modes(model, table, estimate.names, estimate.corrected_covariance),
-        roots={p.name: Root(p.value, p.damping_std) for p in computed.poles if p.value.imag > 0},
-        evidence=_collect_roots(
-            [(p.value, p.real_std) for p in computed.poles],
-            alone.maneuver,
-            alone.evidence.band,
-            alone.evidence.name,
-        ),
+        _build_model(store, fitted, part.maneuver, model),
+        run=part.run,
+        omitted_modes=part.omitted_modes,
         gain=gain,
+    )
+
+
+def _build_model(
+    store: Store, run: EstimationRun, maneuver: Maneuver, identified: IdentifiedModel
+) -> RunModel:
+    result = get_result(run)
+    names, covariance = read_covariance(store, result)
+    return RunModel(
+        run=run,
+        fitted=run,
+        maneuver=maneuver,
+        found=_build_identified_modes(
+            identified.model,
+            identified.derivatives,
+            names,
+            covariance,
+            load_run_modes(store, run, maneuver).frequency_std,
+            result.retained,
+            identified.priors,
+        ),
+        roots={
+            p.name: Root(complex(p.real, p.imag), p.damping_std) for p in result.poles if p.imag > 0
+        },
+        evidence=_collect_roots(
+            [(complex(p.real, p.imag), p.real_std) for p in result.poles],
+            maneuver,
+            _find_band(store, run),
+            f"run {run.derived_from_run_id or run.id}",
+        ),
     )
 
 
@@ -227,24 +238,42 @@ def _build_identified_modes(
     derivatives: DerivativeTable,
     names: tuple[str, ...],
     covariance: np.ndarray,
+    frequency_std: float,
+    retained: RetainedModes | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> IdentifiedModes:
     """Build identified modes from derivatives and their part of the covariance."""
-    rows = coefficients(derivatives.modes)
-    columns = variables(derivatives.modes, derivatives.inputs)
+    rows = coefficients(derivatives.modes, derivatives.body)
+    columns = variables(derivatives.modes, derivatives.inputs, derivatives.body)
     places = {f"{r}_{c}": (i, j) for i, r in enumerate(rows) for j, c in enumerate(columns)}
     selected = [k for k, name in enumerate(names) if name in places]
     where = np.array([places[names[k]] for k in selected], dtype=int).reshape(-1, 2)
     relative_std = [
         float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
         if f"omega_{number}" in names
-        else MODAL_FREQUENCY
+        else frequency_std
         for number in derivatives.modes
     ]
     return IdentifiedModes(
-        Aeroelastic(model.condition, model.modes, derivatives),
+        Aeroelastic(model.condition, model.modes, derivatives, model.shape),
         UncertainDerivatives(where[:, 0], where[:, 1], covariance[np.ix_(selected, selected)]),
         StiffnessError(np.array(relative_std), model.condition.dynamic_pressure),
+        _get_prior(retained, priors or {}, [names[k] for k in selected]),
     )
+
+
+def _get_prior(
+    retained: RetainedModes | None, priors: Mapping[str, tuple[float, float]], names: list[str]
+) -> DerivativePrior | None:
+    """Return the priors of derivatives of a run, of the analyst and of retained modes."""
+    of_retained = () if retained is None else retained.parameters
+    nuisance = {row.name: (row.prior, row.prior_std) for row in of_retained}
+    known = dict(priors) | nuisance
+    if not known:
+        return None
+    pairs = [known.get(name, (0.0, np.inf)) for name in names]
+    mean, std = np.array(pairs).reshape(-1, 2).T
+    return DerivativePrior(mean, std**-2.0, np.array([name in nuisance for name in names]))
 
 
 def load_run_modes(store: Store, run: EstimationRun, maneuver: Maneuver) -> AircraftModes:

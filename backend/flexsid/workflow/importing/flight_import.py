@@ -5,38 +5,341 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
+from functools import partial
+from itertools import combinations
 from pathlib import Path
+from typing import TypeVar
 
-from flexsid.errors import BadInput, FlexsidError
+import numpy as np
+
+from flexsid.errors import BadInput, Conflict, FlexsidError, UnknownRecord
 from flexsid.importers import sandbox
+from flexsid.importers.aircraft import AircraftPart
 from flexsid.importers.channels import RawChannel
+from flexsid.importers.maneuver import RawManeuver
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
-from flexsid.importers.modal_table import extract_modal_table
-from flexsid.importers.plausibility import UnitWarning, find_small_outputs, find_unit_warning
-from flexsid.importers.predictions import extract_prediction
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.maneuver import Maneuver
-from flexsid.records.modal_table import ModalTable
-from flexsid.records.prediction import DerivativePrediction
-from flexsid.storage.arrays import describe_array
-from flexsid.storage.store import Store
-from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload
-from flexsid.workflow.importing.persistence import (
-    Writing,
-    check_axes,
-    check_sensors,
-    store_aircraft,
-    store_flight,
-    store_maneuver,
-    store_modal_table,
-    store_prediction,
-    store_recording,
+from flexsid.importers.modal_table import RawModalTable, extract_modal_table
+from flexsid.importers.plausibility import (
+    OTHER_AXIS,
+    UnitWarning,
+    find_small_outputs,
+    find_unit_warning,
 )
-from flexsid.workflow.importing.unconfirmed_values import check_builtin, refuse_guesses
+from flexsid.importers.predictions import RawPrediction, extract_prediction
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, find_axis_in_name
+from flexsid.records.maneuver import (
+    GROUND,
+    Channel,
+    Excitation,
+    Flight,
+    FlightChannel,
+    Maneuver,
+    Role,
+)
+from flexsid.records.modal_data import ModalTable
+from flexsid.storage.arrays import describe_array
+from flexsid.storage.repository import Repository
+from flexsid.storage.store import Store
+from flexsid.sysid.model.derivatives import parse_derivative
+from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations
+from flexsid.workflow.aircraft.flight_condition import (
+    complete_condition,
+    complete_parked_condition,
+    compute_airspeed_ratio,
+)
+from flexsid.workflow.aircraft.thrust import set_thrust_table
+from flexsid.workflow.importing.parsed_files import (
+    ParsedUpload,
+    check_builtin,
+    parse_upload,
+    refuse_guesses,
+)
+from flexsid.workflow.measurements.measured_axis import determine_axis
+
+BYTES_AT_ONCE = 16 * 1024**2
+"""Samples written by one statement."""
 
 AddBuiltinAircraft = Callable[[Store, str], None]
 """Adds an aircraft that comes with the software, by its name, unless it is there."""
+
+_COMMAND = "_command"  # suffix of the channel with the excitation of an input
+_Named = TypeVar("_Named", ModalTable, DerivativePrediction)
+_Recorded = TypeVar("_Recorded", Channel, FlightChannel)
+
+
+def find_recorded_excitation(channels: Sequence[RawChannel]) -> Excitation | None:
+    """Find the multisine in the commands of a maneuver; None unless there is exactly one."""
+    commands = [channel for channel in channels if channel.role is Role.COMMAND]
+    if not commands:
+        return None
+    clock = commands[0].clock
+    same = [channel for channel in commands if channel.clock == clock]
+    samples = np.stack([np.asarray(channel.samples, dtype=float) for channel in same], axis=1)
+    found = find_excitations(samples, clock.rate_hz)
+    if len(found) != 1:
+        return None
+    names = [channel.name for channel in same]
+    return build_excitation(found[0], names, clock.rate_hz, clock.start_s)
+
+
+def build_excitation(
+    one: ExcitedInterval, channels: Sequence[str], rate_hz: float, start_s: float
+) -> Excitation | None:
+    """Build the excitation of an interval; None without multisine."""
+    names = [name.removesuffix(_COMMAND) for name in channels]
+    harmonics = {n: own for n, own in zip(names, one.harmonics, strict=False) if own}
+    if not harmonics:
+        return None
+    return Excitation(
+        period_s=one.period / rate_hz,
+        harmonics=harmonics,
+        start_s=start_s + one.first / rate_hz,
+        n_periods=one.n_periods,
+    )
+
+
+def compute_largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
+    """Return the largest pairwise correlation of input time histories.
+
+    None for fewer than two inputs, or if they have different numbers of samples.
+
+    Parameters
+    ----------
+    inputs
+        Samples of each input over the same interval; one that never moves counts as uncorrelated.
+    """
+    if len({len(samples) for samples in inputs}) > 1:
+        return None
+    largest = None
+    for first, second in combinations([np.asarray(u, dtype=np.float64) for u in inputs], 2):
+        a, b = first - first.mean(), second - second.mean()
+        scale = float(np.sqrt((a @ a) * (b @ b)))
+        value = abs(float(a @ b)) / scale if scale > 0 else 0.0
+        largest = value if largest is None else max(largest, value)
+    return largest
+
+
+def store_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | None) -> Aircraft:
+    """Find the selected or named aircraft, or add the one defined in the mapping."""
+    if aircraft_id is not None:
+        aircraft = store.aircraft.get(aircraft_id)
+        if part is not None and part.name != aircraft.name:
+            raise BadInput(
+                f"The mapping is for '{part.name}', but '{aircraft.name}' was selected.",
+                code="bad-mapping",
+                key="aircraft.name",
+            )
+        return aircraft
+    if part is None:
+        raise BadInput(
+            "Mapping: 'aircraft' is missing; name the aircraft or select one.",
+            code="bad-mapping",
+            key="aircraft",
+        )
+    known = store.aircraft.find(name=part.name)
+    if not known:
+        if part.definition is None:
+            names = ", ".join(aircraft.name for aircraft in store.aircraft.find()) or "none"
+            raise UnknownRecord(
+                f"There is no aircraft '{part.name}'; there are: {names}. Name one of them, or "
+                "define the aircraft in the mapping."
+            )
+        return store.aircraft.add(part.definition)
+    if part.definition is not None and part.definition.thrust is None:
+        part = replace(part, definition=replace(part.definition, thrust=known[0].thrust))
+    elif part.definition is not None and known[0].thrust is None:
+        known = [set_thrust_table(store, known[0].id or 0, part.definition.thrust)]
+    if part.definition is not None and replace(known[0], id=None) != part.definition:
+        raise Conflict(
+            f"Aircraft '{part.name}' is there already with another definition; take the definition "
+            "out of the mapping, or give this one another name.",
+            code="already-exists",
+        )
+    return known[0]
+
+
+def find_or_add_flight(store: Store, flight: Flight) -> Flight:
+    """Find the flight of this aircraft and number, or add it."""
+    known = store.flights.find(aircraft_id=flight.aircraft_id, number=flight.number)
+    return known[0] if known else store.flights.add(flight)
+
+
+def store_maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawManeuver) -> Maneuver:
+    """Add a maneuver without channels; the same file gives the same maneuver only once."""
+    assert aircraft.id is not None
+    assert flight.id is not None
+    for known in store.maneuvers.find(aircraft_id=aircraft.id, source_hash=raw.source_hash):
+        if known.label == raw.label:
+            now = "" if known.deleted_at is None else ", and deleted since; restore it"
+            raise Conflict(
+                f"Maneuver '{raw.label}' was imported from this file before "
+                f"(maneuver {known.id}{now}).",
+                code="already-imported",
+                maneuver_id=known.id,
+            )
+    axis = determine_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
+    complete = complete_parked_condition if axis == GROUND else complete_condition
+    condition = complete(aircraft, raw.condition)
+    inputs = [channel.samples for channel in raw.channels if channel.role is Role.INPUT]
+    return store.maneuvers.add(
+        Maneuver(
+            aircraft_id=aircraft.id,
+            flight_id=flight.id,
+            label=raw.label,
+            start_s=raw.start_s,
+            duration_s=raw.duration_s,
+            condition=condition,
+            fta=raw.fta,
+            axis=axis,
+            excitation=raw.excitation or find_recorded_excitation(raw.channels),
+            airspeed_ratio=None if axis == GROUND else compute_airspeed_ratio(condition),
+            max_input_correlation=compute_largest_correlation(inputs),
+            source_file=raw.source_file,
+            source_hash=raw.source_hash,
+            note=raw.note,
+        )
+    )
+
+
+def _refuse_recorded(store: Store, flight: Flight, channels: Sequence[RawChannel]) -> None:
+    """Refuse channels that the recording of a flight has already."""
+    known = {channel.name: channel for channel in store.flight_channels.find(flight_id=flight.id)}
+    for channel in channels:
+        if channel.name in known:
+            raise Conflict(
+                f"Flight {flight.number} has a channel '{channel.name}' already, from "
+                f"{known[channel.name].source_file}; give this one another name.",
+                code="already-imported",
+                column=channel.name,
+                flight_id=flight.id,
+            )
+
+
+def _store_channels(
+    store: Store,
+    upload: ParsedUpload,
+    report: Callable[[float], None],
+    repository: Repository[_Recorded],
+    build: Callable[..., _Recorded],
+) -> None:
+    """Store the channels of an upload, some megabytes at once; report the fraction written."""
+    first = size = 0
+    for last, channel in enumerate(upload.channels, start=1):
+        size += channel.samples.nbytes
+        if size < BYTES_AT_ONCE and last < len(upload.channels):
+            continue
+        some = upload.channels[first:last]
+        arrays = store.arrays.put_many([upload.rows[one.name] for one in some])
+        repository.add_many(
+            [
+                build(
+                    name=one.name,
+                    unit=one.unit,
+                    role=one.role,
+                    rate_hz=one.clock.rate_hz,
+                    start_s=one.clock.start_s,
+                    n_samples=one.samples.size,
+                    array=array,
+                    sensor=one.sensor,
+                    source_file=one.source.name,
+                    source_hash=one.source.sha256,
+                    source_field=one.field,
+                )
+                for one, array in zip(some, arrays, strict=True)
+            ]
+        )
+        report(last / len(upload.channels))
+        first, size = last, 0
+
+
+def check_sensors(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
+    """Check that the aircraft has the sensor of every channel."""
+    known = {sensor.name for sensor in aircraft.sensors}
+    for channel in channels:
+        if channel.sensor is not None and channel.sensor not in known:
+            raise BadInput(
+                f"Channel '{channel.name}': aircraft '{aircraft.name}' has no sensor "
+                f"'{channel.sensor}'; it has {', '.join(sorted(known)) or 'none'}.",
+                code="unknown-sensor",
+                column=channel.name,
+            )
+
+
+def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
+    """Check the axis in the name of every column against the axis of its sensor.
+
+    Raises
+    ------
+    BadInput
+        Naming column, channel and both axes, unless the mapping confirms it.
+    """
+    sensors = {sensor.name: sensor for sensor in aircraft.sensors}
+    for channel in channels:
+        sensor = sensors.get(channel.name)
+        if sensor is None or OTHER_AXIS in channel.confirmed:
+            continue
+        recorded = find_axis_in_name(sensor.kind, channel.field.rpartition(".")[2])
+        if recorded not in (None, sensor.axis):
+            raise BadInput(
+                f"Column '{channel.field}' has the name of a {sensor.kind.value} of axis"
+                f" {recorded}, but is mapped to '{channel.name}' of axis {sensor.axis}. "
+                f'Correct the name; if it is right, write confirmed = ["{OTHER_AXIS}"].',
+                code="unconfirmed-axis",
+                column=channel.field,
+                channel=channel.name,
+            )
+
+
+def store_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> ModalTable:
+    """Add a modal table, or find the same."""
+    assert aircraft.id is not None
+    table = ModalTable(
+        aircraft_id=aircraft.id,
+        name=raw.name,
+        kind=raw.kind,
+        fuel=raw.fuel,
+        numbers=raw.numbers,
+        names=raw.names,
+        symmetric=raw.symmetric,
+        points=raw.points,
+        arrays={name: store.arrays.put(array) for name, array in raw.arrays.items()},
+        origin=raw.origin,
+    )
+    known = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
+    return _add_once(store.modal_tables, table, known, f"Modal table '{raw.name}'")
+
+
+def store_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> DerivativePrediction:
+    """Add predicted derivatives, or find the same."""
+    assert aircraft.id is not None
+    for name in raw.names:
+        parse_derivative(name)
+    prediction = DerivativePrediction(
+        aircraft_id=aircraft.id,
+        source=raw.source,
+        kind=raw.kind,
+        fuel=raw.fuel,
+        names=raw.names,
+        values=store.arrays.put(raw.values),
+        note=raw.note,
+    )
+    known = store.predictions.find(aircraft_id=aircraft.id, source=raw.source)
+    return _add_once(store.predictions, prediction, known, f"Prediction '{raw.source}'")
+
+
+def _add_once(
+    repository: Repository[_Named], record: _Named, known: Sequence[_Named], what: str
+) -> _Named:
+    """Add a record, or return the existing one with the same content; never change one."""
+    for same in known:
+        if replace(same, id=None) == record:
+            return same
+    if known:
+        raise Conflict(
+            f"{what} is there already with other content; give this one another name.",
+            code="already-exists",
+        )
+    return repository.add(record)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +376,7 @@ def read_upload(
     """
     if not files:
         raise BadInput("No file was given; an import needs at least one.", code="bad-mapping")
-    text = _text(mapping)
+    text = _read_text(mapping)
     parsed = None if text is None else parse_mapping(text)
     sources = sandbox.read_all(files, names)
     if parsed is None:
@@ -135,7 +438,6 @@ def store_upload(
         refuse_guesses(store, upload)
     upload = hash_upload(upload)
     mapping, sources = upload.mapping, upload.sources
-    writing = Writing(upload.rows, report)
     with store.transaction():
         if upload.builtin is not None and add_builtin_aircraft is not None:
             add_builtin_aircraft(store, upload.builtin)
@@ -145,12 +447,26 @@ def store_upload(
         check_builtin(aircraft, upload)
         flight = maneuver = None
         recorded: tuple[FlightChannel, ...] = ()
-        if mapping.flight is not None and mapping.recording is not None:
-            flight = store_flight(store, aircraft, mapping.flight)
+        if mapping.flight is not None and mapping.channels:
+            part = mapping.flight
+            flight = find_or_add_flight(
+                store,
+                Flight(
+                    aircraft_id=aircraft.id or 0,
+                    number=part.number,
+                    flown_on=part.flown_on,
+                    description=part.description,
+                ),
+            )
             if upload.maneuver is None:
-                recorded = store_recording(store, flight, upload.channels, writing)
+                _refuse_recorded(store, flight, upload.channels)
+                build = partial(FlightChannel, flight_id=flight.id or 0)
+                _store_channels(store, upload, report, store.flight_channels, build)
+                recorded = tuple(store.flight_channels.find(flight_id=flight.id))
             else:
-                maneuver = store_maneuver(store, aircraft, flight, upload.maneuver, writing)
+                maneuver = store_maneuver(store, aircraft, flight, upload.maneuver)
+                build = partial(Channel, maneuver_id=maneuver.id)
+                _store_channels(store, upload, report, store.channels, build)
         tables = tuple(
             store_modal_table(store, aircraft, extract_modal_table(part, sources))
             for part in mapping.modal_tables
@@ -171,19 +487,6 @@ def store_upload(
     )
 
 
-def import_files(
-    store: Store,
-    files: Sequence[Path],
-    mapping: Path | str | None = None,
-    aircraft_id: int | None = None,
-    *,
-    confirmed: bool = False,
-) -> Imported:
-    """Read files and store their contents: ``read_upload``, then ``store_upload``."""
-    upload = read_upload(files, mapping)
-    return store_upload(store, upload, aircraft_id, confirmed=confirmed)
-
-
 def import_each(
     store: Store,
     files: Sequence[Path],
@@ -202,7 +505,7 @@ def import_each(
     file, result
         In the order of the files; an error in one file does not affect the others.
     """
-    text = _text(mapping)
+    text = _read_text(mapping)
 
     def read(file: Path) -> ParsedUpload | FlexsidError:
         try:
@@ -216,43 +519,20 @@ def import_each(
             assert coming is not None
             upload = coming.result()
             coming = ahead.submit(read, files[number]) if number < len(files) else None
-            if isinstance(upload, ParsedUpload):
-                try:
-                    yield (
-                        file,
-                        store_upload(
-                            store,
-                            upload,
-                            aircraft_id,
-                            add_builtin_aircraft=add_builtin_aircraft,
-                            confirmed=confirmed,
-                        ),
-                    )
-                except FlexsidError as error:
-                    yield file, error
+            try:
+                if isinstance(upload, FlexsidError):
+                    raise upload
+                imported = store_upload(
+                    store,
+                    upload,
+                    aircraft_id,
+                    add_builtin_aircraft=add_builtin_aircraft,
+                    confirmed=confirmed,
+                )
+            except FlexsidError as error:
+                yield file, error
             else:
-                yield file, upload
-
-
-def import_maneuver(
-    store: Store,
-    files: Sequence[Path],
-    mapping: Path | str | None = None,
-    aircraft_id: int | None = None,
-) -> Maneuver:
-    """Import files that must hold a maneuver.
-
-    Raises
-    ------
-    BadInput
-        If the mapping describes no maneuver.
-    """
-    upload = read_upload(files, mapping)
-    if upload.mapping.maneuver is None:
-        raise BadInput("The mapping describes no maneuver.", code="bad-mapping", key="maneuver")
-    maneuver = store_upload(store, upload, aircraft_id).maneuver
-    assert maneuver is not None
-    return maneuver
+                yield file, imported
 
 
 def find_unit_warnings(channels: Sequence[RawChannel]) -> tuple[UnitWarning, ...]:
@@ -277,7 +557,7 @@ def _check_units(channels: Sequence[RawChannel]) -> None:
         )
 
 
-def _text(mapping: Path | str | None) -> str | None:
+def _read_text(mapping: Path | str | None) -> str | None:
     if not isinstance(mapping, Path):
         return mapping
     try:

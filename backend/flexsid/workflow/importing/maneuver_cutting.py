@@ -4,15 +4,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.cutting import Cut, FoundManeuver
-from flexsid.records.flight import Flight, FlightChannel
-from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
+from flexsid.records.maneuver import (
+    Channel,
+    Cut,
+    Excitation,
+    Flight,
+    FlightChannel,
+    Maneuver,
+    ManeuverProposal,
+    RecordedChannel,
+    Role,
+)
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.arrays import describe_array
 from flexsid.storage.channels import read_flight_channels
@@ -25,10 +34,8 @@ from flexsid.sysid.preparation.cutting import (
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_airspeed_ratio
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
-from flexsid.workflow.importing.persistence import compute_largest_correlation
-from flexsid.workflow.importing.recorded_excitation import build_excitation
-from flexsid.workflow.measurements.excitation_interval import get_excitation_interval, slice_samples
-from flexsid.workflow.measurements.symmetric_motion import determine_axis
+from flexsid.workflow.importing.flight_import import build_excitation, compute_largest_correlation
+from flexsid.workflow.measurements.measured_axis import determine_axis
 
 TRIM_S = 2.0
 """Steady flight included before an excitation. [s]"""
@@ -37,24 +44,15 @@ DECAY_S = 4.0
 """Included after an excitation, for the response to decay. [s]"""
 
 _MARKER = re.compile(r"(^|_)(fta|marker|event|test_?point)($|_)", re.IGNORECASE)
-_MEASURED = {  # quantity of a condition by channel name
-    "airspeed": "airspeed",
-    "density": "density",
-    "altitude": "altitude",
-    "fuel_fraction": "fuel_fraction",
-    "alpha_trim": "alpha",
-    "gamma": "gamma",
-    "thrust": "thrust",
-    TOTAL_TEMPERATURE: TOTAL_TEMPERATURE,
-    "mass": "mass",
-    "pitch_inertia": "pitch_inertia",
-    "x_cg": "x_cg",
-    "z_cg": "z_cg",
-}
+_MEASURED = (  # condition channels that define the flight condition
+    *("airspeed", "density", "altitude", TOTAL_TEMPERATURE, "fuel_fraction", "alpha_trim"),
+    *("gamma", "thrust", "mass", "pitch_inertia", "x_cg", "z_cg"),
+    *("roll_inertia", "yaw_inertia", "product_of_inertia"),
+)
 _LEAST_SAMPLES = 16
 
 
-def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
+def find_maneuvers(store: Store, flight_id: int) -> tuple[ManeuverProposal, ...]:
     """Find maneuvers in a flight by its commands, else its marker, else its surfaces.
 
     Raises
@@ -69,27 +67,26 @@ def find_maneuvers(store: Store, flight_id: int) -> tuple[FoundManeuver, ...]:
             f"flight {flight.number} has no recording to cut; import one without [maneuver]",
             code="no-recording",
         )
-    end_s = min(c.start_s + c.n_samples / c.rate_hz for c in channels)
-    begin_s = max(c.start_s for c in channels)
-    numbers = _read_marker(store, flight_id, channels)
+    begin_s, end_s = _find_common_interval(channels)
+    marker = _find_marker(channels)
+    numbers = None if marker is None else (marker, _read_samples(store, flight_id, [marker])[:, 0])
     found, names, clock, basis = _find_intervals(store, flight_id, channels)
     designs = _map_excitations(store, flight)
     cut = store.maneuvers.find(flight_id=flight_id, deleted_at=None)
-    result: list[FoundManeuver] = []
-    for place, one in enumerate(found):
-        at_s = clock.start_s + one.first / clock.rate_hz
-        over_s = clock.start_s + one.stop / clock.rate_hz
-        before_s = begin_s if place == 0 else _get_time(clock, found[place - 1].stop)
-        after_s = end_s if place + 1 == len(found) else _get_time(clock, found[place + 1].first)
+    result: list[ManeuverProposal] = []
+    for index, one in enumerate(found):
+        at_s, over_s = clock.get_time(one.first), clock.get_time(one.stop)
+        before_s = begin_s if index == 0 else clock.get_time(found[index - 1].stop)
+        after_s = end_s if index + 1 == len(found) else clock.get_time(found[index + 1].first)
         excitation = build_excitation(one, names, clock.rate_hz, clock.start_s)
-        fta = one.marker or _marker_at(numbers, 0.5 * (at_s + over_s))
+        fta = one.marker or _read_marker(numbers, 0.5 * (at_s + over_s))
         if fta is None and excitation is not None:
             fta = designs.get(_build_key(excitation))
-        start_s = max(at_s - TRIM_S, 0.5 * (before_s + at_s) if place else begin_s)
+        start_s = max(at_s - TRIM_S, 0.5 * (before_s + at_s) if index else begin_s)
         stop_s = min(over_s + DECAY_S, after_s)
         result.append(
-            FoundManeuver(
-                label=f"{flight.number}-{place + 1:02d}" + (f" FTA {fta}" if fta else ""),
+            ManeuverProposal(
+                label=f"{flight.number}-{index + 1:02d}" + (f" FTA {fta}" if fta else ""),
                 start_s=start_s,
                 stop_s=stop_s,
                 excitation=excitation,
@@ -126,30 +123,29 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
     condition = complete_condition(aircraft, _average_condition(pieces, aircraft))
     inputs = [samples for channel, samples in pieces if channel.role is Role.INPUT]
     axis = determine_axis(cut.axis, aircraft, pieces)
-    alike = len({samples.size for samples in inputs}) == 1
+    start_s, stop_s = _find_common_interval([channel for channel, _ in pieces])
     with store.transaction():
-        for known in store.maneuvers.find(flight_id=flight_id, deleted_at=None):
-            if known.label == cut.label:
-                raise Conflict(
-                    f"flight {flight.number} has a maneuver '{cut.label}' already; give this one "
-                    "another label",
-                    code="already-exists",
-                    maneuver_id=known.id,
-                )
+        for known in store.maneuvers.find(flight_id=flight_id, label=cut.label, deleted_at=None):
+            raise Conflict(
+                f"flight {flight.number} has a maneuver '{cut.label}' already; give this one "
+                "another label",
+                code="already-exists",
+                maneuver_id=known.id,
+            )
         first = pieces[0][0]
         stored = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flight.aircraft_id,
                 flight_id=flight_id,
                 label=cut.label,
-                start_s=max(channel.start_s for channel, _ in pieces),
-                duration_s=_find_duration(pieces),
+                start_s=start_s,
+                duration_s=stop_s - start_s,
                 condition=condition,
                 fta=cut.fta,
                 axis=axis,
                 excitation=_find_excitation(store, flight_id, cut),
                 airspeed_ratio=compute_airspeed_ratio(condition),
-                max_input_correlation=compute_largest_correlation(inputs) if alike else None,
+                max_input_correlation=compute_largest_correlation(inputs),
                 source_file=first.source_file,
                 source_hash=first.source_hash,
                 note=cut.note,
@@ -159,8 +155,8 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
         hashes = store.arrays.put_many(rows)
         store.channels.add_many(
             [
-                _build_channel(c, hash_, stored.id)
-                for (c, _), hash_ in zip(pieces, hashes, strict=True)
+                Channel(**_list_fields(replace(channel, array=name)), maneuver_id=stored.id)
+                for (channel, _), name in zip(pieces, hashes, strict=True)
             ]
         )
     return stored
@@ -190,7 +186,7 @@ def read_flight_history(
     high = np.inf if stop_s is None else stop_s
     traces = []
     for channel, samples in read_flight_channels(store.database, flight_id, selected).values():
-        window = slice_samples((low, high), channel.start_s, channel.rate_hz, channel.n_samples)
+        window = channel.slice_samples((low, high))
         index = np.arange(window.start, window.stop)
         traces.append(
             ChannelTrace(
@@ -214,31 +210,34 @@ def _find_intervals(
     store: Store, flight_id: int, channels: list[FlightChannel]
 ) -> tuple[tuple[ExcitedInterval, ...], tuple[str, ...], FlightChannel, str]:
     """Find excited intervals, with their channels, clock and basis."""
-    commands = [c for c in channels if c.role is Role.COMMAND]
+    selected, basis = [c for c in channels if c.role is Role.COMMAND], "recorded excitation"
     marker = _find_marker(channels)
-    surfaces = [c for c in channels if c.role is Role.INPUT]
-    selected, basis = (commands, "recorded excitation") if commands else ([], "")
     if not selected and marker is not None:
-        values = read_flight_channels(store.database, flight_id, [marker.name])[marker.name][1]
-        found = find_marked_intervals(np.asarray(values, dtype=float), marker.rate_hz)
+        values = _read_samples(store, flight_id, [marker])[:, 0]
+        found = find_marked_intervals(values, marker.rate_hz)
         return found, (), marker, f"marker {marker.name}"
     if not selected:
-        selected, basis = surfaces, "motion of the surfaces"
+        selected, basis = [c for c in channels if c.role is Role.INPUT], "motion of the surfaces"
     if not selected:
         raise BadInput(
             "neither commands, marker nor surfaces were recorded; set the window manually",
             code="no-boundaries",
         )
     clock = selected[0]
-    same = [
-        c
-        for c in selected
-        if (c.rate_hz, c.start_s, c.n_samples) == (clock.rate_hz, clock.start_s, clock.n_samples)
-    ]
-    read = read_flight_channels(store.database, flight_id, [c.name for c in same])
-    samples = np.stack([np.asarray(read[c.name][1], dtype=float) for c in same], axis=1)
-    names = tuple(c.name for c in same)
-    return find_excitations(samples, clock.rate_hz), names, clock, basis
+    same = [channel for channel in selected if channel.clock == clock.clock]
+    found = find_excitations(_read_samples(store, flight_id, same), clock.rate_hz)
+    return found, tuple(channel.name for channel in same), clock, basis
+
+
+def _read_samples(store: Store, flight_id: int, channels: Sequence[FlightChannel]) -> np.ndarray:
+    """Read samples of channels of one clock, (n_samples, n_channels)."""
+    read = read_flight_channels(store.database, flight_id, [c.name for c in channels])
+    return np.stack([np.asarray(read[c.name][1], dtype=float) for c in channels], axis=1)
+
+
+def _find_common_interval(channels: Sequence[FlightChannel]) -> tuple[float, float]:
+    """Find the first and last time at which all channels were recorded. [s]"""
+    return max(c.start_s for c in channels), min(c.stop_s for c in channels)
 
 
 def _find_excitation(store: Store, flight_id: int, cut: Cut) -> Excitation | None:
@@ -250,7 +249,7 @@ def _find_excitation(store: Store, flight_id: int, cut: Cut) -> Excitation | Non
     for one in found:
         if one.excitation is None:
             continue
-        first_s, last_s = get_excitation_interval(one.excitation)
+        first_s, last_s = one.excitation.interval_s
         if cut.start_s <= first_s and last_s <= cut.stop_s + 1e-6:
             return one.excitation
     return None
@@ -262,22 +261,18 @@ def _cut_channels(
     """Cut every channel to the window, with its new start and number of samples."""
     pieces = []
     for channel, samples in recorded.values():
-        window = slice_samples(
-            (cut.start_s, cut.stop_s), channel.start_s, channel.rate_hz, channel.n_samples
-        )
+        window = channel.slice_samples((cut.start_s, cut.stop_s))
         count = window.stop - window.start
         if count < _LEAST_SAMPLES and channel.role in (Role.INPUT, Role.OUTPUT):
             raise BadInput(
                 f"the window from {cut.start_s:g} to {cut.stop_s:g} s holds {count} samples of "
-                f"'{channel.name}', recorded from {channel.start_s:g} to "
-                f"{channel.start_s + channel.n_samples / channel.rate_hz:g} s",
+                f"'{channel.name}', recorded from {channel.start_s:g} to {channel.stop_s:g} s",
                 code="bad-window",
                 channel=channel.name,
             )
         if count < 1:
             continue
-        start_s = channel.start_s + window.start / channel.rate_hz
-        moved = replace(channel, start_s=start_s, n_samples=count)
+        moved = replace(channel, start_s=channel.get_time(window.start), n_samples=count)
         pieces.append((moved, np.ascontiguousarray(samples[window])))
     if not pieces:
         raise BadInput("nothing was recorded in this window", code="bad-window")
@@ -290,68 +285,38 @@ def _average_condition(
     """Average the recorded condition channels, in SI."""
     measured: dict[str, float] = {}
     engines = () if aircraft.thrust is None else aircraft.thrust.engines
-    known = _MEASURED | {name: name for name in engines}
     for channel, samples in pieces:
-        key = known.get(channel.name)
-        if channel.role is Role.CONDITION and key is not None:
+        if channel.role is Role.CONDITION and channel.name in (*_MEASURED, *engines):
+            key = "alpha" if channel.name == "alpha_trim" else channel.name
             measured[key] = float(np.mean(to_si(samples, channel.unit), dtype=np.float64))
-    for key, also in (("airspeed", None), ("density", "altitude")):
-        if key not in measured and (also is None or also not in measured):
+    for keys in (("airspeed",), ("density", "altitude")):
+        if not any(key in measured for key in keys):
+            names = "' or '".join(keys)
             raise BadInput(
-                f"the flight has no condition channel '{key}'"
-                + (f" or '{also}'" if also else "")
-                + f"; {aircraft.name} cannot be modelled without it: record or import it",
+                f"the flight has no condition channel '{names}'; {aircraft.name} "
+                "cannot be modelled without it: record or import it",
                 code="bad-condition",
             )
-    if "density" in measured:
-        measured.pop("altitude", None)
     return measured
 
 
-def _find_duration(pieces: Sequence[tuple[FlightChannel, np.ndarray]]) -> float:
-    start_s = max(channel.start_s for channel, _ in pieces)
-    stop_s = min(channel.start_s + channel.n_samples / channel.rate_hz for channel, _ in pieces)
-    return stop_s - start_s
-
-
-def _build_channel(piece: FlightChannel, array: str, maneuver_id: int | None) -> Channel:
-    return Channel(
-        name=piece.name,
-        unit=piece.unit,
-        role=piece.role,
-        rate_hz=piece.rate_hz,
-        start_s=piece.start_s,
-        n_samples=piece.n_samples,
-        array=array,
-        sensor=piece.sensor,
-        source_file=piece.source_file,
-        source_hash=piece.source_hash,
-        source_field=piece.source_field,
-        maneuver_id=maneuver_id,
-    )
+def _list_fields(channel: FlightChannel) -> dict[str, Any]:
+    """List the fields that channels of flights and maneuvers have in common."""
+    return {field.name: getattr(channel, field.name) for field in fields(RecordedChannel)}
 
 
 def _find_marker(channels: Iterable[FlightChannel]) -> FlightChannel | None:
     return next((c for c in channels if c.role is Role.CONDITION and _MARKER.search(c.name)), None)
 
 
-def _read_marker(
-    store: Store, flight_id: int, channels: Iterable[FlightChannel]
-) -> tuple[FlightChannel, np.ndarray] | None:
-    marker = _find_marker(channels)
-    if marker is None:
-        return None
-    return read_flight_channels(store.database, flight_id, [marker.name])[marker.name]
-
-
-def _marker_at(numbers: tuple[FlightChannel, np.ndarray] | None, time_s: float) -> int | None:
+def _read_marker(numbers: tuple[FlightChannel, np.ndarray] | None, time_s: float) -> int | None:
     if numbers is None:
         return None
     channel, values = numbers
-    place = round((time_s - channel.start_s) * channel.rate_hz)
-    if not 0 <= place < values.size or not np.isfinite(values[place]):
+    index = round((time_s - channel.start_s) * channel.rate_hz)
+    if not 0 <= index < values.size or not np.isfinite(values[index]):
         return None
-    return round(float(values[place])) or None
+    return round(float(values[index])) or None
 
 
 def _map_excitations(store: Store, flight: Flight) -> dict[tuple[object, ...], int]:
@@ -375,7 +340,3 @@ def _find_existing(cut: Iterable[Maneuver], at_s: float, over_s: float) -> int |
         if shared > 0.5 * (over_s - at_s):
             return known.id
     return None
-
-
-def _get_time(clock: FlightChannel, sample: int) -> float:
-    return clock.start_s + sample / clock.rate_hz

@@ -11,19 +11,18 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.channels import RawChannel
 from flexsid.importers.column_names import recognise_column as recognise_name
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
 from flexsid.importers.plausibility import UnitWarning
 from flexsid.importers.proposal import find_time, list_columns, mark_guessed, write_proposal
 from flexsid.importers.source import Sources
+from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import find_unit_warnings
-from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload
-from flexsid.workflow.importing.unconfirmed_values import Guess, find_guesses
+from flexsid.workflow.importing.parsed_files import Guess, find_guesses, parse_upload
 
 MOST_FIELDS = 500
 MOST_DRAWN = 12
@@ -129,9 +128,9 @@ def describe_fields(sources: Sources) -> list[FoundField]:
                 unit=column.unit,
                 n_samples=column.samples.size,
                 rate_hz=rate,
-                first=tuple(_get_finite(value) for value in column.samples[:4]),
-                smallest=_get_finite(column.samples.min()),
-                largest=_get_finite(column.samples.max()),
+                first=tuple(finite_or_none(value) for value in column.samples[:4]),
+                smallest=finite_or_none(column.samples.min()),
+                largest=finite_or_none(column.samples.max()),
             )
         )
     return found
@@ -144,20 +143,17 @@ def propose_mapping(store: Store, sources: Sources) -> Proposal:
     known = find_known_mapping(sources)
     if known is not None:
         return Proposal(text=known, origin="a known form of file", fitting=names)
-    if fitting:
-        text = mark_guessed(fitting[-1].text)
-        if text is not None:
-            origin = f"the saved mapping '{fitting[-1].name}'"
-            return Proposal(text=text, origin=origin, fitting=names)
+    text = mark_guessed(fitting[-1].text) if fitting else None
+    if text is not None:
+        origin = f"the saved mapping '{fitting[-1].name}'"
+        return Proposal(text=text, origin=origin, fitting=names)
+    name, number, roles = "?", 1, {}
     selected = _find_likely_aircraft(store, sources)
-    flights = store.flights.find(aircraft_id=selected.id) if selected is not None else []
-    number = max((flight.number for flight in flights), default=0) + 1
-    text = write_proposal(
-        sources,
-        "?" if selected is None else selected.name,
-        number,
-        {} if selected is None else _list_names(selected),
-    )
+    if selected is not None:
+        flights = store.flights.find(aircraft_id=selected.id)
+        name, roles = selected.name, _list_names(selected)
+        number = max((flight.number for flight in flights), default=0) + 1
+    text = write_proposal(sources, name, number, roles)
     return Proposal(text=text, origin="the names of the columns", fitting=names)
 
 
@@ -174,7 +170,21 @@ def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
         return Checked(rules=rules, channels=(), queries=(), guesses=(), problem=problem)
     return Checked(
         rules=rules,
-        channels=tuple(_describe_channel(channel) for channel in upload.channels),
+        channels=tuple(
+            MappedChannel(
+                name=c.name,
+                unit=c.unit,
+                role=c.role,
+                file=c.source.name,
+                field=c.field,
+                rate_hz=c.clock.rate_hz,
+                start_s=c.clock.start_s,
+                n_samples=c.samples.size,
+                smallest=float(c.samples.min()),
+                largest=float(c.samples.max()),
+            )
+            for c in upload.channels
+        ),
         queries=find_unit_warnings(upload.channels),
         guesses=find_guesses(store, upload),
         problem=None,
@@ -191,39 +201,22 @@ def preview_channels(
     BadInput
         If the mapping does not fit the files.
     """
-    upload: ParsedUpload = parse_upload(sources, parse_mapping(text))
+    upload = parse_upload(sources, parse_mapping(text))
     selected = [c for c in upload.channels if not names or c.name in names][:MOST_DRAWN]
     return ChannelHistories(
         maneuver_id=0,  # none yet
-        traces=tuple(_build_trace(channel) for channel in selected),
+        traces=tuple(
+            ChannelTrace(
+                name=c.name,
+                unit=units.si_unit(c.unit),
+                role=c.role,
+                time_s=c.clock.start_s + np.arange(c.samples.size) / c.clock.rate_hz,
+                values=units.to_si(c.samples, c.unit),
+            )
+            for c in selected
+        ),
         excitation_s=None,
         points=points,
-    )
-
-
-def _build_trace(channel: RawChannel) -> ChannelTrace:
-    clock = channel.clock
-    return ChannelTrace(
-        name=channel.name,
-        unit=units.si_unit(channel.unit),
-        role=channel.role,
-        time_s=clock.start_s + np.arange(channel.samples.size) / clock.rate_hz,
-        values=units.to_si(channel.samples, channel.unit),
-    )
-
-
-def _describe_channel(channel: RawChannel) -> MappedChannel:
-    return MappedChannel(
-        name=channel.name,
-        unit=channel.unit,
-        role=channel.role,
-        file=channel.source.name,
-        field=channel.field,
-        rate_hz=channel.clock.rate_hz,
-        start_s=channel.clock.start_s,
-        n_samples=channel.samples.size,
-        smallest=float(channel.samples.min()),
-        largest=float(channel.samples.max()),
     )
 
 
@@ -260,8 +253,3 @@ def _find_likely_aircraft(store: Store, sources: Sources) -> Aircraft | None:
 def _list_names(aircraft: Aircraft) -> dict[str, Role]:
     surfaces = {surface.name: Role.INPUT for surface in aircraft.surfaces}
     return {**surfaces, **{sensor.name: Role.OUTPUT for sensor in aircraft.sensors}}
-
-
-def _get_finite(value: Any) -> float | None:
-    number = float(value)
-    return number if np.isfinite(number) else None

@@ -6,7 +6,7 @@ reloaded, and an import interrupted by a stopped server is reported.
 
 from __future__ import annotations
 
-import json
+import contextvars
 import logging
 import re
 import secrets
@@ -15,25 +15,28 @@ import threading
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+
+from pydantic import TypeAdapter
 
 from flexsid.errors import Cancelled, Conflict, FlexsidError, UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.source import Sources
+from flexsid.storage.access import get_access
 from flexsid.storage.files import make_private_folder, sync
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, Imported, store_upload
-from flexsid.workflow.importing.parsed_files import parse_upload
-from flexsid.workflow.importing.unconfirmed_values import refuse_guesses
+from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
+from flexsid.workflow.importing.parsed_files import parse_upload, refuse_guesses
 
 _log = logging.getLogger(__name__)
 
 RETENTION_DAYS = 7
 _STATE = "state.json"
+_UPLOADER = "account"
 _NAME = re.compile(r"u[0-9a-f]{16}")
 
 
@@ -60,6 +63,9 @@ class UploadProgress:
     n_channels: int | None = None
 
 
+_UPLOAD = TypeAdapter(UploadProgress)
+
+
 class Uploads:
     """The uploads of one server, and the thread that imports them one after the other."""
 
@@ -77,7 +83,7 @@ class Uploads:
     def start(self) -> None:
         """Mark imports interrupted by a stopped server as failed; delete old uploads."""
         for path in self._folder.glob(f"*/{_STATE}"):
-            upload = _load(path)
+            upload = _UPLOAD.validate_json(path.read_bytes())
             if upload.state is UploadState.IMPORTING:
                 message = (
                     "The server was stopped during this import, and unfinished parts were not "
@@ -107,12 +113,13 @@ class Uploads:
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
+        (folder / _UPLOADER).write_text(_name_uploader())
         self._save(upload)
         return upload
 
     def get(self, identity: str) -> UploadProgress:
         """Return an upload with its present progress."""
-        upload = _load(self._at(identity) / _STATE)
+        upload = _UPLOAD.validate_json((self._at(identity) / _STATE).read_bytes())
         if upload.state is UploadState.IMPORTING:
             return replace(upload, progress=self._progress.get(identity, 0.0))
         return upload
@@ -121,7 +128,8 @@ class Uploads:
         """List uploads that are being imported or waiting."""
         with self._lock:
             waiting = list(self._progress)
-        return [upload for upload in map(self.get, waiting) if upload.progress is not None]
+        own = [identity for identity in waiting if self._is_own(self._folder / identity)]
+        return [upload for upload in map(self.get, own) if upload.progress is not None]
 
     def sources(self, identity: str) -> Sources:
         """Return the contents of the files."""
@@ -155,7 +163,9 @@ class Uploads:
             self._save(begun)
             self._progress[identity] = 0.0
             self._cancelled.discard(identity)
-        self._worker.submit(self._import, identity, text, aircraft_id, confirmed)
+        # In the context of the request: with the access of its account.
+        run = contextvars.copy_context().run
+        self._worker.submit(run, self._import, identity, text, aircraft_id, confirmed)
         return replace(begun, progress=0.0)
 
     def delete(self, identity: str) -> None:
@@ -169,9 +179,11 @@ class Uploads:
 
     def _delete_old(self) -> None:
         for path in self._folder.glob(f"*/{_STATE}"):
-            busy = path.parent.name in self._progress
-            if not busy and time.time() - path.stat().st_mtime > RETENTION_DAYS * 86400:
-                shutil.rmtree(path.parent, ignore_errors=True)
+            if path.parent.name in self._progress:
+                continue
+            with suppress(FileNotFoundError):  # deleted by another request
+                if time.time() - path.stat().st_mtime > RETENTION_DAYS * 86400:
+                    shutil.rmtree(path.parent, ignore_errors=True)
 
     def _import(self, identity: str, text: str, aircraft_id: int | None, confirmed: bool) -> None:
         def report(fraction: float) -> None:
@@ -190,7 +202,15 @@ class Uploads:
                 self._add_builtin_aircraft,
                 confirmed=confirmed,
             )
-            result = _build_result(identity, imported)
+            maneuver, flight = imported.maneuver, imported.flight
+            result = UploadProgress(
+                id=identity,
+                state=UploadState.IMPORTED,
+                progress=1.0,
+                maneuver_id=None if maneuver is None else maneuver.id,
+                flight_id=None if flight is None else flight.id,
+                n_channels=len(imported.flight_channels) or None,
+            )
         except FlexsidError as error:
             result = UploadProgress(
                 id=identity, state=UploadState.FAILED, code=error.code, message=error.message
@@ -210,34 +230,27 @@ class Uploads:
 
     def _at(self, identity: str) -> Path:
         folder = self._folder / identity
-        if _NAME.fullmatch(identity) is None or not (folder / _STATE).is_file():
+        known = _NAME.fullmatch(identity) is not None and (folder / _STATE).is_file()
+        if not known or not self._is_own(folder):
             raise UnknownRecord(
                 f"There is no upload '{identity[:40]}'; uploads are stored for {RETENTION_DAYS}"
                 " days."
             )
         return folder
 
+    def _is_own(self, folder: Path) -> bool:
+        """Return whether the account of the request has uploaded these files."""
+        file = folder / _UPLOADER
+        return get_access() is None or (file.is_file() and file.read_text() == _name_uploader())
+
     def _save(self, upload: UploadProgress) -> None:
         path = self._folder / upload.id / _STATE
         new = path.with_suffix(".new")
-        new.write_text(json.dumps(asdict(upload)), encoding="utf-8")
+        new.write_bytes(_UPLOAD.dump_json(upload))
         sync(new)
         new.replace(path)
 
 
-def _load(path: Path) -> UploadProgress:
-    values: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    values["state"] = UploadState(values["state"])
-    return UploadProgress(**values)
-
-
-def _build_result(identity: str, imported: Imported) -> UploadProgress:
-    maneuver, flight = imported.maneuver, imported.flight
-    return UploadProgress(
-        id=identity,
-        state=UploadState.IMPORTED,
-        progress=1.0,
-        maneuver_id=None if maneuver is None else maneuver.id,
-        flight_id=None if flight is None else flight.id,
-        n_channels=len(imported.flight_channels) or None,
-    )
+def _name_uploader() -> str:
+    access = get_access()
+    return "" if access is None else f"account {access.account_id}"

@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.records.conditioning import ConditioningStep, Correction, StepKind
+from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples

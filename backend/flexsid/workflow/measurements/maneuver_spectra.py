@@ -15,35 +15,26 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.measurements.conditioning import read_conditioning
-from flexsid.workflow.measurements.maneuver_data import (
-    ManeuverMeasurement,
-    MeasuredSpectra,
-    list_command_names,
-)
 from flexsid.workflow.measurements.recording import (
+    ManeuverMeasurement,
     Recording,
     SpectrumFrequencies,
+    list_command_names,
     select_frequencies,
 )
 
 
 def load_channels(
-    store: Store, maneuver_id: int, names: Sequence[str] | None = None, *, aligned: bool = True
+    store: Store, maneuver_id: int | None, names: Sequence[str] | None = None
 ) -> list[tuple[Channel, np.ndarray]]:
-    """Load channels with their samples in SI units, conditioned.
-
-    Parameters
-    ----------
-    store, maneuver_id, names
-        Maneuver and names of its channels, all by default.
-    aligned
-        Whether delay corrections are applied; False where they are applied to the spectra.
+    """Load channels (all by default) with their samples in SI units, conditioned.
 
     Raises
     ------
     BadInput
         If the maneuver has no channel of a name.
     """
+    assert maneuver_id is not None
     found = read_channels(store.database, maneuver_id, names)
     requested = list(found) if names is None else list(names)
     _check_recorded(store, maneuver_id, requested, found)
@@ -52,9 +43,7 @@ def load_channels(
     for channel, samples in (found[name] for name in requested):
         values = to_si(samples, channel.unit)
         if channel.name in steps:
-            one = steps[channel.name]
-            correct = one.align if aligned else one.correct
-            values = correct(np.asarray(values, dtype=float), channel.rate_hz)
+            values = steps[channel.name].align(values, channel.rate_hz)
         result.append((channel, values))
     return result
 
@@ -90,7 +79,9 @@ def read_recording(
     }
     needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
     _check_recorded(store, maneuver.id, needed, found)
-    attitudes = {s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE}
+    attitudes = {
+        s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE and s.axis != "x"
+    }
     return Recording(
         maneuver=maneuver,
         channels=tuple(found[name] for name in needed),
@@ -133,24 +124,6 @@ def read_measurement(
     return ManeuverMeasurement(
         recording, aircraft, inputs, outputs, own, _assign_inputs(frequencies, every), has_commands
     )
-
-
-def read_measured_spectra(
-    store: Store,
-    maneuver: Maneuver,
-    aircraft: Aircraft,
-    inputs: tuple[str, ...],
-    outputs: tuple[OutputDefinition, ...],
-    band_hz: tuple[float, float] | None = None,
-) -> MeasuredSpectra:
-    """Read and transform inputs, outputs and recorded excitation of a maneuver.
-
-    Raises
-    ------
-    BadInput
-        As ``read_measurement``.
-    """
-    return read_measurement(store, maneuver, aircraft, inputs, outputs, band_hz).transform()
 
 
 def _check_recorded(

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
-from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.signals import FrequencyData, FrequencyResponse
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
+from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 from flexsid.units import to_si
+from flexsid.workflow.aircraft.aircraft_models import (
+    OutputDefinition,
+    compute_input_correction,
+    get_output_instrument,
+)
 
-_TRIM_S = 0.25  # shortest interval before the excitation that counts as trim [s]
+SHORTEST_TRIM_S = 0.25  # shortest interval before the excitation that counts as trim [s]
 _NO_TAPER = 0.625  # of the sampling rate: a pass band above the Nyquist frequency
 
 
@@ -142,30 +150,25 @@ class Recording:
     def spectra(self, names: tuple[str, ...], frequencies: SpectrumFrequencies) -> FrequencyData:
         """Transform channels and combinations to spectra in SI units."""
         self.check(frequencies)
+        omega = frequencies.omega
         needed = {part for name in names for part, _ in self.parts[name]}
-        by_clock: dict[tuple[float, float, int], list[tuple[Channel, np.ndarray]]] = {}
+        by_clock: dict[tuple[float, float, int], dict[str, np.ndarray]] = {}
         for channel, samples in self.channels:
             if channel.name in needed:
-                clock = (channel.rate_hz, channel.start_s, channel.n_samples)
-                by_clock.setdefault(clock, []).append(
-                    (channel, self._convert_to_si(channel, samples))
-                )
+                values = self._convert_to_si(channel, samples)
+                by_clock.setdefault(channel.clock, {})[channel.name] = values
         spectra: dict[str, np.ndarray] = {}
         for (rate_hz, start_s, _), group in by_clock.items():
-            samples = np.stack([values for _, values in group], axis=1)
-            is_attitude = np.array([channel.name in self.attitudes for channel, _ in group])
-            transform = _transform(
-                samples, rate_hz, start_s, self.maneuver, frequencies, is_attitude
-            )
-            spectra.update({c.name: transform[:, k] for k, (c, _) in enumerate(group)})
+            samples = np.stack(list(group.values()), axis=1)
+            is_attitude = np.array([name in self.attitudes for name in group])
+            transform = _transform(samples, rate_hz, start_s, self.maneuver, omega, is_attitude)
+            spectra.update(zip(group, transform.T, strict=True))
         for name, one in self.conditioning.items():
             if one.delay_s and name in spectra:
-                spectra[name] = spectra[name] * np.exp(1j * frequencies.omega * one.delay_s)
+                spectra[name] = spectra[name] * np.exp(1j * omega * one.delay_s)
         columns = [sum(w * spectra[part] for part, w in self.parts[name]) for name in names]
-        values = np.reshape(
-            np.array(columns, dtype=complex), (len(names), frequencies.omega.size)
-        ).T
-        return FrequencyData(frequencies.omega, values, names)
+        values = np.reshape(np.array(columns, dtype=complex), (len(names), omega.size)).T
+        return FrequencyData(omega, values, names)
 
     def _convert_to_si(self, channel: Channel, samples: np.ndarray) -> np.ndarray:
         values = to_si(samples, channel.unit)
@@ -180,7 +183,7 @@ def _transform(
     rate_hz: float,
     start_s: float,
     maneuver: Maneuver,
-    frequencies: SpectrumFrequencies,
+    omega: np.ndarray,
     is_attitude: np.ndarray,
 ) -> np.ndarray:
     """Transform a record of one period, or the periods after the first of several."""
@@ -189,24 +192,21 @@ def _transform(
     if excitation is not None and excitation.n_periods > 1:
         period = excitation.period_s
         first = round((excitation.start_s + period - start_s) * rate_hz)
-        last = first + round((excitation.n_periods - 1) * period * rate_hz)
+        last = first + round(maneuver.transformed_s * rate_hz)
         if last <= samples.shape[0] + 1:
-            window = samples[first:last]
-            return finite_fourier_transform(
-                window, rate_hz, frequencies.omega, start_s + first / rate_hz
-            )
+            first_s = start_s + first / rate_hz
+            return finite_fourier_transform(samples[first:last], rate_hz, omega, first_s)
     if excitation is None and is_attitude.any():
         # An attitude has its first level before the record and its last level after it.
         first = samples[: _count_level_samples(rate_hz)].mean(axis=0)
         samples = samples - np.where(is_attitude, first, 0.0)
     # A multisine starts and ends at trim; other records start and end in motion.
     transform = finite_fourier_transform(
-        samples, rate_hz, frequencies.omega, start_s, end_corrected=excitation is None
+        samples, rate_hz, omega, start_s, end_corrected=excitation is None
     )
     if is_attitude.any():
-        transform[:, is_attitude] += _transform_held_level(
-            samples[:, is_attitude], rate_hz, frequencies.omega, start_s
-        )
+        held = _transform_held_level(samples[:, is_attitude], rate_hz, omega, start_s)
+        transform[:, is_attitude] += held
     return transform
 
 
@@ -219,7 +219,7 @@ def remove_trim(
     trim = round((begin - start_s) * rate_hz)
     # Relative to the first sample, so that a constant channel is exactly zero.
     moved = samples - samples[:1]
-    steady = moved[:trim] if trim >= _TRIM_S * rate_hz else moved
+    steady = moved[:trim] if trim >= SHORTEST_TRIM_S * rate_hz else moved
     return moved - steady.mean(axis=0)
 
 
@@ -240,3 +240,203 @@ def _transform_held_level(
     end_s = start_s + samples.shape[0] / rate_hz
     step = np.exp(-1j * omega * end_s) / (1j * omega)
     return step[:, None] * level
+
+
+@dataclass(frozen=True, slots=True)
+class ExcitationData:
+    """Spectra of all excited inputs, inputs of the model or not.
+
+    ``assigned_input`` is the index of the input that each harmonic is assigned to, -1 for none.
+    """
+
+    inputs: FrequencyData
+    commands: FrequencyData | None
+    assigned_input: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredSpectra:
+    """Spectra at the frequencies of a maneuver.
+
+    ``inputs`` are true deflections; ``outputs`` are as recorded and contain the instrument
+    responses ``instruments`` (n_omega, n_y). ``assigned_input`` is the index of the input that
+    each harmonic is assigned to, -1 for none; ``excited`` has all excited inputs.
+    ``input_noise`` (n_omega, n_u) is the variance of the inputs' spectra where the noise of
+    their sensors is known; ``output_noise`` (n_y) is the standard deviation of the outputs'
+    spectra, NaN where the noise of their sensors is not known. ``resolution_overlap`` is the
+    number of frequencies per resolution 1/T of the record, at least one. ``record_ends_s`` are
+    the times at which the record may begin or end in motion, ``window_s`` the limits of the
+    transformed interval.
+    """
+
+    assigned_input: np.ndarray
+    inputs: FrequencyData
+    excited: ExcitationData
+    outputs: FrequencyData
+    instruments: np.ndarray
+    commands: FrequencyData | None
+    input_noise: np.ndarray | None
+    output_noise: np.ndarray
+    resolution_overlap: float
+    record_ends_s: tuple[float, ...] = ()
+    window_s: tuple[float, float] | None = None
+
+    @property
+    def omega(self) -> np.ndarray:
+        """Frequencies of the spectra. [rad/s]"""
+        return self.outputs.omega
+
+    def true_outputs(self) -> FrequencyData:
+        """Return the output spectra with the instrument responses removed."""
+        return FrequencyData(self.omega, self.outputs.values / self.instruments, self.outputs.names)
+
+    def responses(self, outputs: FrequencyData | None = None) -> dict[str, FrequencyResponse]:
+        """Estimate bare-airframe responses of every input at its harmonics.
+
+        Excited inputs that are no inputs of the model are included to remove their motion.
+        ``outputs`` replace the measured ones, instruments removed.
+
+        Raises
+        ------
+        BadInput
+            If the assignment of harmonics to inputs is not known.
+        """
+        excited = self.excited
+        names = excited.inputs.names
+        if (excited.assigned_input >= 0).any() and (excited.assigned_input < 0).any():
+            raise BadInput(
+                f"some harmonics are assigned to none of {', '.join(names)}: frequency responses "
+                "need the deflection of every excited input; import the other inputs, or exclude "
+                "their band",
+                code="inputs-excluded",
+            )
+        if (excited.assigned_input < 0).any():
+            raise BadInput(
+                "frequency responses need the harmonics assigned to each input; import "
+                "the maneuver with its [excitation], or use OE or EE",
+                code="no-excitation",
+            )
+        commands = excited.inputs if excited.commands is None else excited.commands
+        found = estimate_bare_airframe_responses(
+            excited.inputs, outputs or self.true_outputs(), commands, excited.assigned_input
+        )
+        return {name: found[name] for name in self.inputs.names}
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverMeasurement:
+    """Samples of a maneuver and the settings of their transform to ``MeasuredSpectra``.
+
+    ``frequencies`` are the frequencies assigned to the inputs, ``excited`` are the same frequencies
+    assigned to all excited inputs.
+    """
+
+    recording: Recording
+    aircraft: Aircraft
+    inputs: tuple[str, ...]
+    outputs: tuple[OutputDefinition, ...]
+    frequencies: SpectrumFrequencies
+    excited: SpectrumFrequencies
+    has_commands: bool
+
+    @property
+    def max_omega(self) -> float:
+        """Highest frequency. [rad/s]"""
+        return float(self.frequencies.omega[-1])
+
+    def transform(self) -> MeasuredSpectra:
+        """Transform inputs, outputs and recorded excitation."""
+        inputs, every, frequencies = self.inputs, self.excited.inputs, self.frequencies
+        omega, aircraft = frequencies.omega, self.aircraft
+        recorded = self.recording.spectra(every, frequencies)
+        factors = np.stack([compute_input_correction(aircraft, n, omega) for n in every], axis=1)
+        deflections = FrequencyData(omega, recorded.values * factors, every)
+        shape = (len(self.outputs), omega.size)
+        responses = [get_output_instrument(aircraft, o).response(omega) for o in self.outputs]
+        channels = {c.name: c for c, _ in self.recording.channels}
+        rates = {name: channel.rate_hz for name, channel in channels.items()}
+        duration_s = max(channels[n].n_samples / rates[n] for n in inputs)
+        slowest = min(rates.values())
+        output_rates = np.array([rates.get(o.terms[0][0].name, slowest) for o in self.outputs])
+        levels = {s.name: s.noise_std_rad for s in aircraft.surfaces}
+        noise = None
+        if all(levels.get(name) is not None for name in inputs):
+            # The transform of white samples has variance sigma^2 T / rate.
+            variance = [(levels[n] or 0.0) ** 2 * duration_s / rates[n] for n in inputs]
+            noise = np.array(variance) * np.abs(factors[:, : len(inputs)]) ** 2
+        commands = None
+        if self.has_commands:
+            data = self.recording.spectra(list_command_names(every), frequencies)
+            commands = FrequencyData(omega, data.values, every)
+        return MeasuredSpectra(
+            assigned_input=frequencies.assigned_input,
+            inputs=deflections.pick(inputs),
+            excited=ExcitationData(deflections, commands, self.excited.assigned_input),
+            outputs=self.recording.spectra(tuple(o.name for o in self.outputs), frequencies),
+            instruments=np.reshape(np.array(responses, dtype=complex), shape).T,
+            commands=None if commands is None else commands.pick(inputs),
+            input_noise=noise,
+            output_noise=compute_spectral_noise(self.outputs, output_rates, duration_s),
+            resolution_overlap=_compute_resolution_overlap(omega, duration_s),
+            record_ends_s=self._find_record_ends(),
+            window_s=self._find_window(),
+        )
+
+    def _find_window(self) -> tuple[float, float] | None:
+        """Return begin and end of the transformed outputs; None for whole periods."""
+        excitation = self.recording.maneuver.excitation
+        if excitation is not None and excitation.n_periods > 1:
+            return None
+        names = {part for one in self.outputs for part, _ in self.recording.parts[one.name]}
+        recorded = [c for c, _ in self.recording.channels if c.name in names]
+        if not recorded:
+            return None
+        longest = max(recorded, key=lambda c: c.n_samples / c.rate_hz)
+        return longest.start_s, longest.stop_s
+
+    def _find_record_ends(self) -> tuple[float, ...]:
+        """Return the times at which the record may begin or end in motion.
+
+        Whole periods have none; a multisine begins at trim.
+        """
+        excitation = self.recording.maneuver.excitation
+        recorded = [c for c, _ in self.recording.channels if c.name in self.inputs]
+        end_s = max(c.stop_s for c in recorded)
+        if excitation is None:
+            return min(c.start_s for c in recorded), end_s
+        return () if excitation.n_periods > 1 else (end_s,)
+
+
+def compute_spectral_noise(
+    outputs: tuple[OutputDefinition, ...], rate_hz: float | np.ndarray, duration_s: float
+) -> np.ndarray:
+    """Compute the standard deviation of outputs' spectra due to sensor noise.
+
+    NaN where the aircraft record has no noise of a sensor. [output unit * s]
+
+    Notes
+    -----
+    The transform of white samples of variance sigma^2 has variance sigma^2 T / rate.
+    """
+    variance = [
+        sum((weight * (sensor.noise_std or np.nan)) ** 2 for sensor, weight in output.terms)
+        for output in outputs
+    ]
+    return np.sqrt(np.array(variance, dtype=float) * duration_s / rate_hz)
+
+
+def list_command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the channels with the recorded excitation of inputs."""
+    return tuple(f"{name}_command" for name in inputs)
+
+
+def list_excitation_names(inputs: Iterable[str], recorded: Container[str]) -> list[str]:
+    """Return the channel with the excitation of each input: its command, else the input."""
+    return [f"{n}_command" if f"{n}_command" in recorded else n for n in inputs]
+
+
+def _compute_resolution_overlap(omega: np.ndarray, duration_s: float) -> float:
+    if omega.size < 2:
+        return 1.0
+    spacing_hz = float(np.median(np.diff(np.unique(omega)))) / (2.0 * np.pi)
+    return max(1.0, 1.0 / (spacing_hz * duration_s))

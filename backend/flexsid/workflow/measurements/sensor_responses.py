@@ -2,36 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.aircraft import Aircraft, SensorKind
-from flexsid.records.axes import get_symmetry
+from flexsid.records.aircraft import Aircraft, SensorKind, get_symmetry
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs
-from flexsid.workflow.aircraft.longitudinal import (
-    is_pitch_sensor,
-    list_lateral_surfaces,
-    reads_symmetric_motion_only,
-    require_longitudinal,
+from flexsid.workflow.aircraft.axes import (
+    find_body,
+    find_other,
+    is_axis_sensor,
+    list_opposed_surfaces,
+    reads_own_motion_only,
 )
-from flexsid.workflow.measurements.maneuver_data import MeasuredSpectra, compute_spectral_noise
-from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_measured_spectra
-from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.measurements.symmetric_motion import require_symmetric_motion
-from flexsid.workflow.modal_data.aligned_modes import (
+from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_measurement
+from flexsid.workflow.measurements.measured_axis import require_own_motion
+from flexsid.workflow.measurements.recording import (
+    MeasuredSpectra,
+    compute_spectral_noise,
+    select_frequencies,
+)
+from flexsid.workflow.modal_data.modal_tables import (
     AircraftModes,
-    find_modal_tables,
-    load_modes,
+    load_modes_of_model,
     select_out_of_band_modes,
 )
 
@@ -70,11 +73,6 @@ class SensorData:
     excluded: dict[str, str]
     independent: int
 
-    @property
-    def duration_s(self) -> float:
-        """Duration of the transformed interval. [s]"""
-        return _get_transformed_duration(self.maneuver)
-
     def select(self, some: np.ndarray) -> SensorData:
         """Select some of the frequencies."""
         spectra = self.measured
@@ -86,39 +84,43 @@ class SensorData:
         )
         return replace(self, measured=measured)
 
+    def with_outputs(self, values: np.ndarray) -> SensorData:
+        """Replace the spectra of the outputs, (n_omega, n_y)."""
+        names = self.measured.outputs.names
+        outputs = FrequencyData(self.measured.omega, values, names)
+        return replace(self, measured=replace(self.measured, outputs=outputs))
+
     def with_modes(self, numbers: tuple[int, ...]) -> AeroelasticModel:
         """Build a model of other modes for the same sensors."""
-        fuel = self.maneuver.condition.fuel_fraction
-        shapes = self.table.table.at(fuel).select(numbers)
+        condition = self.maneuver.condition
+        shapes = self.table.table.at(condition.fuel_fraction).select(numbers)
         return build_model(
-            self.aircraft, self.maneuver.condition, shapes, self.model.inputs, self.outputs
+            self.aircraft, condition, shapes, self.model.inputs, self.outputs, self.model.body
         )
 
 
-def gather_sensors(
-    store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None = None
-) -> SensorData:
+def gather_sensors(store: Store, maneuver: Maneuver) -> SensorData:
     """Gather all sensors of a maneuver that have a mode shape.
 
     Raises
     ------
     BadInput
-        If the aircraft has no modal table, or no sensor is usable.
+        If no sensor is usable.
     """
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    modal, damping = find_modal_tables(store, maneuver.aircraft_id, None, None)
-    table = load_modes(store, modal, damping)
+    table, _ = load_modes_of_model(store, maneuver.aircraft_id, None, None, ())
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
-    require_longitudinal(maneuver)
-    known = {surface.name for surface in aircraft.surfaces}
-    inputs = tuple(c.name for c in channels.values() if c.role is Role.INPUT and c.name in known)
-    lateral = list_lateral_surfaces(maneuver, aircraft, inputs)
-    names, excluded = _select_usable_sensors(aircraft, channels, table, lateral)
-    for name in lateral:
-        if get_symmetry(aircraft, name) == "antisymmetric":
-            excluded[name] = "it is antisymmetric and excites no symmetric motion"
-    for name in _find_constant_channels(store, maneuver, (*names, *inputs)):
-        excluded[name] = "it is constant over the record"
+    body = find_body(maneuver.axis)
+    inputs = _list_recorded_surfaces(aircraft, channels.values())
+    opposed = list_opposed_surfaces(maneuver, aircraft, inputs)
+    names, excluded = _select_usable_sensors(aircraft, channels, table, opposed, body)
+    for name in opposed:
+        symmetry = get_symmetry(aircraft, name)
+        if symmetry != "single":
+            excluded[name] = f"it is {symmetry} and excites no {body.symmetry} motion"
+    for channel, samples in load_channels(store, maneuver.id, (*names, *inputs)):
+        if not np.ptp(samples) > 0.0:
+            excluded[channel.name] = "it is constant over the record"
     names = tuple(name for name in names if name not in excluded)
     inputs = tuple(name for name in inputs if name not in excluded)
     if not names:
@@ -127,55 +129,56 @@ def gather_sensors(
             code="no-sensors",
         )
     outputs = define_outputs(aircraft, names)
-    require_symmetric_motion(store, maneuver, aircraft, inputs, outputs)
-    band = band_hz or _select_default_band(maneuver, [channels[name] for name in (*names, *inputs)])
-    measured = read_measured_spectra(store, maneuver, aircraft, inputs, outputs, band)
+    require_own_motion(store, maneuver, aircraft, inputs, outputs)
+    band = _select_default_band(maneuver, [channels[name] for name in (*names, *inputs)])
+    measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band).transform()
     rate_hz = min(channels[name].rate_hz for name in names)
-    noise = compute_spectral_noise(outputs, rate_hz, _get_transformed_duration(maneuver))
-    if maneuver.excitation is None and band_hz is None:
-        measured = read_measured_spectra(
-            store, maneuver, aircraft, inputs, outputs, _find_band_above_noise(measured, noise)
-        )
-    top = float(measured.omega[-1])
+    noise = compute_spectral_noise(outputs, rate_hz, maneuver.transformed_s)
+    if maneuver.excitation is None:
+        band = _find_band_above_noise(measured, noise)
+        measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band).transform()
     fuel = maneuver.condition.fuel_fraction
-    flying = tuple(n for n in table.table.numbers if table.symmetric[n])
-    model = build_model(
-        aircraft, maneuver.condition, table.table.at(fuel).select(flying), inputs, outputs
-    )
-    independent = count_independent(model.sensors)
-    near = select_out_of_band_modes(table, fuel, (), top, independent)
-    every = _sort_symmetric_modes(table, fuel)[: max(0, independent - 2 - _MIN_REDUNDANT)]
-    model = build_model(
-        aircraft, maneuver.condition, table.table.at(fuel).select(near), inputs, outputs
-    )
+    shapes = table.table.at(fuel)
+    lowest_first = sorted(zip(shapes.omega, shapes.numbers, strict=True))
+    own = tuple(number for _, number in lowest_first if table.belongs_to(number, body))
+
+    def build(numbers: tuple[int, ...]) -> AeroelasticModel:
+        return build_model(
+            aircraft, maneuver.condition, shapes.select(numbers), inputs, outputs, body
+        )
+
+    independent = _count_independent(build(own).sensors)
+    near = select_out_of_band_modes(table, fuel, (), float(measured.omega[-1]), independent, body)
     return SensorData(
-        maneuver, aircraft, table, every, model, outputs, measured, noise, excluded, independent
+        maneuver=maneuver,
+        aircraft=aircraft,
+        table=table,
+        modes=own[: max(0, independent - body.size - _MIN_REDUNDANT)],
+        model=build(near),
+        outputs=outputs,
+        measured=measured,
+        noise=noise,
+        excluded=excluded,
+        independent=independent,
     )
 
 
-def count_independent(sensors: SensorRows) -> int:
+def _list_recorded_surfaces(aircraft: Aircraft, channels: Iterable[Channel]) -> tuple[str, ...]:
+    known = {surface.name for surface in aircraft.surfaces}
+    return tuple(c.name for c in channels if c.role is Role.INPUT and c.name in known)
+
+
+def _count_independent(sensors: SensorRows) -> int:
     """Count the sensors whose output rows are independent.
 
-    In symmetric motion a left and a right sensor measure the same: they are redundant, but
-    resolve no further mode.
-
-    Parameters
-    ----------
-    sensors
-        Rows of all known modes.
+    A left and a right sensor measure the same motion of one axis: they are redundant, but
+    resolve no further mode. The rows are those of all known modes.
     """
     rows = sensors.polynomial.transpose(1, 0, 2).reshape(len(sensors.names), -1)
     size = np.linalg.norm(rows, axis=1)
     rows = rows[size > 0] / size[size > 0, None]
     same = np.abs(rows @ rows.T) > _EQUAL_ROWS
     return int(np.sum(~np.any(np.tril(same, -1), axis=1)))
-
-
-def _sort_symmetric_modes(table: AircraftModes, fuel: float) -> tuple[int, ...]:
-    """Return the symmetric modes, lowest first."""
-    omega = table.table.at(fuel).omega
-    ordered = sorted(zip(omega, table.table.numbers, strict=True))
-    return tuple(number for _, number in ordered if table.symmetric[number])
 
 
 def find_excited_band(store: Store, maneuver: Maneuver, aircraft: Aircraft) -> tuple[float, float]:
@@ -186,15 +189,13 @@ def find_excited_band(store: Store, maneuver: Maneuver, aircraft: Aircraft) -> t
     BadInput
         If no surface was recorded.
     """
-    known = {surface.name for surface in aircraft.surfaces}
     channels = store.channels.find(maneuver_id=maneuver.id)
-    names = tuple(c.name for c in channels if c.role is Role.INPUT and c.name in known)
+    names = _list_recorded_surfaces(aircraft, channels)
     if not names:
         raise BadInput("the maneuver has no recorded input", code="no-input")
     moving = [c for c in channels if c.role in (Role.INPUT, Role.COMMAND)]
-    spectra = read_measured_spectra(
-        store, maneuver, aircraft, names, (), _select_default_band(maneuver, moving)
-    )
+    band = _select_default_band(maneuver, moving)
+    spectra = read_measurement(store, maneuver, aircraft, names, (), band).transform()
     power = np.abs(spectra.inputs.values) ** 2
     power = np.sum(power / np.maximum(power.max(axis=0), 1e-300), axis=1)
     smooth = np.convolve(power, np.ones(_SMOOTHED) / _SMOOTHED, mode="same")
@@ -238,60 +239,40 @@ def reconstruct_resolved_modes(
 
 
 def _select_number_of_modes(sensing: SensorData) -> tuple[AeroelasticModel, ReconstructedMotion]:
-    numbers = sensing.model.modes.numbers
     model = sensing.model
     while True:
         try:
             motion = _reconstruct(sensing, model)
             break
         except NotIdentifiable:
-            if not numbers:
+            if not model.modes.numbers:
                 raise
-            numbers = numbers[:-1]
-            model = sensing.with_modes(numbers)
-    known = np.isfinite(sensing.noise)
-    if not known.any():
-        return model, motion
+            model = sensing.with_modes(model.modes.numbers[:-1])
     tried = [(model, motion)]
-    while _compute_noise_ratio(sensing, motion).max() > _MAX_NOISE_RATIO and len(numbers) < len(
-        sensing.modes
-    ):
-        numbers = sensing.modes[: len(numbers) + 1]
+    if not np.isfinite(sensing.noise).any():
+        return tried[0]
+    for count in range(len(model.modes.numbers) + 1, len(sensing.modes) + 1):
+        if _compute_noise_ratio(sensing, motion).max() <= _MAX_NOISE_RATIO:
+            break
         try:
-            model = sensing.with_modes(numbers)
+            model = sensing.with_modes(sensing.modes[:count])
             motion = _reconstruct(sensing, model, motion.noise)
         except NotIdentifiable:
             break
         tried.append((model, motion))
-    return _select_fewest_modes(sensing, tried)
-
-
-def _compute_noise_ratio(sensing: SensorData, motion: ReconstructedMotion) -> np.ndarray:
-    """Compute residual over noise of the sensors whose noise is known."""
-    known = np.isfinite(sensing.noise)
-    return motion.noise[known] / sensing.noise[known]
-
-
-def _select_fewest_modes(
-    sensing: SensorData, tried: Sequence[tuple[AeroelasticModel, ReconstructedMotion]]
-) -> tuple[AeroelasticModel, ReconstructedMotion]:
-    """Select the fewest modes beyond which further modes do not reduce the residuals.
-
-    The residual of a faulty sensor stays large with any number of modes, and modes that fit
-    its fault reduce the redundancy of the others.
-    """
+    # The residual of a faulty sensor stays large with any number of modes, and modes that fit
+    # its fault reduce the redundancy of the others: the fewest modes beyond which further modes
+    # do not reduce the residuals.
     excess = np.array([_compute_noise_ratio(sensing, motion) for _, motion in tried])
     least = np.minimum.accumulate(excess[::-1], axis=0)[::-1]
     enough = np.all(excess <= np.maximum(_MAX_NOISE_RATIO, _EQUIVALENT_RATIO * least), axis=1)
     return tried[int(np.argmax(enough))]
 
 
-def _get_transformed_duration(maneuver: Maneuver) -> float:
-    """Return the duration of one period, or of the periods after the first of several. [s]"""
-    excitation = maneuver.excitation
-    if excitation is None or excitation.n_periods < 2:
-        return maneuver.duration_s
-    return (excitation.n_periods - 1) * excitation.period_s
+def _compute_noise_ratio(sensing: SensorData, motion: ReconstructedMotion) -> np.ndarray:
+    """Compute residual over noise of the sensors whose noise is known."""
+    known = np.isfinite(sensing.noise)
+    return motion.noise[known] / sensing.noise[known]
 
 
 def _reconstruct(
@@ -344,32 +325,29 @@ def _select_usable_sensors(
     aircraft: Aircraft,
     channels: dict[str, Channel],
     table: AircraftModes,
-    lateral: tuple[str, ...],
+    opposed: tuple[str, ...],
+    body: RigidBody,
 ) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Select recorded sensors of the symmetric motion with mode shape; reasons for the others."""
+    """Select recorded sensors of the axis with mode shape; reasons for the others."""
     names, excluded = [], {}
     for sensor in aircraft.sensors:
         if sensor.name not in channels:
             continue
-        strain = sensor.kind is SensorKind.STRAIN
-        if sensor.point not in (table.table.gauges if strain else table.table.points):
+        strain, known = sensor.kind is SensorKind.STRAIN, table.table
+        needs_shape = strain or bool(known.numbers)
+        if needs_shape and sensor.point not in (known.gauges if strain else known.points):
             excluded[sensor.name] = f"the modal table has no shape at '{sensor.point}'"
-        elif not is_pitch_sensor(sensor):
-            excluded[sensor.name] = "it measures lateral motion, or its name contradicts its record"
-        elif lateral and not reads_symmetric_motion_only(((sensor, 1.0),)):
+        elif not is_axis_sensor(sensor, body):
             excluded[sensor.name] = (
-                f"it measures the lateral motion that {', '.join(lateral)} excite"
+                f"it measures {find_other(body).axis} motion, or its name contradicts its record"
+            )
+        elif opposed and not reads_own_motion_only(((sensor, 1.0),), body):
+            excluded[sensor.name] = (
+                f"it measures the motion of the other axis that {', '.join(opposed)} excite"
             )
         else:
             names.append(sensor.name)
     return tuple(names), excluded
-
-
-def _find_constant_channels(store: Store, maneuver: Maneuver, names: Sequence[str]) -> list[str]:
-    """Find constant channels, which contain no information."""
-    assert maneuver.id is not None
-    recorded = load_channels(store, maneuver.id, names)
-    return [channel.name for channel, samples in recorded if not np.ptp(samples) > 0.0]
 
 
 def _select_default_band(

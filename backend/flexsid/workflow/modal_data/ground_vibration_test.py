@@ -2,41 +2,42 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import threading
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.spatial import cKDTree
 
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
+from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.responses import RawResponses
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.modal_table import MeasuredResponses, ModalKind, ModalTable
-from flexsid.records.modal_views import FoundMode, FoundModes, Orthogonality, Stabilisation
-from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import (
-    compute_mac,
-    compute_mass_orthogonality,
-    compute_real_shapes,
+from flexsid.records.modal_data import (
+    FoundMode,
+    FoundModes,
+    MeasuredResponses,
+    ModalKind,
+    ModalTable,
+    Orthogonality,
+    Stabilisation,
 )
-from flexsid.sysid.modes.naming import ModeName
+from flexsid.storage.arrays import Arrays
+from flexsid.storage.store import Store
+from flexsid.sysid.modes.assurance import compute_mass_orthogonality, compute_real_shapes
+from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
 from flexsid.sysid.modes.polyreference import (
-    MeasuredModes,
-    PoleColumn,
     StabilizationPole,
+    compute_mode_indicator,
     compute_stabilisation,
     find_columns,
-    fit_shapes,
 )
 from flexsid.workflow.modal_data.modal_import import store_modal_data
-from flexsid.workflow.modal_data.tracked_modes import Modes, interpolate_shape, open_modes
+from flexsid.workflow.modal_data.modal_tables import TO_STRUCTURE, interpolate_shapes, open_modes
+from flexsid.workflow.modal_data.mode_matching import match_modes
 
-_SAME_MODE = 0.7
-_UNPAIRED = 1000
-_TO_BODY = np.array([-1.0, 1.0, -1.0])
-_SAME_PLACE = 0.03
+_SAME_POLE = 0.01  # relative difference in frequency of a pole and a mode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,16 +46,30 @@ class ModeSearch:
 
     low_hz: float | None = None
     high_hz: float | None = None
-    order: int = 30
+    order: int = 40
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """What a mode search depends on; measured samples by the hash of their content."""
+
+    samples: Arrays = field(compare=False)
+    frequency: str
+    values: str
+    quantity: str
+    driving: tuple[tuple[int, int], ...]
+    settings: ModeSearch
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Search:
-    record: MeasuredResponses
+class _Identification:
     omega: np.ndarray
     responses: np.ndarray
     poles: tuple[StabilizationPole, ...]
-    columns: tuple[PoleColumn, ...]
+    modes: MeasuredModes
+
+
+_identifying = threading.Lock()
 
 
 def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> MeasuredResponses:
@@ -83,32 +98,33 @@ def compute_stabilisation_diagram(
     store: Store, responses_id: int, settings: ModeSearch
 ) -> Stabilisation:
     """Compute poles by model order over the band, with the mean response."""
-    search = _search(store, responses_id, settings)
-    size = np.sqrt(np.mean(np.abs(search.responses) ** 2, axis=(1, 2)))
-    fitted = np.full(size.shape, np.nan)
-    if search.columns:
-        modes = _fit_shapes(search)
-        fitted = np.sqrt(np.mean(np.abs(modes.fitted) ** 2, axis=(1, 2)))
+    record = store.measured_responses.get(responses_id)
+    found = _identify(store, record, settings)
+    modes, poles = found.modes, found.poles
+    size = np.sqrt(np.mean(np.abs(found.responses) ** 2, axis=(1, 2)))
+    fitted = np.sqrt(np.mean(np.abs(modes.fitted) ** 2, axis=(1, 2)))
     return Stabilisation(
-        title=search.record.name,
-        quantity=search.record.quantity,
-        frequency_hz=search.omega / (2.0 * np.pi),
+        title=record.name,
+        quantity=record.quantity,
+        frequency_hz=found.omega / (2.0 * np.pi),
         magnitude=size,
         fitted=fitted,
-        pole_hz=np.array([pole.omega for pole in search.poles]) / (2.0 * np.pi),
-        pole_order=np.array([pole.order for pole in search.poles]),
-        pole_damping=np.array([pole.damping for pole in search.poles]),
-        stable=np.array([pole.stable for pole in search.poles], dtype=bool),
-        stable_frequency=np.array([pole.stable_frequency for pole in search.poles], dtype=bool),
-        mode_hz=np.array([abs(column.value) for column in search.columns]) / (2.0 * np.pi),
+        indicator=compute_mode_indicator(found.responses),
+        pole_hz=np.array([pole.omega for pole in poles]) / (2.0 * np.pi),
+        pole_order=np.array([pole.order for pole in poles]),
+        pole_damping=np.array([pole.damping for pole in poles]),
+        stable=np.array([pole.stable for pole in poles], dtype=bool),
+        stable_frequency=np.array([pole.stable_frequency for pole in poles], dtype=bool),
+        mode_hz=modes.omega / (2.0 * np.pi),
+        unmodelled_hz=modes.unmodelled / (2.0 * np.pi),
     )
 
 
 def find_modes(store: Store, responses_id: int, settings: ModeSearch) -> FoundModes:
-    """Find modes that are stable over model order, with their standard deviations."""
-    search = _search(store, responses_id, settings)
-    modes = _fit_shapes(search)
-    error = np.linalg.norm(modes.fitted - search.responses) / np.linalg.norm(search.responses)
+    """Identify modes by maximum likelihood, with standard deviations of their parameters."""
+    found = _identify(store, store.measured_responses.get(responses_id), settings)
+    modes = found.modes
+    error = np.linalg.norm(modes.fitted - found.responses) / np.linalg.norm(found.responses)
     _, straight = compute_real_shapes(modes.shapes)
     return FoundModes(
         responses_id=responses_id,
@@ -120,11 +136,12 @@ def find_modes(store: Store, responses_id: int, settings: ModeSearch) -> FoundMo
                 std_hz=float(modes.std_omega[k]) / (2.0 * np.pi),
                 damping=float(modes.damping[k]),
                 std_damping=float(modes.std_damping[k]),
-                n_orders=column.n_stable,
+                n_orders=_count_orders(found.poles, float(modes.omega[k])),
                 collinearity=float(straight[k]),
             )
-            for k, column in enumerate(search.columns)
+            for k in range(modes.omega.size)
         ),
+        unmodelled_hz=tuple(float(one) / (2.0 * np.pi) for one in modes.unmodelled),
     )
 
 
@@ -155,11 +172,10 @@ def store_found_modes(
     BadInput
         If the locations of the points are unknown, or an index is out of range.
     """
-    search = _search(store, responses_id, settings)
-    record = search.record
-    modes = _fit_shapes(search)
+    record = store.measured_responses.get(responses_id)
+    modes = _identify(store, record, settings).modes
     selected = list(range(modes.omega.size)) if indices is None else list(indices)
-    if not selected or any(place >= modes.omega.size for place in selected):
+    if not selected or any(not 0 <= place < modes.omega.size for place in selected):
         raise BadInput(
             f"{modes.omega.size} modes were found; select at least one, by index from 0",
             code="unknown-mode",
@@ -179,11 +195,11 @@ def store_found_modes(
     shape = np.zeros((1, len(selected), ids.size, 6))
     for output, node in enumerate(labels):
         nodes[rows[node]] = places[output]
-        shape[0, :, rows[node], :3] += real[:, [output]] * directions[output] * _TO_BODY
+        shape[0, :, rows[node], :3] += real[:, [output]] * directions[output] * TO_BODY
     numbers: tuple[int, ...] = tuple(range(1, len(selected) + 1))
     named = None
     if template_id is not None:
-        numbers, named = _match_modes(store, template_id, record.fuel, nodes, shape[0, :, :, :3])
+        numbers, named = match_modes(store, template_id, record.fuel, nodes, shape[0, :, :, :3])
     aircraft = store.aircraft.get(record.aircraft_id)
     raw = RawModalData(
         name=name,
@@ -228,10 +244,7 @@ def compute_orthogonality(
         If the matrix is not of this size, or not symmetric.
     """
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
-    shapes = np.stack(
-        [interpolate_shape(store, modes, k, fuel) for k in range(len(modes.table.numbers))]
-    )
-    shapes = shapes * np.tile(_TO_BODY, 2)
+    shapes = interpolate_shapes(store, modes, fuel) * TO_STRUCTURE
     matrix = np.asarray(sources.numbers(field), dtype=float)
     n_nodes = shapes.shape[1]
     if matrix.shape not in ((3 * n_nodes,) * 2, (6 * n_nodes,) * 2):
@@ -254,10 +267,29 @@ def compute_orthogonality(
     )
 
 
-def _search(store: Store, responses_id: int, settings: ModeSearch) -> _Search:
-    record = store.measured_responses.get(responses_id)
-    hertz = np.asarray(store.arrays.get(record.arrays["frequency"]), dtype=float)
-    values = np.asarray(store.arrays.get(record.arrays["values"]))
+def _identify(store: Store, record: MeasuredResponses, settings: ModeSearch) -> _Identification:
+    """Identify the modes once for the figure, the list and the table that show them."""
+    driving = tuple(
+        (record.outputs.index(reference), index)
+        for index, reference in enumerate(record.references)
+        if reference in record.outputs
+    )
+    search = _Search(
+        samples=store.arrays,
+        frequency=record.arrays["frequency"],
+        values=record.arrays["values"],
+        quantity=record.quantity,
+        driving=driving,
+        settings=settings,
+    )
+    with _identifying:  # the page requests the figure and the list at the same time
+        return _identify_modes(search)
+
+
+@lru_cache(maxsize=4)  # the fit takes seconds; each is of the size of its responses
+def _identify_modes(search: _Search) -> _Identification:
+    hertz = np.asarray(search.samples.get(search.frequency), dtype=float)
+    settings = search.settings
     low = hertz[0] if settings.low_hz is None else settings.low_hz
     high = hertz[-1] if settings.high_hz is None else settings.high_hz
     inside = (hertz >= low) & (hertz <= high) & (hertz > 0)
@@ -265,61 +297,17 @@ def _search(store: Store, responses_id: int, settings: ModeSearch) -> _Search:
         raise BadInput(
             f"{int(inside.sum())} frequencies lie between {low:g} and {high:g} Hz; at least 10 are"
             f" needed, and responses span {hertz[0]:g} to {hertz[-1]:g} Hz",
-            code="too-few-lines",
+            code="too-few-frequencies",
         )
     omega = 2.0 * np.pi * hertz[inside]
-    responses = values[inside]
-    poles = compute_stabilisation(omega, responses, settings.order)
-    return _Search(record, omega, responses, poles, find_columns(poles))
+    responses = np.asarray(search.samples.get(search.values))[inside]
+    poles = compute_stabilisation(omega, responses, min(settings.order, omega.size // 2 - 1))
+    columns = find_columns(poles)
+    modes = identify_modes(omega, responses, columns, search.quantity, search.driving)
+    return _Identification(omega, responses, poles, modes)
 
 
-def _fit_shapes(search: _Search) -> MeasuredModes:
-    record = search.record
-    driving = tuple(
-        (record.outputs.index(reference), place)
-        for place, reference in enumerate(record.references)
-        if reference in record.outputs
-    )
-    return fit_shapes(search.omega, search.responses, search.columns, record.quantity, driving)
-
-
-def _match_modes(
-    store: Store, template_id: int, fuel: float, nodes: np.ndarray, translation: np.ndarray
-) -> tuple[tuple[int, ...], tuple[ModeName, ...]]:
-    """Assign numbers and names of the modes of another table by MAC."""
-    like: Modes = open_modes(store, store.modal_tables.get(template_id))
-    table = like.table
-    if "nodes" not in table.arrays:
-        raise BadInput(f"table '{table.name}' has no shapes at nodes", code="no-nodes")
-    places = np.asarray(store.arrays.get(table.arrays["nodes"]), dtype=float)
-    found = cKDTree(places).query(nodes)
-    distance, near = np.asarray(found[0]), np.asarray(found[1])
-    close = distance <= _SAME_PLACE * float(np.linalg.norm(np.ptp(places, axis=0)))
-    if not close.any():
-        raise BadInput(
-            "the sources have no common node; check units and axes of the nodes",
-            code="nothing-common",
-        )
-    measured = (np.abs(translation).max(axis=0) > 0)[close]
-    other = np.stack(
-        [
-            interpolate_shape(store, like, k, fuel)[near[close], :3]
-            for k in range(len(table.numbers))
-        ]
-    )
-    alike = compute_mac(translation[:, close][:, measured], other[:, measured])
-    pairs = linear_sum_assignment(-alike)
-    selected = {int(i): int(j) for i, j in zip(*pairs, strict=True)}
-    numbers: list[int] = []
-    named: list[ModeName] = []
-    for mode in range(translation.shape[0]):
-        place = selected.get(mode)
-        mac = 0.0 if place is None else float(alike[mode, place])
-        if place is None or mac < _SAME_MODE:
-            numbers.append(_UNPAIRED + mode + 1)
-            named.append(ModeName("", None, f"no match in {table.name}"))
-            continue
-        numbers.append(table.numbers[place])
-        reason = f"matched to {table.names[place]} of {table.name}, MAC {mac:.3f}"
-        named.append(ModeName(table.names[place], table.symmetric[place], reason))
-    return tuple(numbers), tuple(named)
+def _count_orders(poles: tuple[StabilizationPole, ...], omega: float) -> int:
+    """Count the model orders with a stable pole at a frequency."""
+    near = (pole for pole in poles if abs(pole.omega / omega - 1.0) < _SAME_POLE)
+    return len({pole.order for pole in near if pole.stable})

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
 from flexsid.records.aircraft import Aircraft, SensorKind
-from flexsid.records.modal_table import ModalTable
+from flexsid.records.modal_data import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.naming import ModeName, name_modes
 from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
@@ -17,15 +15,6 @@ from flexsid.sysid.modes.tracking import track_modes
 
 SHOWN = 700
 """Number of nodes for drawing and mode tracking."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Points:
-    """Sensor points and the rows of their nodes."""
-
-    names: tuple[str, ...]
-    rows: list[int]
-    notes: list[str]
 
 
 def store_modal_data(
@@ -56,7 +45,7 @@ def store_modal_data(
     first = np.asarray(raw.shape[0], dtype=float)
     if named is None:
         named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
-    points = _find_nodes(aircraft, raw)
+    points, notes = _find_nodes(aircraft, raw)
     lines = raw.lines
     if lines.size and shown.size < n_nodes:
         lines = np.empty((0, 2), dtype=np.int32)  # most would end at nodes that are not shown
@@ -73,8 +62,8 @@ def store_modal_data(
         "assurance": tracking.assurance,
         "mixed": tracking.mixed,
     }
-    if points.names:
-        arrays["shape"] = np.asarray(raw.shape[:, :, points.rows], dtype=float)
+    if points:
+        arrays["shape"] = np.asarray(raw.shape[:, :, list(points.values())], dtype=float)
     if raw.zeta is not None:
         arrays["zeta"] = raw.zeta
     if raw.mass is not None:
@@ -90,12 +79,12 @@ def store_modal_data(
                 numbers=raw.numbers,
                 names=tuple(mode.name for mode in named),
                 symmetric=tuple(mode.symmetric is not False for mode in named),
-                points=points.names,
+                points=tuple(points),
                 arrays={name: store.arrays.put(array) for name, array in arrays.items()},
                 origin=raw.origin,
                 version=1 + max((table.version for table in versions), default=0),
                 reasons=tuple(mode.reason for mode in named),
-                notes=(*raw.notes, *points.notes),
+                notes=(*raw.notes, *notes),
             )
         )
         assert table.id is not None
@@ -103,17 +92,15 @@ def store_modal_data(
     return table
 
 
-def _find_nodes(aircraft: Aircraft, raw: RawModalData) -> _Points:
-    """Find the node of each sensor point: the one named, else the nearest."""
+def _find_nodes(aircraft: Aircraft, raw: RawModalData) -> tuple[dict[str, int], list[str]]:
+    """Find the row of the node of each sensor point: the one named, else the nearest; notes."""
     row_of = {int(node): row for row, node in enumerate(raw.node_ids)}
-    names: list[str] = []
-    rows: list[int] = []
+    points: dict[str, int] = {}
     notes: list[str] = []
     span = float(np.linalg.norm(np.ptp(raw.nodes, axis=0)))
     for sensor in aircraft.sensors:
-        if sensor.kind is SensorKind.STRAIN or sensor.point in names:
+        if sensor.kind is SensorKind.STRAIN or sensor.point in points:
             continue
-        place = np.asarray(sensor.location_m, dtype=float)
         if sensor.point in raw.points:
             node = raw.points[sensor.point]
             if node not in row_of:
@@ -125,18 +112,17 @@ def _find_nodes(aircraft: Aircraft, raw: RawModalData) -> _Points:
                 )
             row = row_of[node]
         else:
-            distance = np.linalg.norm(raw.nodes - place, axis=1)
+            distance = np.linalg.norm(raw.nodes - np.asarray(sensor.location_m), axis=1)
             row = int(np.argmin(distance))
             if distance[row] > 0.02 * span:
                 notes.append(
                     f"Sensor point {sensor.point} is {distance[row]:.3g} m from node "
                     f"{int(raw.node_ids[row])}, the nearest; assign another node if needed."
                 )
-        names.append(sensor.point)
-        rows.append(row)
+        points[sensor.point] = row
     unknown = set(raw.points) - {sensor.point for sensor in aircraft.sensors}
     if unknown:
         raise BadInput(
             f"the aircraft has no sensor point '{sorted(unknown)[0]}'", code="unknown-point"
         )
-    return _Points(tuple(names), rows, notes)
+    return points, notes

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.axes import symmetric_surfaces
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import (
     FixedTo,
@@ -18,14 +18,17 @@ from flexsid.records.model_structure import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow.aircraft.aircraft_models import define_outputs
-from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
-from flexsid.workflow.aircraft.instruments import insert_instruments, resolve_channels
-from flexsid.workflow.aircraft.longitudinal import (
-    require_pitch_sensor,
-    require_symmetric_inputs,
-    require_symmetric_part,
+from flexsid.workflow.aircraft.aircraft_models import (
+    define_outputs,
+    insert_instruments,
 )
+from flexsid.workflow.aircraft.axes import (
+    find_body,
+    list_axis_surfaces,
+    require_axis_inputs,
+    require_axis_output,
+)
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
 from flexsid.workflow.model_structures.run_results import refuse_altered
 
 
@@ -33,12 +36,6 @@ class StaleEdit(Conflict):
     """The record was changed by another user since it was read."""
 
     code = "stale-edit"
-
-
-class UnknownVersion(Conflict):
-    """An edit refers to a version that does not exist."""
-
-    code = "unknown-version"
 
 
 def add_structure(store: Store, record: ModelStructure) -> ModelStructure:
@@ -186,29 +183,28 @@ def check_structure(store: Store, aircraft: Aircraft, structure: Structure) -> N
                 code="unknown-input",
                 input=name,
             )
-    require_symmetric_inputs(aircraft, structure.inputs)
+    body = find_body(structure.axis)
+    require_axis_inputs(aircraft, structure.inputs, body)
     for output in define_outputs(aircraft, structure.outputs):
-        require_symmetric_part(output.name, output.terms)
-        for sensor, _ in output.terms:
-            require_pitch_sensor(sensor)
-    for name in (*structure.delays, *structure.instruments):
-        resolve_channels(aircraft, name)
+        require_axis_output(output.name, output.terms, body)
     insert_instruments(aircraft, structure)
-    _check_states(
-        structure,
-        list_derivative_names(structure.modes, structure.inputs or symmetric_surfaces(aircraft)),
-    )
+    inputs = structure.inputs or list_axis_surfaces(aircraft, body)
+    _check_states(structure, list_derivative_names(structure.modes, inputs, body))
     for name, source in structure.fixed_to.items():
         _check_source(store, aircraft, name, source)
 
 
 def _refuse_duplicates(structure: Structure) -> None:
     """Refuse names given twice; a duplicated output would bias the standard errors."""
-    named = (("mode", structure.modes), ("input", structure.inputs), ("output", structure.outputs))
-    for what, names in named:
+    named = (
+        ("mode", structure.modes, "unknown-mode"),
+        ("input", structure.inputs, "named-twice"),
+        ("output", structure.outputs, "named-twice"),
+    )
+    for what, names, code in named:
         for index, name in enumerate(names):
             if name in names[:index]:
-                raise BadInput(f"{what} {name} is named twice; name it once", code="named-twice")
+                raise BadInput(f"{what} {name} is named twice; name it once", code=code)
 
 
 def _check_modes(store: Store, aircraft: Aircraft, modes: tuple[int, ...]) -> None:
@@ -221,8 +217,6 @@ def _check_modes(store: Store, aircraft: Aircraft, modes: tuple[int, ...]) -> No
                 code="unknown-mode",
                 mode=mode,
             )
-    if len(set(modes)) < len(modes):
-        raise BadInput(f"a mode is named twice: {', '.join(map(str, modes))}", code="unknown-mode")
 
 
 def _check_states(structure: Structure, known: tuple[str, ...]) -> None:
@@ -257,7 +251,7 @@ def _check_source(store: Store, aircraft: Aircraft, name: str, source: FixedTo) 
     else:
         run = store.runs.get(source.id)
         fits = store.maneuvers.get(run.maneuver_id).aircraft_id == aircraft.id
-        known = run.result is not None and name in _get_run_values(store, source.id)
+        known = name in _get_run_values(store, source.id)
     if not fits:
         raise BadInput(
             f"{source.source} {source.id} is of another aircraft", code="wrong-aircraft", name=name
@@ -271,8 +265,7 @@ def _get_source_value(store: Store, name: str, source: FixedTo, maneuver: Maneuv
         values = _get_run_values(store, source.id)
     else:
         fuel = maneuver.condition.fuel_fraction
-        found = interpolate_prediction(store, store.predictions.get(source.id), fuel)
-        values = {key: value for key, (value, _) in found.items()}
+        values = interpolate_values(store, store.predictions.get(source.id), fuel)
     if name not in values:
         raise _build_missing_value_error(name, source)
     return values[name]
@@ -281,10 +274,9 @@ def _get_source_value(store: Store, name: str, source: FixedTo, maneuver: Maneuv
 def _get_run_values(store: Store, run_id: int) -> dict[str, float]:
     run = store.runs.get(run_id)
     refuse_altered(run)
-    result = run.result
-    if result is None:
+    if run.result is None:
         return {}
-    return result.held | {p.name: p.value for p in result.parameters}
+    return run.result.held | {p.name: p.value for p in run.result.parameters}
 
 
 def _build_missing_value_error(name: str, source: FixedTo) -> BadInput:
@@ -297,9 +289,8 @@ def _build_missing_value_error(name: str, source: FixedTo) -> BadInput:
 
 
 def _build_version(record: ModelStructure) -> StructureVersion:
-    assert record.id is not None
     return StructureVersion(
-        structure_id=record.id,
+        structure_id=record.id or 0,
         version=record.version,
         name=record.name,
         structure=record.structure,
@@ -312,10 +303,11 @@ def _build_version(record: ModelStructure) -> StructureVersion:
 def _build_stale_edit_error(
     store: Store, current: ModelStructure, version: int, sent: ModelStructure
 ) -> Conflict:
-    assert current.id is not None
     base = store.structure_versions.find(structure_id=current.id, version=version)
     if not base:
-        return UnknownVersion(f"model structure {current.id} has no version {version}")
+        return Conflict(
+            f"model structure {current.id} has no version {version}", code="unknown-version"
+        )
     return StaleEdit(
         f"version {version} of '{current.name}' was edited, but {current.author or 'another user'} "
         f"has saved version {current.version} since; compare both and save again",
@@ -323,3 +315,52 @@ def _build_stale_edit_error(
         base=base[0],
         sent=_build_version(replace(sent, version=version)),
     )
+
+
+def describe_derivative_state(structure: Structure, name: str) -> str:
+    """Describe the state of a derivative: free, absent, or fixed to a value or source."""
+    if name in structure.absent:
+        return "absent"
+    if name in structure.fixed:
+        return f"fixed to {structure.fixed[name]:g}"
+    if name in structure.fixed_to:
+        source = structure.fixed_to[name]
+        return f"fixed to {source.source.value} {source.id}"
+    if structure.free is None or name in structure.free:
+        return "free"
+    return "fixed to the start of the run"
+
+
+def list_structure_differences(
+    before: Structure, after: Structure, surfaces: Sequence[str]
+) -> list[tuple[str, str, str]]:
+    """List differences as (item, before, after); ``surfaces`` are the inputs by default."""
+    known = [
+        list_derivative_names(one.modes, one.inputs or tuple(surfaces), find_body(one.axis))
+        for one in (before, after)
+    ]
+    rows = [
+        (
+            name,
+            describe_derivative_state(before, name) if name in known[0] else "not in the model",
+            describe_derivative_state(after, name) if name in known[1] else "not in the model",
+        )
+        for name in dict.fromkeys((*known[1], *known[0]))
+    ]
+    rows += [
+        (what, _join_values(one), _join_values(other))
+        for what, one, other in (
+            ("modes", before.modes, after.modes),
+            ("inputs", before.inputs or ("all",), after.inputs or ("all",)),
+            ("outputs", before.outputs or ("all",), after.outputs or ("all",)),
+            ("also free", before.extra_parameters, after.extra_parameters),
+            ("time delays", (before.free_delays,), (after.free_delays,)),
+            ("delays", before.delays.items(), after.delays.items()),
+            ("instruments", before.instruments.items(), after.instruments.items()),
+        )
+    ]
+    return [row for row in rows if row[1] != row[2]]
+
+
+def _join_values(values: Iterable[object]) -> str:
+    return ", ".join(str(value) for value in values) or "none"

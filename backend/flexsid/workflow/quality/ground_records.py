@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.aircraft import SensorKind
-from flexsid.records.axes import get_symmetry
-from flexsid.records.flight import Flight
-from flexsid.records.ground_test import GroundTest, GroundTestVerdict, PeakChange
-from flexsid.records.maneuver import GROUND, Maneuver, Role
+from flexsid.records.aircraft import SensorKind, get_symmetry
+from flexsid.records.maneuver import GROUND, Flight, Maneuver, Role
+from flexsid.records.quality import GroundTest, GroundTestVerdict, PeakChange
 from flexsid.records.views import GroundSpectra, ModeMarker
 from flexsid.storage.store import Store
+from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.spectra.peaks import (
     InputRatios,
-    Peak,
     compute_channel_rms,
     find_peaks,
     fit_peak,
     smooth_power,
 )
-from flexsid.workflow.aircraft.longitudinal import LATERAL, AxisNotSupported
+from flexsid.workflow.aircraft.axes import AxisNotSupported
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
-from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.measurements.recording import list_excitation_names, select_frequencies
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 _SAME_PEAK = 0.12  # of the frequency: largest distance of peaks of one mode
 _TREND_ERROR = 0.003  # relative error of the predicted change of frequency with fuel, gear included
@@ -57,8 +57,16 @@ def compare_ground_records(store: Store, flight_id: int) -> GroundTest:
         If symmetric and antisymmetric modes were excited together.
     """
     flight = store.flights.get(flight_id)
-    before, after = _require_pair(store, flight)
-    known = load_modes(store, *find_modal_tables(store, flight.aircraft_id, None, None))
+    pair = _find_pair(store, flight)
+    if pair is None:
+        raise Conflict(
+            f"flight {flight.number} has no record on the ground both before its first and after "
+            "its last maneuver; import them with axis 'ground'",
+            code="no-ground-records",
+            flight_id=flight.id,
+        )
+    before, after = pair
+    known = load_modes(store, *find_modal_tables(store, flight.aircraft_id))
     modes = tuple(known.table.at(m.condition.fuel_fraction) for m in (before, after))
     ratios = tuple(_compute_ratios(store, maneuver) for maneuver in (before, after))
     excited = _find_excited_modes(store, before, modes[0], known)
@@ -120,18 +128,6 @@ def _find_pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver] | None
     return first, last
 
 
-def _require_pair(store: Store, flight: Flight) -> tuple[Maneuver, Maneuver]:
-    pair = _find_pair(store, flight)
-    if pair is None:
-        raise Conflict(
-            f"flight {flight.number} has no record on the ground both before its first and after "
-            "its last maneuver; import them with axis 'ground'",
-            code="no-ground-records",
-            flight_id=flight.id,
-        )
-    return pair
-
-
 def _compute_ratios(store: Store, maneuver: Maneuver) -> list[InputRatios]:
     """Compute strain and acceleration over the excitation of each input, at its harmonics."""
     if maneuver.excitation is None:
@@ -145,7 +141,7 @@ def _compute_ratios(store: Store, maneuver: Maneuver) -> list[InputRatios]:
     outputs = [c.name for c in channels if c.role is Role.OUTPUT and kinds.get(c.name) in seen]
     recorded = {c.name for c in channels}
     frequencies = select_frequencies(maneuver)
-    commands = [f"{n}_command" if f"{n}_command" in recorded else n for n in frequencies.inputs]
+    commands = list_excitation_names(frequencies.inputs, recorded)
     data = read_spectra(store, maneuver, aircraft, (*outputs, *commands), frequencies).values
     n_y = len(outputs)
     return [
@@ -175,7 +171,7 @@ def _find_excited_modes(
             "modes, so a peak cannot be assigned to a mode; excite all pairs symmetrically, or all "
             "antisymmetrically",
             maneuver_id=maneuver.id,
-            axis=LATERAL,
+            axis=LATERAL.axis,
         )
     antisymmetric = moved == {"antisymmetric"}
     return np.array([known.symmetric[number] != antisymmetric for number in modes.numbers])
@@ -208,65 +204,52 @@ def _compare_peak(
     first = fit_peak(ratios[0], near_hz, sizes)
     explained = float(modes[1].omega[index] / modes[0].omega[index]) - 1.0
     louder = float(modes[0].zeta[index] / modes[1].zeta[index]) - 1.0
-    expected_hz = first.frequency_hz * (1.0 + explained)
-    second = next(
-        (
-            fit_peak(ratios[1], peak_hz, sizes)
-            for peak_hz in later_hz
-            if abs(peak_hz / expected_hz - 1.0) < _SAME_PEAK
-        ),
-        None,
-    )
-    if second is None:
-        return _describe_change(number, known, first, None, explained, louder, None, None)
-    change = second.frequency_hz / first.frequency_hz - 1.0
-    std = float(
-        np.hypot(
-            first.frequency_std_hz / first.frequency_hz,
-            second.frequency_std_hz / second.frequency_hz,
-        )
-    )
-    return _describe_change(number, known, first, second, explained, louder, change, std)
-
-
-def _describe_change(
-    number: int,
-    known: AircraftModes,
-    first: Peak,
-    second: Peak | None,
-    explained: float,
-    louder: float,
-    change: float | None,
-    std: float | None,
-) -> PeakChange:
-    unexplained = total = amplitude = spread = None
-    verdict = GroundTestVerdict.ALARM  # of a missing peak
-    if second is not None and change is not None and std is not None:
-        unexplained = (1.0 + change) / (1.0 + explained) - 1.0
-        total = float(np.hypot(std, _TREND_ERROR))
-        amplitude = second.amplitude / first.amplitude - 1.0
-        spread = float(
-            np.hypot(first.amplitude_std / first.amplitude, second.amplitude_std / second.amplitude)
-        )
-        off = abs((1.0 + amplitude) / (1.0 + louder) - 1.0)
-        verdict = GroundTestVerdict.HEALTHY
-        if off > _SIGMAS * np.hypot(spread, _AMPLITUDE_ERROR):
-            verdict = GroundTestVerdict.WATCH
-        if abs(unexplained) > _SIGMAS * total:
-            verdict = GroundTestVerdict.ALARM
-    return PeakChange(
+    missing = PeakChange(
         mode=number,
         name=known.names[number],
         before_hz=first.frequency_hz,
         before_std_hz=first.frequency_std_hz,
-        after_hz=None if second is None else second.frequency_hz,
-        after_std_hz=None if second is None else second.frequency_std_hz,
-        change=change,
+        after_hz=None,
+        after_std_hz=None,
+        change=None,
         explained=explained,
+        unexplained=None,
+        unexplained_std=None,
+        amplitude_change=None,
+        amplitude_explained=louder,
+        amplitude_std=None,
+        verdict=GroundTestVerdict.ALARM,
+    )
+    expected_hz = first.frequency_hz * (1.0 + explained)
+    near = (peak_hz for peak_hz in later_hz if abs(peak_hz / expected_hz - 1.0) < _SAME_PEAK)
+    found_hz = next(near, None)
+    if found_hz is None:
+        return missing
+    second = fit_peak(ratios[1], found_hz, sizes)
+    change = second.frequency_hz / first.frequency_hz - 1.0
+    std = np.hypot(
+        first.frequency_std_hz / first.frequency_hz, second.frequency_std_hz / second.frequency_hz
+    )
+    unexplained = (1.0 + change) / (1.0 + explained) - 1.0
+    total = float(np.hypot(std, _TREND_ERROR))
+    amplitude = second.amplitude / first.amplitude - 1.0
+    spread = float(
+        np.hypot(first.amplitude_std / first.amplitude, second.amplitude_std / second.amplitude)
+    )
+    off = abs((1.0 + amplitude) / (1.0 + louder) - 1.0)
+    verdict = GroundTestVerdict.HEALTHY
+    if off > _SIGMAS * np.hypot(spread, _AMPLITUDE_ERROR):
+        verdict = GroundTestVerdict.WATCH
+    if abs(unexplained) > _SIGMAS * total:
+        verdict = GroundTestVerdict.ALARM
+    return replace(
+        missing,
+        after_hz=second.frequency_hz,
+        after_std_hz=second.frequency_std_hz,
+        change=change,
         unexplained=unexplained,
         unexplained_std=total,
         amplitude_change=amplitude,
-        amplitude_explained=louder,
         amplitude_std=spread,
         verdict=verdict,
     )

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from itertools import combinations
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from flexsid.errors import FlexsidError
-from flexsid.records.aircraft import SensorKind
-from flexsid.records.finite import finite_or_none
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.records import finite_or_none
+from flexsid.records.aircraft import Aircraft, SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
+    Average,
     ChannelQuality,
     Figures,
+    FlightConditionQuality,
     FoundStretch,
     InputPair,
     ManeuverQuality,
@@ -25,35 +29,57 @@ from flexsid.records.quality import (
 )
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.preparation.biases import Bias
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
+from flexsid.sysid.stability.poles import compute_separation_factor
 from flexsid.units import si_unit
-from flexsid.workflow import views
-from flexsid.workflow.measurements.condition_spread import assess_condition
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
+from flexsid.workflow.aircraft.axes import find_body, list_axis_surfaces
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_values,
+    list_predicted_modes,
+    select_prediction,
+)
+from flexsid.workflow.aircraft.thrust import (
+    TOTAL_TEMPERATURE,
+    compute_total_temperature,
+    interpolate_thrust,
+)
 from flexsid.workflow.measurements.conditioning import read_conditioning
+from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import Conditioning
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
-from flexsid.workflow.quality.quality_warnings import determine_verdict, list_quality_warnings
+from flexsid.workflow.modal_data.modal_tables import find_modal_tables, load_modes
+from flexsid.workflow.quality.quality_warnings import (
+    MAX_AIRSPEED_DRIFT,
+    MAX_FUEL_CHANGE,
+    determine_verdict,
+    list_quality_warnings,
+)
 from flexsid.workflow.quality.sensor_skews import RedundancyCheck, check_redundancy, estimate_biases
+from flexsid.workflow.quality.surface_quality import check_surfaces
+from flexsid.workflow.views.channels import read_traces
+from flexsid.workflow.views.maneuver import compute_spectrum
+from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
-_VERSION = 8  # of the assessment: a higher one assesses every maneuver again
+_VERSION = 9  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50
 
 
-def get_maneuver_quality(store: Store, maneuver_id: int) -> ManeuverQuality:
-    """Return the quality of a maneuver; assessed now if its content is new.
+def find_maneuver_quality(store: Store, maneuver_id: int) -> ManeuverQuality | None:
+    """Return the stored quality of a maneuver; None if its present content is not assessed.
 
     Raises
     ------
     UnknownRecord
         If the maneuver does not exist.
     """
-    maneuver = store.maneuvers.get(maneuver_id)
-    content = compute_content_hash(store, maneuver)
-    for known in store.qualities.find(maneuver_id=maneuver_id):
-        if known.content_hash == content:
-            return known
-    return _store_quality(store, assess_maneuver(store, maneuver, content))
+    content = compute_content_hash(store, store.maneuvers.get(maneuver_id))
+    found = store.qualities.find(maneuver_id=maneuver_id)
+    return next((known for known in found if known.content_hash == content), None)
 
 
 def compute_content_hash(store: Store, maneuver: Maneuver) -> str:
@@ -64,17 +90,26 @@ def compute_content_hash(store: Store, maneuver: Maneuver) -> str:
     parts: list[Any] = [
         _VERSION,
         sorted((c.name, c.role, c.unit, c.rate_hz, c.start_s, c.array) for c in channels),
-        {n: asdict(c) for n, c in sorted(read_conditioning(store, maneuver.id).items())},
-        asdict(maneuver.condition),
-        None if maneuver.excitation is None else asdict(maneuver.excitation),
-        [asdict(sensor) for sensor in aircraft.sensors],
-        asdict(aircraft.mass),
-        None if aircraft.thrust is None else asdict(aircraft.thrust),
-        {name: repr(instrument) for name, instrument in sorted(aircraft.instruments.items())},
+        read_conditioning(store, maneuver.id),
+        maneuver.condition,
+        maneuver.excitation,
+        aircraft.sensors,
+        aircraft.surfaces,
+        aircraft.mass,
+        aircraft.thrust,
+        {name: repr(instrument) for name, instrument in aircraft.instruments.items()},
         sorted((table.kind, *sorted(table.arrays.values())) for table in tables),
         sorted(p.values for p in store.predictions.find(aircraft_id=maneuver.aircraft_id)),
     ]
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+    corrections = [
+        (table.id or 0, correction.number, correction.symmetric)
+        for table in tables
+        for correction in store.mode_corrections.find(modal_table_id=table.id)
+    ]
+    if corrections:
+        parts.append(sorted(corrections))
+    text = json.dumps(parts, sort_keys=True, default=asdict)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
@@ -83,36 +118,29 @@ def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQ
     missing: list[str] = []
     channels = read_channels(store.database, maneuver.id)
     steps = read_conditioning(store, maneuver.id)
-    stretches = {
-        name: _find_sample_faults(
-            channel,
-            samples,
-            _slice_excited_samples(maneuver, channel),
-            steps.get(name, Conditioning()).stretches,
-        )
-        for name, (channel, samples) in channels.items()
-    }
     signal = _compute_signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
-    faults, offsets, unchecked = _check_redundancy(store, maneuver, missing)
-    qualities = tuple(
-        _build_channel_quality(
-            channel, stretches[name], signal.get(name), faults, offsets, unchecked
-        )
-        for name, (channel, _) in channels.items()
-    )
+    redundancy = _check_redundancy(store, maneuver, missing)
+    check = redundancy.check
     report = QualityReport(
-        channels=qualities,
+        channels=tuple(
+            _build_channel_quality(
+                channel,
+                _find_sample_faults(maneuver, channel, samples, steps.get(name, Conditioning())),
+                signal.get(name),
+                redundancy,
+            )
+            for name, (channel, samples) in channels.items()
+        ),
         condition=assess_condition(store, maneuver),
         inputs=_correlate_inputs(store, maneuver),
         warnings=(),
-        skew_reference=None if faults is None else faults.faults.reference,
-        skew_band_hz=None if faults is None else faults.faults.band_hz,
+        skew_reference=None if check is None else check.faults.reference,
+        skew_band_hz=None if check is None else check.faults.band_hz,
         not_checked=tuple(missing),
+        surfaces=check_surfaces(store, maneuver, store.aircraft.get(maneuver.aircraft_id)),
     )
-    report = replace(
-        report,
-        warnings=list_quality_warnings(maneuver, report, _find_undecayed_sensor(store, maneuver)),
-    )
+    undecayed = _find_undecayed_sensor(store, maneuver)
+    report = replace(report, warnings=list_quality_warnings(maneuver, report, undecayed))
     verdict, summary = determine_verdict(report)
     return ManeuverQuality(
         maneuver_id=maneuver.id,
@@ -124,7 +152,8 @@ def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQ
     )
 
 
-def _store_quality(store: Store, found: ManeuverQuality) -> ManeuverQuality:
+def store_quality(store: Store, found: ManeuverQuality) -> ManeuverQuality:
+    """Store the quality of a maneuver in place of an earlier one."""
     with store.transaction():
         for known in store.qualities.find(maneuver_id=found.maneuver_id):
             assert known.id is not None
@@ -132,37 +161,29 @@ def _store_quality(store: Store, found: ManeuverQuality) -> ManeuverQuality:
         return store.qualities.add(found)
 
 
-def _slice_excited_samples(maneuver: Maneuver, channel: Channel) -> slice | None:
-    """Return the samples of a channel during which the excitation acts on it."""
-    excitation = maneuver.excitation
-    if excitation is None:
-        return None
-    if channel.role is Role.INPUT and not excitation.harmonics.get(channel.name):
-        return None
-    begin = excitation.start_s - channel.start_s
-    end = begin + excitation.n_periods * excitation.period_s
-    first, stop = (round(at * channel.rate_hz) for at in (begin, end))
-    return slice(max(first, 0), min(stop, channel.n_samples))
-
-
 def _find_sample_faults(
-    channel: Channel,
-    samples: np.ndarray,
-    moving: slice | None,
-    repaired: Sequence[tuple[int, int]],
+    maneuver: Maneuver, channel: Channel, samples: np.ndarray, steps: Conditioning
 ) -> tuple[FoundStretch, ...]:
     """Find spikes, dropouts and saturation that are not repaired, in inputs and outputs."""
     if channel.role in (Role.COMMAND, Role.CONDITION):
         return ()
+    excitation = maneuver.excitation
+    moving = None  # the samples during which the excitation acts on the channel
+    if excitation is not None and (
+        channel.role is not Role.INPUT or excitation.harmonics.get(channel.name)
+    ):
+        moving = channel.slice_samples(excitation.interval_s)
     return tuple(
         FoundStretch(
             kind=stretch.kind.value,
             first=stretch.first,
             stop=stretch.stop,
-            start_s=channel.start_s + stretch.first / channel.rate_hz,
+            start_s=channel.get_time(stretch.first),
         )
         for stretch in find_defects(np.asarray(samples, dtype=float), moving)
-        if not any(first <= stretch.first and stretch.stop <= stop for first, stop in repaired)
+        if not any(
+            first <= stretch.first and stretch.stop <= stop for first, stop in steps.stretches
+        )
     )
 
 
@@ -175,7 +196,7 @@ def _compute_signal_to_noise(
         return {}
     assert maneuver.id is not None
     try:
-        spectra = views.spectrum(store, maneuver.id, names)
+        spectra = compute_spectrum(store, maneuver.id, names)
     except FlexsidError as error:
         missing.append(f"Signal-to-noise: {error.message}.")
         return {}
@@ -196,37 +217,41 @@ def _compute_signal_to_noise(
     return result
 
 
-def _check_redundancy(
-    store: Store, maneuver: Maneuver, missing: list[str]
-) -> tuple[RedundancyCheck | None, dict[str, Bias], dict[str, str]]:
-    """Return faults, biases, and why outputs were not checked; "" is the key of all others."""
+@dataclass(frozen=True, slots=True)
+class _Redundancy:
+    """Faults, biases, and why outputs were not checked: by name, and of all others."""
+
+    check: RedundancyCheck | None = None
+    biases: Mapping[str, Bias] = field(default_factory=dict[str, Bias])
+    not_checked: Mapping[str, str] = field(default_factory=dict[str, str])
+    all_others: str | None = None
+
+
+def _check_redundancy(store: Store, maneuver: Maneuver, missing: list[str]) -> _Redundancy:
     try:
+        # Without modal data structural motion would count as faults of the sensors.
+        find_modal_tables(store, maneuver.aircraft_id)
         sensing = gather_sensors(store, maneuver)
     except FlexsidError as error:
         missing.append(f"Skews, scale factors and biases: {error.message}.")
-        return None, {}, {"": error.message}
-    faults, unchecked = None, dict(sensing.excluded)
+        return _Redundancy(all_others=error.message)
+    check, reason = None, None
     try:
-        faults = check_redundancy(sensing)
-        unchecked |= faults.not_checked
+        check = check_redundancy(sensing)
     except (FlexsidError, np.linalg.LinAlgError) as error:
         reason = error.message if isinstance(error, FlexsidError) else str(error)
         missing.append(f"Skews and scale factors: {reason}.")
-        unchecked[""] = reason
-    for name, reason in unchecked.items():
-        if name:
-            missing.append(f"{name}: {reason}.")
-    found = estimate_biases(store, sensing, None if faults is None else faults.faults)
-    return faults, found, unchecked
+    not_checked = sensing.excluded | ({} if check is None else check.not_checked)
+    missing += [f"{name}: {why}." for name, why in not_checked.items()]
+    biases = estimate_biases(store, sensing, None if check is None else check.faults)
+    return _Redundancy(check, biases, not_checked, reason)
 
 
 def _build_channel_quality(
     channel: Channel,
     stretches: tuple[FoundStretch, ...],
     signal: float | None,
-    faults: RedundancyCheck | None,
-    offsets: dict[str, Bias],
-    unchecked: dict[str, str],
+    redundancy: _Redundancy,
 ) -> ChannelQuality:
     saturated = sum(s.stop - s.first for s in stretches if s.kind == SampleDefect.SATURATION)
     quality = ChannelQuality(
@@ -238,41 +263,46 @@ def _build_channel_quality(
         n_stretches=len(stretches),
         stretches=stretches[:_MAX_LISTED],
     )
+    name, check = channel.name, redundancy.check
+    known = check is not None and name in check.faults.names
     if channel.role is Role.OUTPUT:
-        reason = unchecked.get(channel.name, unchecked.get(""))
-        if reason is None and (faults is None or channel.name not in faults.faults.names):
+        reason = redundancy.not_checked.get(name, redundancy.all_others)
+        if reason is None and not known:
             reason = "the aircraft record has no such sensor"
         quality = replace(quality, not_checked=reason)
-    if channel.name in offsets:
-        bias = offsets[channel.name]
+    if name in redundancy.biases:
+        bias = redundancy.biases[name]
         quality = replace(quality, bias=bias.value, bias_std=bias.std, bias_basis=bias.basis)
-    if faults is None:
+    if check is None:
         return quality
-    if faults.inputs is not None and channel.name in faults.inputs.names:
-        k = faults.inputs.names.index(channel.name)
-        delay, std = faults.inputs.delay_s[k], faults.inputs.delay_std[k]
-        return replace(quality, delay_s=finite_or_none(delay), delay_std=finite_or_none(std))
-    if channel.name not in faults.faults.names:
+    faults, skews = check.faults, check.inputs
+    if skews is not None and name in skews.names:
+        k = skews.names.index(name)
+        delay, std = finite_or_none(skews.delay_s[k]), finite_or_none(skews.delay_std[k])
+        return replace(quality, delay_s=delay, delay_std=std)
+    if not known:
         return quality
-    k = faults.faults.names.index(channel.name)
-    is_known = faults.is_delay_known(channel.name)
-    free = (is_known and faults.faults.scale_std[k] > 0) or faults.faults.scale[k] < 0
-    return replace(
+    k = faults.names.index(name)
+    quality = replace(
         quality,
-        coherence=finite_or_none(faults.coherence[k]),
-        noise_excess=finite_or_none(faults.noise_excess[k]),
-        delay_s=finite_or_none(faults.faults.delay_s[k]) if is_known else None,
-        delay_std=finite_or_none(faults.faults.delay_std[k]) if is_known else None,
-        scale=finite_or_none(faults.faults.scale[k]) if free else None,
-        scale_std=finite_or_none(faults.faults.scale_std[k]) if free else None,
+        coherence=finite_or_none(check.coherence[k]),
+        noise_excess=finite_or_none(check.noise_excess[k]),
     )
+    is_delay_known = name not in check.not_checked
+    if is_delay_known:
+        delay, std = finite_or_none(faults.delay_s[k]), finite_or_none(faults.delay_std[k])
+        quality = replace(quality, delay_s=delay, delay_std=std)
+    if (is_delay_known and faults.scale_std[k] > 0) or faults.scale[k] < 0:
+        scale, std = finite_or_none(faults.scale[k]), finite_or_none(faults.scale_std[k])
+        quality = replace(quality, scale=scale, scale_std=std)
+    return quality
 
 
 def _correlate_inputs(store: Store, maneuver: Maneuver) -> tuple[InputPair, ...]:
     """Correlate every pair of inputs during the excitation."""
     assert maneuver.id is not None
     try:
-        matrix = views.plot_matrix(store, maneuver.id)
+        matrix = compute_plot_matrix(store, maneuver.id)
     except FlexsidError:
         return ()
     return tuple(
@@ -302,21 +332,19 @@ def _find_undecayed_sensor(store: Store, maneuver: Maneuver) -> tuple[str, float
         for c in store.channels.find(maneuver_id=maneuver.id, role=Role.OUTPUT)
         if kinds.get(c.name) in (SensorKind.GYRO, SensorKind.ACCELEROMETER)
     ]
-    worst = None
-    for trace in views.read_channels(store, maneuver, names):
+    shares: dict[str, float] = {}
+    for trace in read_traces(store, maneuver, names):
         at, x = trace.time_s, trace.values
         before = x[at < excitation.start_s]
         during = x[(at >= excitation.start_s) & (at < excitation.start_s + excitation.period_s)]
         after = x[at > at[-1] - 0.5]
         if before.size < 8 or during.size < 8:
             continue
-        level = before.mean()
-        noise = before.std()
+        level, noise = before.mean(), before.std()
         left = max(float(np.sqrt(np.mean((after - level) ** 2))) - 2.0 * noise, 0.0)
-        share = left / float(np.std(during)) if np.std(during) > 4.0 * noise else 0.0
-        if worst is None or share > worst[1]:
-            worst = (trace.name, share)
-    return worst
+        moving = float(np.std(during))
+        shares[trace.name] = left / moving if moving > 4.0 * noise else 0.0
+    return max(shares.items(), key=itemgetter(1), default=None)
 
 
 def _summarise(report: QualityReport) -> Figures:
@@ -342,3 +370,109 @@ def _summarise(report: QualityReport) -> Figures:
         fuel_change=report.condition.fuel_change,
         airspeed_drift=report.condition.airspeed_drift,
     )
+
+
+def assess_condition(store: Store, maneuver: Maneuver) -> FlightConditionQuality:
+    """Average the recorded condition and assess its drift.
+
+    Notes
+    -----
+    Source: Sec. IV (averages), Sec. VI (separation of rigid and elastic frequencies).
+    """
+    recorded = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
+    loaded = {
+        c.name: (c, values)
+        for c, values in load_channels(store, maneuver.id, [c.name for c in recorded])
+    }
+    averages = {
+        name: _average(name, si_unit(channel.unit), values)
+        for name, (channel, values) in loaded.items()
+    }
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    for average in _average_table_values(aircraft, maneuver, loaded):
+        averages.setdefault(average.name, average)
+    fuel, speed = averages.get("fuel_fraction"), averages.get("airspeed")
+    fuel_change = None if fuel is None else abs(fuel.drift)
+    drift = None if speed is None or speed.mean == 0.0 else abs(speed.drift / speed.mean)
+    known = [
+        value <= most
+        for value, most in ((fuel_change, MAX_FUEL_CHANGE), (drift, MAX_AIRSPEED_DRIFT))
+        if value is not None
+    ]
+    return FlightConditionQuality(
+        averages=tuple(averages.values()),
+        airspeed_ratio=maneuver.airspeed_ratio,
+        fuel_fraction=maneuver.condition.fuel_fraction,
+        fuel_change=fuel_change,
+        airspeed_drift=drift,
+        separation_factor=_compute_separation_factor(store, maneuver),
+        time_invariant=all(known) if known else None,
+    )
+
+
+def _average_table_values(
+    aircraft: Aircraft, maneuver: Maneuver, known: Mapping[str, tuple[Channel, np.ndarray]]
+) -> Iterator[Average]:
+    """Average mass properties and thrust from the tables of the aircraft, sample by sample."""
+    if "fuel_fraction" in known:
+        table, fuel = aircraft.mass, known["fuel_fraction"][1]
+        for name, unit, column in (
+            ("mass", "kg", table.mass_kg),
+            ("pitch_inertia", "kg*m2", table.pitch_inertia_kg_m2),
+            ("x_cg", "m", table.x_cg_m),
+        ):
+            yield _average(name, unit, np.interp(fuel, table.fuel, column))
+    engines = aircraft.thrust
+    if engines is None or not all(name in known for name in engines.engines):
+        return
+    condition = maneuver.condition
+    air = np.array(compute_total_temperature(condition.density_kg_m3, condition.airspeed_m_s))
+    speeds = {name: known[name][1] for name in engines.engines}
+    clocks = {known[name][0].clock for name in engines.engines}
+    if TOTAL_TEMPERATURE in known:
+        channel, air = known[TOTAL_TEMPERATURE]
+        clocks.add(channel.clock)
+    if len(clocks) > 1:  # then averages
+        speeds = {name: values.mean(keepdims=True) for name, values in speeds.items()}
+        air = air.mean(keepdims=True)
+    with contextlib.suppress(BadInput):  # outside the table
+        yield _average("thrust", "N", interpolate_thrust(engines, speeds, air))
+
+
+def _average(name: str, unit: str, values: np.ndarray) -> Average:
+    sample = np.arange(values.size) - 0.5 * (values.size - 1)
+    power = float(sample @ sample)
+    slope = float(sample @ values) / power if power > 0 else 0.0
+    return Average(
+        name=name,
+        unit=unit,
+        mean=float(values.mean()),
+        std=float(values.std()),
+        smallest=float(values.min()),
+        largest=float(values.max()),
+        drift=slope * (values.size - 1),
+    )
+
+
+def _compute_separation_factor(store: Store, maneuver: Maneuver) -> float | None:
+    """Compute the separation factor of the model with the most predicted modes."""
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    try:
+        modes = load_modes(store, *find_modal_tables(store, maneuver.aircraft_id))
+        body = find_body(maneuver.axis)
+        own = tuple(n for n in modes.table.numbers if modes.belongs_to(n, body))
+        inputs = list_axis_surfaces(aircraft, body)
+        prediction = select_prediction(store, maneuver.aircraft_id, None, own, inputs, body)
+        if prediction is None:
+            return None
+        covered = list_predicted_modes(prediction, own, body)
+        fuel = maneuver.condition.fuel_fraction
+        values = interpolate_values(store, prediction, fuel)
+        table = DerivativeTable.from_names(covered, (), values, body)
+        shapes = modes.table.at(fuel).select(covered)
+        blind = SensorRows((), np.zeros((4, 0, body.size + len(covered))))
+        flight = build_flight_condition(aircraft, maneuver.condition)
+        model = AeroelasticModel(flight, shapes, (), blind, body)
+        return compute_separation_factor(model, table)
+    except FlexsidError:
+        return None

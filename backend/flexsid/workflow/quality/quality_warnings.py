@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import degrees, radians
 
 from flexsid.records.maneuver import Maneuver, Role
-from flexsid.records.quality import ChannelQuality, QualityReport, QualityVerdict, QualityWarning
-from flexsid.workflow.measurements.condition_spread import MAX_AIRSPEED_DRIFT, MAX_FUEL_CHANGE
+from flexsid.records.quality import (
+    ChannelQuality,
+    QualityReport,
+    QualityVerdict,
+    QualityWarning,
+    SurfaceQuality,
+)
+from flexsid.text import join_names
+from flexsid.workflow.quality.sensor_skews import RESOLVED_DELAY_STD_S
+
+MAX_FUEL_CHANGE = 0.03
+"""Fuel burnt over a maneuver of four periods that the paper accepts. [fraction]"""
+
+MAX_AIRSPEED_DRIFT = 0.03
+"""Relative drift of airspeed; dynamic pressure drifts twice as much."""
 
 _MIN_SIGNAL_DB = (12.0, 3.0)  # median of all outputs: warning below the first, bad below the second
 _SIGNAL_DB = 6.0  # of a channel with enough signal to assess
@@ -14,12 +28,12 @@ _MIN_COHERENCE = (0.8, 0.2)  # coherence with the other sensors
 _MAX_NOISE_EXCESS = 4.0  # times its known noise
 _SKEW_S = 1e-3
 _INPUT_SKEW_S = 3e-3  # unmodelled modes bias it by up to a millisecond
-_RESOLVED_DELAY_STD_S = 5e-3  # a larger standard error resolves no skew worth a correction
 _SCALE = 0.02
 _SIGMAS = 3.0
 _SKEW_SIGMAS = 4.0  # one of fifty channels exceeds three by chance
 _MAX_SATURATED = 0.005  # fraction of samples
 _MAX_CORRELATION = (0.7, 0.9)
+_UNCOMMANDED_RAD = radians(0.05)  # a quarter of a limit cycle that matters, three times clean ones
 _MIN_TRIM_S = 1.0
 _MAX_RESIDUAL_MOTION = 0.1  # of the motion while excited
 
@@ -47,6 +61,7 @@ def list_quality_warnings(
         *_warn_of_signal(report.channels),
         *_warn_of_redundancy(report.channels, report.skew_reference),
         *_warn_of_inputs(report),
+        *warn_of_surfaces(report.surfaces),
         *_warn_of_condition(report),
         *_warn_of_record(maneuver, decay),
     ]
@@ -74,7 +89,7 @@ def determine_verdict(report: QualityReport) -> tuple[QualityVerdict, str]:
         words.append("the condition was steady")
     text = f"Fit for estimation: {', '.join(words)}."
     if unchecked:
-        text += f" Cannot be checked: {_list_names([c.name for c in unchecked])}."
+        text += f" Cannot be checked: {join_names([c.name for c in unchecked])}."
     return _GOOD, text
 
 
@@ -129,7 +144,7 @@ def _warn_of_signal(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarni
             yield _warn(severity, "signal", text)
         quiet = [c.name for c in outputs if (c.signal_to_noise_db or 0.0) < _SIGNAL_DB]
         if quiet and middle >= _MIN_SIGNAL_DB[1]:
-            text = f"Little signal in {_list_names(quiet)}."
+            text = f"Little signal in {join_names(quiet)}."
             yield _warn(_GOOD, "signal", text)
     for channel in channels:
         ratio = channel.signal_to_noise_db
@@ -159,7 +174,7 @@ def _warn_of_redundancy(
         least = _INPUT_SKEW_S if c.role == Role.INPUT else _SKEW_S
         if (
             _is_significant(c.delay_s, c.delay_std, least, _SKEW_SIGMAS)
-            and (c.delay_std or 0.0) < _RESOLVED_DELAY_STD_S
+            and (c.delay_std or 0.0) < RESOLVED_DELAY_STD_S
         ):
             text = (
                 f"{c.name} is {1e3 * (c.delay_s or 0.0):+.1f} ± {1e3 * (c.delay_std or 0.0):.1f} ms"
@@ -198,6 +213,40 @@ def _warn_of_inputs(report: QualityReport) -> Iterator[QualityWarning]:
             severity = _BAD if size > _MAX_CORRELATION[1] else _WARNING
             text = f"{pair.first} and {pair.second} correlate at {pair.correlation:.2f}."
             yield _warn(severity, "inputs", text)
+
+
+def warn_of_surfaces(surfaces: Sequence[SurfaceQuality]) -> Iterator[QualityWarning]:
+    """Warn of surfaces that did not fly what was commanded."""
+    for one in surfaces:
+        if one.response is None:
+            continue
+        if one.gain is None:
+            text = f"{one.name} does not follow its command: it moved {one.response:.0%} of it."
+            yield _warn(_BAD, "surface", text, one.name)
+        elif one.gain < 0.0:
+            text = (
+                f"{one.name} moved against its command: check the sign of its deflection or of its "
+                "command."
+            )
+            yield _warn(_BAD, "surface", text, one.name)
+        if one.lost:
+            text = (
+                f"{_count(len(one.lost), 'harmonic')} of {one.name} did not arrive, the first "
+                f"{one.lost[0]}: a mixer or a limit removed it."
+            )
+            yield _warn(_WARNING, "surface", text, one.name)
+        if one.motion is not None and one.motion > _UNCOMMANDED_RAD:
+            text = (
+                f"{one.name} oscillates without command at {one.motion_hz:.2f} Hz with "
+                f"{degrees(one.motion):.2f} deg."
+            )
+            yield _warn(_WARNING, "surface", text, one.name)
+        if one.rate_limit is not None:
+            text = (
+                f"{one.name} is at its rate limit of about {degrees(one.rate_limit):.0f} deg/s for "
+                f"{one.rate_limited:.1%} of the time: its harmonics are distorted."
+            )
+            yield _warn(_WARNING, "surface", text, one.name)
 
 
 def _warn_of_condition(report: QualityReport) -> Iterator[QualityWarning]:
@@ -240,8 +289,3 @@ def _is_significant(
 
 def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
-
-
-def _list_names(names: Sequence[str], most: int = 6) -> str:
-    listed = ", ".join(names[:most])
-    return listed if len(names) <= most else f"{listed} and {len(names) - most} more"

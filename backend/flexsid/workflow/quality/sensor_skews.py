@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import NotIdentifiable
-from flexsid.records.aircraft import Sensor, SensorKind
+from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
@@ -27,7 +27,6 @@ from flexsid.sysid.preparation.redundancy import (
     widen_standard_errors,
 )
 from flexsid.sysid.preparation.resampling import resample
-from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.sensor_responses import SensorData, reconstruct_resolved_modes
 
@@ -46,7 +45,7 @@ _MAX_WORSE_MODELS = 2  # successive models of larger criterion that end the sear
 _EQUIVALENT_CRITERION = 25.0  # difference of the criterion up to which two models are equivalent
 _MISFIT = 3.0  # times its noise: neither delay nor scale factor explains this sensor
 _MAX_MISFIT_FRACTION = 1.0 / 3.0  # of the sensors: above, the model does not fit
-_RESOLVED_DELAY_STD_S = 5e-3  # a larger standard error resolves no delay worth a correction
+RESOLVED_DELAY_STD_S = 5e-3  # a larger standard error resolves no delay worth a correction
 _RESOLVED_SCALE_STD = 0.1  # a larger standard error resolves neither scale factor nor sign
 
 
@@ -61,13 +60,8 @@ class RedundancyCheck:
     faults: SensorFaults
     coherence: np.ndarray
     noise_excess: np.ndarray
-    inputs: InputSkews | None = None
-    not_checked: dict[str, str] = field(default_factory=dict[str, str])
-    found: tuple[str, ...] = ()
-
-    def is_delay_known(self, name: str) -> bool:
-        """Whether the delay of a sensor is known."""
-        return name not in self.not_checked
+    inputs: InputSkews | None
+    not_checked: dict[str, str]
 
 
 def check_redundancy(sensing: SensorData) -> RedundancyCheck:
@@ -109,48 +103,58 @@ def _detect_few_faults(sensing: SensorData) -> RedundancyCheck:
             "fit this record",
             code="model-misfit",
         )
-    spectra = sensing.measured
-    faults = best.faults
     equivalent = [
         other.faults
         for other in tried.values()
         if other is not best and other.criterion < best.criterion + _EQUIVALENT_CRITERION
     ]
-    faults = widen_standard_errors(faults, equivalent)
+    faults = widen_standard_errors(best.faults, equivalent)
     wrong = np.isin(faults.names, best.found)
     delay = np.where(wrong & np.isfinite(faults.delay_s), faults.delay_s, 0.0)
     scale = np.where(wrong & np.isfinite(faults.scale_std), faults.scale, best.signs)
-    straight = np.exp(1j * np.outer(spectra.omega, delay)) / scale
-    values = spectra.outputs.pick(faults.names).values * straight
-    outputs = FrequencyData(spectra.omega, values, faults.names)
-    corrected = replace(sensing, measured=replace(spectra, outputs=outputs))
-    motion = reconstruct_motion(model, outputs, spectra.instruments, faults.noise)
-    coherence = compute_sensor_coherence(model, outputs, spectra.instruments, faults.noise)
-    level = np.sqrt(np.mean(np.abs(spectra.outputs.pick(faults.names).values) ** 2, axis=0))
-    quiet = level < _SIGNAL_OVER_NOISE * np.nan_to_num(sensing.noise)
-    coherence = np.where(quiet, np.nan, coherence)
+    corrected = _correct_outputs(sensing, delay, scale)
+    spectra = corrected.measured
+    motion = reconstruct_motion(model, spectra.outputs, spectra.instruments, faults.noise)
     unknown = ~(faults.scale_std < _RESOLVED_SCALE_STD)
     faults = replace(
         faults,
         scale=np.where(unknown, 1.0, faults.scale),
         scale_std=np.where(unknown, 0.0, faults.scale_std),
     )
-    not_checked = _explain_not_checked(faults, best, quiet, count)
+    not_checked = _explain_not_checked(faults, best, _find_quiet(sensing), count)
     kinds = {o.name: o.kind for o in sensing.outputs}
     is_vane_misfit = np.array([kinds[name] is SensorKind.VANE for name in faults.names]) & poor
     for name in np.array(faults.names)[is_vane_misfit]:
         not_checked[str(name)] += " (a vane also reads turbulence)"
-    excess = np.where(is_vane_misfit, np.nan, best.misfit)
-    # The timing error of the motion is that of the sensors.
-    timing_std_s = float(np.median(faults.delay_std[np.isfinite(faults.delay_std)]))
     return RedundancyCheck(
-        faults,
-        coherence,
-        excess,
-        _estimate_input_skews(corrected, motion, timing_std_s),
-        not_checked,
-        best.found,
+        faults=faults,
+        coherence=_compute_coherence(sensing, corrected, model, faults.noise),
+        noise_excess=np.where(is_vane_misfit, np.nan, best.misfit),
+        inputs=_estimate_input_skews(corrected, motion, faults),
+        not_checked=not_checked,
     )
+
+
+def _correct_outputs(sensing: SensorData, delay_s: np.ndarray, scale: np.ndarray) -> SensorData:
+    """Remove delays and scale factors from the spectra of the outputs."""
+    outputs = sensing.measured.outputs
+    straight = np.exp(1j * np.outer(outputs.omega, delay_s)) / scale
+    return sensing.with_outputs(outputs.values * straight)
+
+
+def _find_quiet(sensing: SensorData) -> np.ndarray:
+    """Find sensors that contain little but noise."""
+    level = np.sqrt(np.mean(np.abs(sensing.measured.outputs.values) ** 2, axis=0))
+    return level < _SIGNAL_OVER_NOISE * np.nan_to_num(sensing.noise)
+
+
+def _compute_coherence(
+    sensing: SensorData, corrected: SensorData, model: AeroelasticModel, noise: np.ndarray
+) -> np.ndarray:
+    """Compute the coherence of each sensor with the others; NaN with little but noise."""
+    spectra = corrected.measured
+    coherence = compute_sensor_coherence(model, spectra.outputs, spectra.instruments, noise)
+    return np.where(_find_quiet(sensing), np.nan, coherence)
 
 
 def _detect_by_number_of_modes(sensing: SensorData) -> dict[int, FaultDetection]:
@@ -198,7 +202,7 @@ def _explain_not_checked(
                 f"it departs from the other sensors by {best.misfit[k]:.0f} times its noise, "
                 "which neither a delay nor a scale factor explains"
             )
-        elif not faults.delay_std[k] < _RESOLVED_DELAY_STD_S:
+        elif not faults.delay_std[k] < RESOLVED_DELAY_STD_S:
             reasons[name] = (
                 f"the other sensors do not resolve its part in the motion of {count} modes"
             )
@@ -218,15 +222,12 @@ def _estimate_all_delays(sensing: SensorData) -> RedundancyCheck:
         If the sensors are not redundant.
     """
     found = _estimate_faults(sensing)
-    names = found.faults.names
-    if np.nanmax(np.nan_to_num(found.noise_excess)) < _SIGN_TEST_RATIO:
+    excess = np.nan_to_num(found.noise_excess)
+    worst = int(np.argmax(excess))
+    if excess[worst] < _SIGN_TEST_RATIO:
         return found
-    worst = int(np.argmax(np.nan_to_num(found.noise_excess)))
-    sign = np.where(np.arange(len(names)) == worst, -1.0, 1.0)
-    outputs = sensing.measured.outputs
-    values = outputs.pick(names).values * sign
-    reversed_sign = replace(sensing.measured, outputs=FrequencyData(outputs.omega, values, names))
-    other = _estimate_faults(replace(sensing, measured=reversed_sign))
+    sign = np.where(np.arange(excess.size) == worst, -1.0, 1.0)
+    other = _estimate_faults(sensing.with_outputs(sensing.measured.outputs.values * sign))
     if not other.noise_excess[worst] < _SIGN_RESIDUAL_FRACTION * found.noise_excess[worst]:
         return found
     return replace(other, faults=replace(other.faults, scale=other.faults.scale * sign))
@@ -234,13 +235,11 @@ def _estimate_all_delays(sensing: SensorData) -> RedundancyCheck:
 
 def _estimate_faults(sensing: SensorData) -> RedundancyCheck:
     spectra = sensing.measured
-    names = sensing.model.outputs
-    kinds = {o.name: o.kind for o in sensing.outputs}
-    scaled = tuple(n for n in names if kinds[n] in _CALIBRATED)
-    if all(kind in _CALIBRATED for kind in kinds.values()):
+    scaled = tuple(o.name for o in sensing.outputs if o.kind in _CALIBRATED)
+    if len(scaled) == len(sensing.outputs):
         scaled = ()
     reference = _select_reference(sensing)
-    least = np.where(np.isfinite(sensing.noise), sensing.noise, 0.0)
+    least = np.nan_to_num(sensing.noise)
 
     def estimate(model: AeroelasticModel, near: SensorFaults | None = None) -> SensorFaults:
         return estimate_sensor_faults(
@@ -248,59 +247,44 @@ def _estimate_faults(sensing: SensorData) -> RedundancyCheck:
         )
 
     first = estimate(sensing.model)
-    seen = np.where(first.delay_std < _MAX_DELAY_STD_S, first.delay_s, 0.0)
-    straight = np.exp(1j * np.outer(spectra.omega, seen)) / first.scale
-    values = spectra.outputs.pick(names).values * straight
-    outputs = FrequencyData(spectra.omega, values, names)
-    corrected = replace(sensing, measured=replace(spectra, outputs=outputs))
+    delay = np.where(first.delay_std < _MAX_DELAY_STD_S, first.delay_s, 0.0)
+    corrected = _correct_outputs(sensing, delay, first.scale)
     model, motion = reconstruct_resolved_modes(corrected)
     count = len(model.modes.numbers)
     same = model.modes.numbers == sensing.model.modes.numbers
     best = first if same else estimate(model, first)
     others = []
-    for more in range(1, _MORE_MODES + 1):
-        if count + more > len(sensing.modes):
-            break
-        richer = sensing.with_modes(sensing.modes[: count + more])
+    for more in range(count + 1, min(count + _MORE_MODES, len(sensing.modes)) + 1):
         try:
-            others.append(estimate(richer, best))
+            others.append(estimate(sensing.with_modes(sensing.modes[:more]), best))
         except NotIdentifiable:
             break
-    coherence = compute_sensor_coherence(
-        model, corrected.measured.outputs, spectra.instruments, motion.noise
-    )
-    # The coherence of a sensor with little but noise is not defined.
-    level = np.sqrt(np.mean(np.abs(spectra.outputs.pick(names).values) ** 2, axis=0))
-    coherence = np.where(level < _SIGNAL_OVER_NOISE * sensing.noise, np.nan, coherence)
-    excess = motion.noise / sensing.noise
     faults = widen_standard_errors(best, others)
-    # The timing error of the motion is that of the sensors.
-    timing_std_s = float(np.median(faults.delay_std))
-    not_checked = {
-        name: "the other sensors do not resolve its delay"
-        for name, std in zip(names, faults.delay_std, strict=True)
-        if not std < _MAX_DELAY_STD_S
-    }
     return RedundancyCheck(
-        faults,
-        coherence,
-        excess,
-        _estimate_input_skews(corrected, motion, timing_std_s),
-        not_checked,
+        faults=faults,
+        coherence=_compute_coherence(sensing, corrected, model, motion.noise),
+        noise_excess=motion.noise / sensing.noise,
+        inputs=_estimate_input_skews(corrected, motion, faults),
+        not_checked={
+            name: "the other sensors do not resolve its delay"
+            for name, std in zip(faults.names, faults.delay_std, strict=True)
+            if not std < _MAX_DELAY_STD_S
+        },
     )
 
 
 def _estimate_input_skews(
-    sensing: SensorData, motion: ReconstructedMotion, timing_std_s: float
+    sensing: SensorData, motion: ReconstructedMotion, faults: SensorFaults
 ) -> InputSkews | None:
     """Estimate skews of the surfaces; one mode fewer or more widens their errors.
 
-    None without a known excitation: regressors are then mostly noise and bias the delays.
+    The timing error of the motion is that of the sensors. None without a known
+    excitation: regressors are then mostly noise and bias the delays.
     """
     if sensing.maneuver.excitation is None:
         return None
     spectra = sensing.measured
-    numbers = sensing.modes[: motion.values.shape[1] - 2]
+    numbers = sensing.modes[: motion.values.shape[1] - sensing.model.n_rigid]
     near = sensing.with_modes(numbers).modes.omega < _MAX_DYNAMIC_MODE_RATIO * spectra.omega[-1]
     count = int(np.sum(near))
     found: list[InputSkews] = []
@@ -312,7 +296,7 @@ def _estimate_input_skews(
             found.append(
                 estimate_input_skews(
                     model,
-                    motion.select_modes(number),
+                    motion.select_motions(model.n_rigid + number),
                     spectra.inputs,
                     spectra.input_noise,
                     found[0] if found else None,
@@ -321,6 +305,7 @@ def _estimate_input_skews(
         except (NotIdentifiable, np.linalg.LinAlgError):
             if number == count:
                 return None
+    timing_std_s = float(np.median(faults.delay_std[np.isfinite(faults.delay_std)]))
     spread = [(one.delay_s - found[0].delay_s) ** 2 for one in found]
     return replace(
         found[0],
@@ -333,30 +318,36 @@ def estimate_biases(
 ) -> dict[str, Bias]:
     """Estimate biases of gyros and vanes against attitude, or against trim without attitude."""
     maneuver = sensing.maneuver
-    channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
-    of_kind = {
-        kind: [s for s in sensing.aircraft.sensors if s.kind is kind and s.name in channels]
-        for kind in (SensorKind.GYRO, SensorKind.VANE, SensorKind.ATTITUDE)
-    }
-    attitude = next((s for s in of_kind[SensorKind.ATTITUDE] if s.axis == "y"), None)
+    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
+    pitch = [s for s in sensing.aircraft.sensors if s.axis == "y" and s.name in recorded]
+    attitude = next((s for s in pitch if s.kind is SensorKind.ATTITUDE), None)
     climb = _estimate_climb_angle(store, maneuver)
     found: dict[str, Bias] = {}
-    for sensor in (*of_kind[SensorKind.GYRO], *of_kind[SensorKind.VANE]):
-        if sensor.axis != "y":
+    for sensor in pitch:
+        if sensor.kind not in (SensorKind.GYRO, SensorKind.VANE):
             continue
-        channel, values = _load_sensor(store, maneuver, sensor)
+        channel, values = _load_sensor(store, maneuver, sensor.name)
         trim = _slice_trim(maneuver, channel)
         if trim.stop - trim.start < 4:
             continue
-        scale, std = _get_scale(faults, sensor.name)
-        level = None if attitude is None else _load_on_clock(store, maneuver, attitude, channel)
+        scale, std = 1.0, 0.0
+        if faults is not None and sensor.name in faults.names:
+            index = faults.names.index(sensor.name)
+            scale, std = float(faults.scale[index]), float(faults.scale_std[index])
+        level = None
+        if attitude is not None:
+            clock, level = _load_sensor(store, maneuver, attitude.name)
+            if clock.clock != channel.clock:
+                level = resample(level, clock.rate_hz, clock.start_s, *channel.clock)
         if sensor.kind is SensorKind.GYRO:
-            found[sensor.name] = estimate_gyro_bias(
-                values, level, channel.rate_hz, trim, scale, std
-            )
+            bias = estimate_gyro_bias(values, level, channel.rate_hz, trim, scale, std)
         elif level is not None:
-            found[sensor.name] = estimate_vane_bias(values, level, climb, trim, scale, std)
-    return {name: bias for name, bias in found.items() if np.isfinite(bias.std)}
+            bias = estimate_vane_bias(values, level, climb, trim, scale, std)
+        else:
+            continue
+        if np.isfinite(bias.std):
+            found[sensor.name] = bias
+    return found
 
 
 def _select_reference(sensing: SensorData) -> str:
@@ -372,13 +363,6 @@ def _select_reference(sensing: SensorData) -> str:
     return min(heave, key=lambda s: np.hypot(s.location_m[0] - x, s.location_m[1])).name
 
 
-def _get_scale(faults: SensorFaults | None, name: str) -> tuple[float, float]:
-    if faults is None or name not in faults.names:
-        return 1.0, 0.0
-    index = faults.names.index(name)
-    return float(faults.scale[index]), float(faults.scale_std[index])
-
-
 def _slice_trim(maneuver: Maneuver, channel: Channel) -> slice:
     """Return the samples before the excitation."""
     excitation = maneuver.excitation
@@ -389,29 +373,13 @@ def _slice_trim(maneuver: Maneuver, channel: Channel) -> slice:
 
 def _estimate_climb_angle(store: Store, maneuver: Maneuver) -> Bias:
     """Estimate the flight path angle from altitude, else return that of the condition."""
-    assert maneuver.id is not None
-    known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION, name="altitude")
-    if not known:
+    if not store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION, name="altitude"):
         gamma = maneuver.condition.gamma_rad
         return Bias(value=gamma, std=0.0, basis=f"gamma taken as {np.degrees(gamma):.2f} deg")
-    ((channel, values),) = load_channels(store, maneuver.id, ["altitude"])
-    return estimate_climb_angle(
-        np.asarray(values, dtype=float), channel.rate_hz, maneuver.condition.airspeed_m_s
-    )
+    channel, values = _load_sensor(store, maneuver, "altitude")
+    return estimate_climb_angle(values, channel.rate_hz, maneuver.condition.airspeed_m_s)
 
 
-def _load_sensor(store: Store, maneuver: Maneuver, sensor: Sensor) -> tuple[Channel, np.ndarray]:
-    assert maneuver.id is not None
-    ((channel, values),) = load_channels(store, maneuver.id, [sensor.name])
+def _load_sensor(store: Store, maneuver: Maneuver, name: str) -> tuple[Channel, np.ndarray]:
+    ((channel, values),) = load_channels(store, maneuver.id, [name])
     return channel, np.asarray(values, dtype=float)
-
-
-def _load_on_clock(store: Store, maneuver: Maneuver, sensor: Sensor, clock: Channel) -> np.ndarray:
-    """Load samples of a sensor, resampled on the clock of another channel."""
-    channel, values = _load_sensor(store, maneuver, sensor)
-    same = (channel.rate_hz, channel.start_s, channel.n_samples)
-    if same == (clock.rate_hz, clock.start_s, clock.n_samples):
-        return values
-    return resample(
-        values, channel.rate_hz, channel.start_s, clock.rate_hz, clock.start_s, clock.n_samples
-    )

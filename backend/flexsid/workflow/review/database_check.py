@@ -13,18 +13,20 @@ from flexsid.records.run import RunState
 from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
 from flexsid.storage.arrays import hash_array
+from flexsid.storage.audit_log import read_events
 from flexsid.storage.database import Database
+from flexsid.storage.event_chain import is_chain_intact
 from flexsid.storage.run_results import SEALED, is_altered
 from flexsid.storage.store import Store
 from flexsid.workflow.review.audit import replay
-from flexsid.workflow.review.clock import find_clock_error
-from flexsid.workflow.review.evidence import GONE, hash_evidence, is_chain_intact
+from flexsid.workflow.review.decision_review import find_clock_error
+from flexsid.workflow.review.evidence import GONE, hash_evidence
 
 _AT_ONCE = 20  # arrays read at once; one of a flight may weigh tens of megabytes
 _REPAIR = "restore a backup from before"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class DatabaseProblem:
     """A problem with a stable code and advice.
 
@@ -45,6 +47,7 @@ def check_database(store: Store) -> list[DatabaseProblem]:
         *_check_arrays(store.database),
         *_check_results(store.database),
         *_check_decisions(store),
+        *_check_audit_log(store),
         *_check_clock(store),
     ]
 
@@ -53,32 +56,26 @@ def _check_pages(database: Database) -> Iterator[DatabaseProblem]:
     with database.reading() as connection:
         if connection.dialect.name == "sqlite":
             found = connection.exec_driver_sql("PRAGMA integrity_check(20)").scalars().all()
-            for text in (one for one in found if one != "ok"):
-                yield DatabaseProblem(
-                    code="damaged-page",
-                    record="database",
-                    text=f"The database file is damaged: {text}. Stop the server and {_REPAIR}.",
-                )
+            for damage in (one for one in found if one != "ok"):
+                text = f"The database file is damaged: {damage}. Stop the server and {_REPAIR}."
+                yield DatabaseProblem("damaged-page", "database", text)
             return
         checksums = connection.exec_driver_sql("SHOW data_checksums").scalar()
         loose = connection.exec_driver_sql(
             "SELECT conname FROM pg_constraint WHERE contype = 'f' AND NOT convalidated"
         )
         for name in loose.scalars():
-            yield DatabaseProblem(
-                code="unchecked-reference",
-                record=name,
-                text=f"The foreign key {name} is not enforced for rows that were there before it;"
-                f" ALTER TABLE ... VALIDATE CONSTRAINT {name} checks them.",
+            text = (
+                f"The foreign key {name} is not enforced for rows that were there before it;"
+                f" ALTER TABLE ... VALIDATE CONSTRAINT {name} checks them."
             )
+            yield DatabaseProblem("unchecked-reference", name, text)
         if checksums != "on":
-            yield DatabaseProblem(
-                code="no-checksums",
-                record="database",
-                text="This PostgreSQL has no page checksums, so damage of the disk is not"
-                " detected; pg_checksums --enable adds them while it is stopped.",
-                is_damage=False,
+            text = (
+                "This PostgreSQL has no page checksums, so damage of the disk is not"
+                " detected; pg_checksums --enable adds them while it is stopped."
             )
+            yield DatabaseProblem("no-checksums", "database", text, is_damage=False)
 
 
 def _check_references(database: Database) -> Iterator[DatabaseProblem]:
@@ -93,13 +90,12 @@ def _check_references(database: Database) -> Iterator[DatabaseProblem]:
                 )
                 count, example = connection.execute(query).one()
                 if count:
-                    yield DatabaseProblem(
-                        code="broken-reference",
-                        record=table.name,
-                        text=f"{count} rows of {table.name} refer by {key.parent.name} to rows of"
+                    text = (
+                        f"{count} rows of {table.name} refer by {key.parent.name} to rows of"
                         f" {key.column.table.name} that do not exist (the first: {example});"
-                        f" {_REPAIR}.",
+                        f" {_REPAIR}."
                     )
+                    yield DatabaseProblem("broken-reference", table.name, text)
 
 
 def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
@@ -113,28 +109,19 @@ def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
             for row in connection.execute(sa.select(*columns).where(arrays.hash.in_(some))):
                 if hash_array(row.dtype, row.shape, row.unit, row.data) != row.hash:
                     record = records.get(row.hash, "an array that no record names")
-                    yield DatabaseProblem(
-                        code="damaged-data",
-                        record=record,
-                        text=f"The samples of {record} were changed after storage (their hash"
+                    text = (
+                        f"The samples of {record} were changed after storage (their hash"
                         f" differs) and cannot be used. Import the file again, or"
-                        f" {_REPAIR}.",
+                        f" {_REPAIR}."
                     )
+                    yield DatabaseProblem("damaged-data", record, text)
         for name in sorted(records.keys() - set(names)):
-            yield DatabaseProblem(
-                code="missing-data",
-                record=records[name],
-                text=f"The samples of {records[name]} are gone; import the file again, or"
-                f" {_REPAIR}.",
-            )
+            text = f"The samples of {records[name]} are gone; import the file again, or {_REPAIR}."
+            yield DatabaseProblem("missing-data", records[name], text)
         orphans = set(names) - records.keys()
         if orphans:
-            yield DatabaseProblem(
-                code="orphaned-data",
-                record="arrays",
-                text=f"{len(orphans)} arrays belong to no record; they only take space.",
-                is_damage=False,
-            )
+            text = f"{len(orphans)} arrays belong to no record; they only take space."
+            yield DatabaseProblem("orphaned-data", "arrays", text, is_damage=False)
 
 
 def _check_results(database: Database) -> Iterator[DatabaseProblem]:
@@ -144,19 +131,17 @@ def _check_results(database: Database) -> Iterator[DatabaseProblem]:
         for row in connection.execute(sa.select(*columns).order_by(runs.c.id)).mappings():
             number = row["id"]
             if is_altered({name: row[name] for name in ("result_hash", *SEALED)}):
-                yield DatabaseProblem(
-                    code="result-altered",
-                    record=f"run {number}",
-                    text=f"The result or request of run {number} was altered after it"
-                    f" finished; estimate again, or {_REPAIR}.",
+                text = (
+                    f"The result or request of run {number} was altered after it"
+                    f" finished; estimate again, or {_REPAIR}."
                 )
+                yield DatabaseProblem("result-altered", f"run {number}", text)
             elif row["state"] == RunState.SUCCEEDED.value and row["result_hash"] is None:
-                yield DatabaseProblem(
-                    code="result-not-sealed",
-                    record=f"run {number}",
-                    text=f"Run {number} has succeeded, but has no stored hash of the result;"
-                    " estimate again.",
+                text = (
+                    f"Run {number} has succeeded, but has no stored hash of the result;"
+                    " estimate again."
                 )
+                yield DatabaseProblem("result-not-sealed", f"run {number}", text)
 
 
 def _check_decisions(store: Store) -> Iterator[DatabaseProblem]:
@@ -164,21 +149,19 @@ def _check_decisions(store: Store) -> Iterator[DatabaseProblem]:
         name = f"decision {decision.id}"
         events = store.decision_events.find(decision_id=decision.id)
         if not events or not is_chain_intact(events) or replay(decision, events) != decision:
-            yield DatabaseProblem(
-                code="broken-chain",
-                record=name,
-                text=f"The record of {name} was changed: its events do not match their hashes"
-                f" or its state; {_REPAIR}.",
+            text = (
+                f"The record of {name} was changed: its events do not match their hashes"
+                f" or its state; {_REPAIR}."
             )
+            yield DatabaseProblem("broken-chain", name, text)
             continue
         if decision.superseded_by == decision.id:
-            yield DatabaseProblem(
-                code="superseded-by-itself",
-                record=name,
-                text=f"{name.capitalize()} was superseded by itself, when the clock was set"
+            text = (
+                f"{name.capitalize()} was superseded by itself, when the clock was set"
                 " back: it is no longer in force, though approved last. Propose and approve"
-                " it again.",
+                " it again."
             )
+            yield DatabaseProblem("superseded-by-itself", name, text)
         yield from _check_evidence(store, decision, events[-1].data)
 
 
@@ -190,30 +173,31 @@ def _check_evidence(
     try:
         now = hash_evidence(store, decision.proposal)
     except FlexsidError as error:
-        yield DatabaseProblem(
-            code="evidence-gone",
-            record=name,
-            text=f"The evidence of {name} cannot be read: {error.message}; {_REPAIR}.",
-        )
+        text = f"The evidence of {name} cannot be read: {error.message}; {_REPAIR}."
+        yield DatabaseProblem("evidence-gone", name, text)
         return
     for what, content in then.items():
         if now.get(what) == content:
             continue
-        gone = now.get(what, GONE) == GONE
-        yield DatabaseProblem(
-            code="evidence-gone" if gone else "evidence-changed",
-            record=name,
-            text=f"{what.capitalize()}, evidence of {name}, "
-            + (
-                "was deleted; restore it."
-                if gone
-                else "was changed; check whether the decision is still valid."
-            ),
-            is_damage=gone and decision.state is DecisionState.APPROVED,
-        )
+        if now.get(what, GONE) == GONE:
+            text = f"{what.capitalize()}, evidence of {name}, was deleted; restore it."
+            is_damage = decision.state is DecisionState.APPROVED
+            yield DatabaseProblem("evidence-gone", name, text, is_damage=is_damage)
+        else:
+            text = (
+                f"{what.capitalize()}, evidence of {name}, was changed; check whether the decision"
+                " is still valid."
+            )
+            yield DatabaseProblem("evidence-changed", name, text, is_damage=False)
+
+
+def _check_audit_log(store: Store) -> Iterator[DatabaseProblem]:
+    if not is_chain_intact(read_events(store)):
+        text = f"The audit log was changed: its events do not match their hashes; {_REPAIR}."
+        yield DatabaseProblem("broken-audit-log", "audit log", text)
 
 
 def _check_clock(store: Store) -> Iterator[DatabaseProblem]:
     text = find_clock_error(store)
     if text is not None:
-        yield DatabaseProblem(code="clock-behind", record="clock", text=text, is_damage=False)
+        yield DatabaseProblem("clock-behind", "clock", text, is_damage=False)

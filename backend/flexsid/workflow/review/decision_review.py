@@ -10,6 +10,8 @@ import logging
 from dataclasses import replace
 from datetime import UTC, datetime
 
+import sqlalchemy as sa
+
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.decision import (
     Decision,
@@ -20,14 +22,16 @@ from flexsid.records.decision import (
     StructureProposal,
     Vote,
 )
+from flexsid.storage.access import get_access
+from flexsid.storage.event_chain import hash_value, seal
 from flexsid.storage.store import Store
+from flexsid.storage.tables import decision_events, job_events
+from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow.model_structures.baselines import list_approved
-from flexsid.workflow.model_structures.condition_ranges import is_covered, is_overlapping
+from flexsid.workflow.model_structures.baselines import is_covered, is_overlapping, list_approved
 from flexsid.workflow.model_structures.model_structures import StaleEdit, get_version
-from flexsid.workflow.review.clock import find_clock_error
-from flexsid.workflow.review.evidence import hash_evidence, hash_value, list_software_versions, seal
-from flexsid.workflow.review.proposals import check_proposal
+from flexsid.workflow.model_structures.run_results import refuse_altered
+from flexsid.workflow.review.evidence import hash_evidence, list_software_versions
 
 _log = logging.getLogger(__name__)
 
@@ -200,15 +204,16 @@ def append(
     by_decision_id: int | None = None,
 ) -> Decision:
     """Write an event and the new state of the decision."""
-    assert decision.id is not None
     before = store.decision_events.find(decision_id=decision.id)
     data = hash_evidence(store, proposal or decision.proposal)
+    access = get_access()
     event = seal(
         DecisionEvent(
-            decision_id=decision.id,
+            decision_id=decision.id or 0,
             number=len(before) + 1,
             kind=kind,
             author=author,
+            author_verified=access is not None and access.author == author,
             text=text,
             revision=decision.revision + (kind is EventKind.REVISED),
             derivative=derivative,
@@ -286,17 +291,12 @@ def _supersede(store: Store, decided: Decision, author: str) -> None:
         whole = is_covered(earlier.proposal.limits, later)
         append(
             store,
-            store.decisions.get(_get_id(earlier)),
+            store.decisions.get(earlier.id or 0),
             EventKind.SUPERSEDED if whole else EventKind.NARROWED,
             author,
             f"by decision {decided.id}, '{decided.proposal.title}'",
             by_decision_id=decided.id,
         )
-
-
-def _get_id(decision: Decision) -> int:
-    assert decision.id is not None
-    return decision.id
 
 
 def _get_open(
@@ -330,7 +330,9 @@ def _check_derivative(store: Store, decision: Decision, name: str) -> None:
     reference = decision.proposal.structure
     structure = get_version(store, reference.id, reference.version).structure
     surfaces = tuple(s.name for s in store.aircraft.get(decision.aircraft_id).surfaces)
-    known = list_derivative_names(structure.modes, structure.inputs or surfaces)
+    known = list_derivative_names(
+        structure.modes, structure.inputs or surfaces, RIGID_BODIES[structure.axis]
+    )
     if name not in known:
         raise BadInput(
             f"'{name}' is not a derivative of the proposed model structure",
@@ -341,3 +343,94 @@ def _check_derivative(store: Store, decision: Decision, name: str) -> None:
 
 def _fold(names: tuple[str, ...]) -> set[str]:
     return {name.casefold() for name in names}
+
+
+def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]:
+    """Check a proposal; return its aircraft and axis.
+
+    Raises
+    ------
+    UnknownRecord
+        If a structure, run, prediction or figure does not exist.
+    BadInput
+        If they belong to different aircraft, a run has no result, or limits are reversed.
+    """
+    proposed = get_version(store, proposal.structure.id, proposal.structure.version)
+    aircraft_id = store.model_structures.get(proposal.structure.id).aircraft_id
+    if proposal.changes is not None:
+        before = get_version(store, proposal.changes.id, proposal.changes.version)
+        other = store.model_structures.get(proposal.changes.id).aircraft_id
+        _check_aircraft(f"model structure {proposal.changes.id}", other, aircraft_id)
+        if before.structure == proposed.structure:
+            raise BadInput(
+                "the proposed model structure is identical to the one it changes; modify it first",
+                code="no-change",
+            )
+    for quantity, (low, high) in proposal.limits.items():
+        if not low < high:
+            raise BadInput(
+                f"the limits of {quantity.value} are {low:g} and {high:g}; the first must lie "
+                "below the second",
+                code="bad-limits",
+                quantity=quantity.value,
+            )
+    for run_id in proposal.all_run_ids:
+        _check_run(store, run_id, aircraft_id)
+    for comparison in proposal.comparisons:
+        if not comparison.run_ids:
+            raise BadInput("a comparison needs at least one run", code="no-run")
+        for prediction_id in comparison.prediction_ids:
+            other = store.predictions.get(prediction_id).aircraft_id
+            _check_aircraft(f"prediction {prediction_id}", other, aircraft_id)
+    for figure_id in proposal.figure_ids:
+        store.frozen_figures.get(figure_id)
+    return aircraft_id, proposed.structure.axis
+
+
+def _check_run(store: Store, run_id: int, aircraft_id: int) -> None:
+    run = store.runs.get(run_id)
+    _check_aircraft(f"run {run_id}", store.maneuvers.get(run.maneuver_id).aircraft_id, aircraft_id)
+    refuse_altered(run)
+    if run.deleted_at is not None:
+        raise Conflict(
+            f"run {run_id} was deleted; restore it before using it as evidence", code="deleted"
+        )
+    if run.result is None:
+        raise BadInput(
+            f"run {run_id} is {run.state.value} and has no result; link runs that succeeded",
+            code="run-without-result",
+            run_id=run_id,
+        )
+
+
+def _check_aircraft(what: str, other: int, aircraft_id: int) -> None:
+    if other != aircraft_id:
+        raise BadInput(
+            f"{what} belongs to another aircraft than the proposed model structure",
+            code="wrong-aircraft",
+        )
+
+
+_TOLERANCE_S = 5.0  # largest difference of synchronised clocks
+
+
+def find_clock_error(store: Store) -> str | None:
+    """Describe the error of a clock behind the last event; None without error.
+
+    No decision depends on times, but new events would have times before earlier ones.
+    """
+    newest = (
+        sa.select(table.c[moment]).order_by(table.c.id.desc()).limit(1)
+        for table, moment in ((decision_events, "created_at"), (job_events, "at"))
+    )
+    with store.database.reading() as connection:
+        known = [last for query in newest if (last := connection.scalar(query)) is not None]
+    now = datetime.now(UTC)
+    behind_s = (max(known, default=now) - now).total_seconds()
+    if behind_s <= _TOLERANCE_S:
+        return None
+    return (
+        f"The clock of this computer is {behind_s:.0f} s behind the last stored event"
+        f" ({max(known):%Y-%m-%d %H:%M:%S} UTC): new events would have times before"
+        " earlier ones. Set the clock on every server."
+    )

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import json
-from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
-from typing import Any
-
-import orjson
 
 import flexsid
 from flexsid.errors import UnknownRecord
-from flexsid.records.decision import DecisionEvent, StructureProposal
-from flexsid.records.sealed_names import with_sealed_names
+from flexsid.records.decision import StructureProposal
+from flexsid.storage.event_chain import hash_value
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import get_version
-from flexsid.workflow.runs.computation import read_versions
+from flexsid.workflow.runs.software_versions import read_versions
 
 GONE = "gone"
 """Value in place of the hash for deleted records."""
@@ -26,11 +21,6 @@ GONE = "gone"
 
 def hash_evidence(store: Store, proposal: StructureProposal) -> dict[str, str]:
     """Hash the evidence of a proposal: model structures, runs, maneuvers, figures."""
-    runs = dict.fromkeys(proposal.run_ids)
-    predictions: dict[int, None] = {}
-    for comparison in proposal.comparisons:
-        runs |= dict.fromkeys(comparison.run_ids)
-        predictions |= dict.fromkeys(comparison.prediction_ids)
     found: dict[str, str] = {}
     for reference in (proposal.structure, proposal.changes):
         if reference is not None:
@@ -38,7 +28,7 @@ def hash_evidence(store: Store, proposal: StructureProposal) -> dict[str, str]:
             stored = get_version(store, reference.id, reference.version)
             found[name] = hash_value([stored.name, stored.structure])
     maneuvers: dict[int, None] = {}
-    for run_id in runs:
+    for run_id in proposal.all_run_ids:
         try:
             run = store.runs.get(run_id)
         except UnknownRecord:
@@ -52,7 +42,8 @@ def hash_evidence(store: Store, proposal: StructureProposal) -> dict[str, str]:
         maneuvers |= dict.fromkeys((run.maneuver_id, *run.settings.additional_maneuver_ids))
     for maneuver_id in maneuvers:
         found[f"maneuver {maneuver_id}"] = _maneuver_hash(store, maneuver_id)
-    for prediction_id in predictions:
+    predictions = chain.from_iterable(one.prediction_ids for one in proposal.comparisons)
+    for prediction_id in dict.fromkeys(predictions):
         found[f"prediction {prediction_id}"] = hash_value(store.predictions.get(prediction_id))
     for figure_id in proposal.figure_ids:
         found[f"figure {figure_id}"] = store.frozen_figures.get(figure_id).array
@@ -89,74 +80,3 @@ def _source_hash() -> str:
         digest.update(f"{file.relative_to(folder).as_posix()}\n".encode())
         digest.update(file.read_bytes())
     return digest.hexdigest()
-
-
-def seal(event: DecisionEvent) -> DecisionEvent:
-    """Add the canonical text of an event and its hash."""
-    sealed = _to_canonical(_get_content(event))
-    return replace(event, sealed=sealed, hash=_sha256(sealed))
-
-
-def is_chain_intact(events: Sequence[DecisionEvent]) -> bool:
-    """Return whether every event is unchanged and none is missing."""
-    previous = ""
-    for number, event in enumerate(events, start=1):
-        linked = (event.number, event.previous_hash) == (number, previous)
-        if not linked or event.hash != _sha256(event.sealed):
-            return False
-        # A later release may have records with more fields than were sealed.
-        if not _matches(_get_content(event), json.loads(event.sealed)):
-            return False
-        previous = event.hash
-    return True
-
-
-def hash_value(value: Any) -> str:
-    """Compute SHA-256 of a value as JSON with sorted keys, without blanks and empty values.
-
-    Empty values are omitted because a later release may add fields, which are empty in records
-    stored before.
-    """
-    return _sha256(_to_canonical(_remove_empty(_to_plain(value))))
-
-
-def _get_content(event: DecisionEvent) -> Any:
-    content = _to_plain(event)
-    for name in ("id", "hash", "sealed"):
-        del content[name]
-    return content
-
-
-def _matches(found: Any, sealed: Any) -> bool:
-    if isinstance(sealed, dict) and isinstance(found, dict):
-        return all(key in found and _matches(found[key], value) for key, value in sealed.items())
-    if isinstance(sealed, list) and isinstance(found, list):
-        return len(found) == len(sealed) and all(map(_matches, found, sealed))
-    return found == sealed
-
-
-def _remove_empty(value: Any) -> Any:
-    if isinstance(value, dict):
-        items = {key: _remove_empty(item) for key, item in value.items()}
-        return {key: item for key, item in items.items() if not _is_empty(item)}
-    if isinstance(value, list):
-        return [_remove_empty(item) for item in value]
-    return value
-
-
-def _is_empty(value: Any) -> bool:
-    # A zero is not empty.
-    return value is None or value is False or (isinstance(value, str | list | dict) and not value)
-
-
-def _to_plain(value: Any) -> Any:
-    plain = orjson.loads(orjson.dumps(value, option=orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z))
-    return with_sealed_names(plain)
-
-
-def _to_canonical(content: Any) -> str:
-    return json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

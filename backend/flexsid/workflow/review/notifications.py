@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 from flexsid.records.decision import Decision, DecisionState, EventKind, SeenEvents
@@ -51,14 +51,14 @@ def list_notifications(store: Store, analyst: str) -> Notifications:
     """List the notifications of an analyst."""
     seen = {look.subject: look.seen for look in store.looks.find(analyst=analyst.casefold())}
     decisions = store.decisions.find()
-    waiting = [
-        found for one in decisions if (found := _find_waiting(store, one, analyst)) is not None
-    ]
+    waiting = [_find_waiting(store, one, analyst) for one in decisions]
     changes = _merge(
         _list_decision_changes(store, decisions, analyst, seen),
         _list_structure_changes(store, analyst, seen),
     )
-    return Notifications(waiting=waiting, changes=changes[:_MOST])
+    return Notifications(
+        waiting=[one for one in waiting if one is not None], changes=changes[:_MOST]
+    )
 
 
 def _merge(*kinds: list[tuple[int, Change]]) -> list[Change]:
@@ -81,14 +81,11 @@ def mark_seen(store: Store, analyst: str, subject: str, number: int) -> None:
     """Store the last event of a subject seen by an analyst; never decreases."""
     key = analyst.casefold()
     with store.transaction():
-        found = store.looks.find(analyst=key, subject=subject)
-        if not found:
+        known = next(iter(store.looks.find(analyst=key, subject=subject)), None)
+        if known is None:
             store.looks.add(SeenEvents(analyst=key, subject=subject, seen=number))
-            return
-        look = found[0]
-        if number > look.seen:
-            assert look.id is not None
-            store.looks.replace(SeenEvents(analyst=key, subject=subject, seen=number, id=look.id))
+        elif number > known.seen:
+            store.looks.replace(replace(known, seen=number))
 
 
 def mark_all_seen(store: Store, analyst: str) -> None:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from flexsid.errors import BadInput, UnknownRecord
-from flexsid.records.batch import Batch
-from flexsid.records.run import EstimationRun, Method, RunSettings, Start
+from flexsid.records.run import Batch, EstimationRun, Method, RunSettings, Start
 from flexsid.storage import batches
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store

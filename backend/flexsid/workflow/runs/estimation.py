@@ -6,22 +6,28 @@ process, ``store_result`` stores the result.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.axes import get_symmetry
-from flexsid.records.finite import finite_or_none
+from flexsid.records import finite_or_none
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
+    Aerodynamics,
     EstimationRun,
     Fit,
     FitBlock,
     Iteration,
+    NuisanceParameter,
+    OutOfBandModes,
     OutputQuality,
     ParameterEstimate,
     Pole,
+    RetainedModes,
     RunResult,
     RunSettings,
     Start,
@@ -34,26 +40,47 @@ from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.modal_errors import compute_modal_errors
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     build_model,
     define_outputs,
     list_default_outputs,
 )
-from flexsid.workflow.aircraft.derivative_predictions import select_prediction
-from flexsid.workflow.aircraft.longitudinal import list_lateral_surfaces, require_longitudinal
+from flexsid.workflow.aircraft.axes import (
+    find_body,
+    list_axis_surfaces,
+    list_opposed_surfaces,
+    require_axis,
+    require_axis_inputs,
+)
+from flexsid.workflow.aircraft.derivative_predictions import (
+    load_frequency_shape,
+    select_prediction,
+    select_shaped_prediction,
+)
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
-from flexsid.workflow.measurements.symmetric_motion import require_symmetric_motion
-from flexsid.workflow.modal_data.aligned_modes import (
+from flexsid.workflow.measurements.measured_axis import require_own_motion
+from flexsid.workflow.modal_data.modal_tables import (
     AircraftModes,
-    find_modal_tables,
-    load_modes,
+    load_modes_of_model,
     select_out_of_band_modes,
 )
 from flexsid.workflow.model_structures.model_structures import resolve_structure
-from flexsid.workflow.runs.computation import ComputedRun, EstimationTask, ManeuverTask, compute_run
+from flexsid.workflow.runs.computation import ComputedRun, compute_run
+from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverTask
+from flexsid.workflow.runs.nuisance_parameters import ComputedRetainedModes
+from flexsid.workflow.runs.retained_modes import (
+    extend_table,
+    select_nuisance,
+    select_widest_prediction,
+)
 from flexsid.workflow.runs.run_identity import hash_provenance
-from flexsid.workflow.runs.run_warnings import check_extras, list_request_warnings
+from flexsid.workflow.runs.run_warnings import (
+    check_extras,
+    list_request_warnings,
+    warn_of_unknown_modes,
+)
 from flexsid.workflow.runs.starts import (
     build_predicted_tables,
     collect_priors,
@@ -82,8 +109,8 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.additional_maneuver_ids)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
     first = maneuvers[0]
-    for maneuver in maneuvers:
-        require_longitudinal(maneuver)
+    body = find_body(run.structure.axis)
+    require_axis(body, maneuvers)
     aircraft = store.aircraft.get(first.aircraft_id)
     for other in maneuvers[1:]:
         if other.aircraft_id != first.aircraft_id:
@@ -92,46 +119,90 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
                 code="wrong-aircraft",
             )
     structure, aircraft = resolve_structure(store, run.structure, aircraft, first)
-    modal, damping = find_modal_tables(
-        store, first.aircraft_id, run.modal_table_id, run.damping_table_id
+    modes, table_ids = load_modes_of_model(
+        store, first.aircraft_id, run.modal_table_id, run.damping_table_id, structure.modes
     )
-    modes = load_modes(store, modal, damping)
     inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
+    is_shaped = settings.aerodynamics is Aerodynamics.SHAPED
+    prediction = (select_shaped_prediction if is_shaped else select_prediction)(
+        store, first.aircraft_id, run.prediction_id, structure.modes, inputs, body
+    )
+    if is_shaped and prediction is not None:
+        run = replace(run, prediction_id=prediction.id)
+    nuisance, retained, prediction_ids = None, (), [None if prediction is None else prediction.id]
+    if settings.out_of_band_modes is OutOfBandModes.RETAINED:
+        nuisance = select_nuisance(store, run, first, structure.modes, modes, inputs, body)
+        if nuisance is not None:
+            retained = nuisance.mean.modes[len(structure.modes) :]
+            widest = select_widest_prediction(
+                store, run.prediction_id, first.aircraft_id, modes, structure.modes, inputs, body
+            )
+            prediction_ids.append(None if widest is None else widest.id)
     data = tuple(
-        _prepare_maneuver(store, maneuver, aircraft, structure, modes, inputs, outputs, settings)
+        _prepare_maneuver(
+            store, maneuver, aircraft, structure, modes, inputs, outputs, settings, retained
+        )
         for maneuver in maneuvers
     )
-    prediction = select_prediction(
-        store, first.aircraft_id, run.prediction_id, structure.modes, inputs
-    )
-    predicted = build_predicted_tables(store, prediction, run, first, aircraft, modes, inputs)
-    starts = select_starting_tables(store, run, predicted, inputs)
+    if is_shaped and prediction is not None:
+        data = tuple(
+            _shape(store, prediction, maneuver, one)
+            for maneuver, one in zip(maneuvers, data, strict=True)
+        )
+    predicted = build_predicted_tables(store, prediction, run, first, aircraft, modes, inputs, body)
+    if nuisance is not None and settings.start is not Start.RESIDUALIZED_PREDICTION:
+        # The retained modes have their static response themselves.
+        predicted = {name: t for name, t in predicted.items() if not is_residualized(name)}
+    starts = select_starting_tables(store, run, predicted, inputs, body)
     check_extras(run.method, structure.extra_parameters)
-    free = _check_names(data[0].model, starts, structure, settings)
+    own_model = data[0].model.with_modes(len(structure.modes))
+    free = _check_names(own_model, starts, structure, settings)
+    modal_errors = _compute_modal_errors([task.model for task in data], modes, free)
+    modal_std = {name: std for name, std in modal_errors.named().items() if std > 0.0}
+    priors = {
+        name: (mean, float(np.hypot(std, modal_std.get(name, 0.0))))
+        for name, (mean, std) in collect_priors(predicted, free, settings).items()
+    }
+    if nuisance is not None:
+        nuisance = replace(nuisance, modal_std=modal_errors.values)
+        starts = {name: extend_table(table, nuisance.mean) for name, table in starts.items()}
+        predicted = {name: extend_table(t, nuisance.mean) for name, t in predicted.items()}
     assumed = modes.warnings if structure.modes else ()
     request_warnings = list_request_warnings(
-        run, first, data[0].model, data[0].measurement.max_omega, modes.names, modes.symmetric
+        run,
+        first,
+        own_model,
+        data[0].measurement.max_omega,
+        modes.names,
+        modes.symmetric,
     )
     return EstimationTask(
         method=run.method,
         settings=settings,
         structure=structure,
         maneuver_tasks=data,
-        mode_names=tuple(modes.names[number] for number in structure.modes),
+        mode_names=(
+            *(modes.names[number] for number in structure.modes),
+            *(f"retained mode {number}" for number in retained),  # names of modes may be equal
+        ),
         starts=starts,
         predicted=next(iter(predicted.values()), None),
-        priors=collect_priors(predicted, free, settings),
+        priors=priors,
+        modal_std=modal_std,
         try_equation_error=settings.start in (Start.BEST, Start.EQUATION_ERROR),
-        residualized=next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
+        residualized=None
+        if retained
+        else next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
+        nuisance=nuisance,
         prediction_id=None if prediction is None else prediction.id,
-        warnings=(*assumed, *request_warnings),
+        warnings=(*assumed, *request_warnings, *warn_of_unknown_modes(settings, nuisance)),
         provenance=hash_provenance(
             store,
             run,
             first.aircraft_id,
             {
-                "modal table": (modal.id, None if damping is None else damping.id),
-                "prediction": (None if prediction is None else prediction.id,),
+                "modal table": table_ids,
+                "prediction": tuple(prediction_ids),
             },
         ),
     )
@@ -140,16 +211,17 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
 def select_inputs_and_outputs(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, structure: Structure
 ) -> tuple[tuple[str, ...], tuple[OutputDefinition, ...]]:
-    """Select the inputs and outputs of the model structure, by default all longitudinal ones.
+    """Select the inputs and outputs of the model structure, by default all of the axis.
 
-    Recorded antisymmetric surfaces are excluded by default.
+    Recorded surfaces that excite the other axis only are excluded by default.
     """
+    body = find_body(maneuver.axis)
     channels = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     recorded = tuple(name for name, role in channels.items() if role is Role.INPUT)
-    symmetric = tuple(n for n in recorded if get_symmetry(aircraft, n) != "antisymmetric")
-    inputs = structure.inputs or symmetric or recorded
-    separated = bool(list_lateral_surfaces(maneuver, aircraft, inputs))
-    names = structure.outputs or list_default_outputs(aircraft, channels, separated=separated)
+    inputs = structure.inputs or list_axis_surfaces(aircraft, body, recorded) or recorded
+    require_axis_inputs(aircraft, inputs, body)
+    separated = bool(list_opposed_surfaces(maneuver, aircraft, inputs))
+    names = structure.outputs or list_default_outputs(aircraft, channels, body, separated=separated)
     return inputs, define_outputs(aircraft, names)
 
 
@@ -158,7 +230,12 @@ def store_result(
 ) -> EstimationRun:
     """Store a result in one transaction, unless the attempt was superseded."""
     estimate = computed.estimate
-    bulk = [describe_array(estimate.corrected_covariance)]
+    retained = computed.retained
+    whole = estimate if retained is None else retained.estimate
+    bulk = [
+        describe_array(estimate.corrected_covariance),
+        describe_array(whole.corrected_covariance),
+    ]
     for block in estimate.lines:
         bulk += [
             describe_array(block.omega, "rad/s"),
@@ -166,7 +243,7 @@ def store_result(
             describe_array(block.fitted),
         ]
     with store.transaction():
-        covariance, *names = store.arrays.put_many(bulk)
+        covariance, whole_covariance, *names = store.arrays.put_many(bulk)
         blocks = tuple(
             FitBlock(
                 name=block.name,
@@ -199,10 +276,36 @@ def store_result(
             residualized_prediction=computed.residualized,
             prediction_id=computed.prediction_id,
             held=computed.held,
+            retained=None
+            if retained is None
+            else _describe_retained_modes(retained, whole_covariance),
+            adequacy=computed.adequacy,
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
         )
+
+
+def _describe_retained_modes(found: ComputedRetainedModes, covariance: str) -> RetainedModes:
+    estimate = found.estimate
+    rows = zip(estimate.names, estimate.values, estimate.std_errors, strict=True)
+    return RetainedModes(
+        modes=found.modes,
+        spread=found.spread,
+        parameters=tuple(
+            NuisanceParameter(
+                name=name,
+                value=float(value),
+                std_error=finite_or_none(std_error),
+                prior=found.priors[name][0],
+                prior_std=found.priors[name][1],
+            )
+            for name, value, std_error in rows
+            if name in estimate.nuisance
+        ),
+        covariance=covariance,
+        noise_share=found.noise_share,
+    )
 
 
 def _prepare_maneuver(
@@ -214,15 +317,55 @@ def _prepare_maneuver(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     settings: RunSettings,
+    retained: tuple[int, ...],
 ) -> ManeuverTask:
-    require_symmetric_motion(store, maneuver, aircraft, inputs, outputs)
+    require_own_motion(store, maneuver, aircraft, inputs, outputs)
     measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
-    own = structure.modes
-    out_of_band = select_out_of_band_modes(modes, fuel, own, measurement.max_omega, len(outputs))
+    own, body = structure.modes, find_body(structure.axis)
+    if retained:
+        shapes = modes.table.at(fuel).select((*own, *retained))
+        model = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
+        return ManeuverTask(maneuver.label, model, model, measurement)
+    out_of_band = select_out_of_band_modes(
+        modes, fuel, own, measurement.max_omega, len(outputs), body
+    )
     shapes = modes.table.at(fuel).select((*own, *out_of_band))
-    extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs)
+    extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
     return ManeuverTask(maneuver.label, extended.with_modes(len(own)), extended, measurement)
+
+
+def _compute_modal_errors(
+    models: Sequence[AeroelasticModel], modes: AircraftModes, free: tuple[str, ...]
+) -> DerivativeTable:
+    """Compute the errors of derivatives due to the modal table, averaged over maneuvers.
+
+    A frequency or damping that is estimated has no error of the table.
+    """
+    numbers = models[0].modes.numbers
+
+    def collect(kind: str, std: Mapping[int, float]) -> np.ndarray:
+        return np.array([0.0 if f"{kind}_{n}" in free else std[n] for n in numbers])
+
+    frequency = collect("omega", dict.fromkeys(numbers, modes.frequency_std))
+    damping = collect("zeta", modes.damping_std)
+    tables = [compute_modal_errors(model, frequency, damping) for model in models]
+    return replace(tables[0], values=np.mean([table.values for table in tables], axis=0))
+
+
+def _shape(
+    store: Store, prediction: DerivativePrediction, maneuver: Maneuver, task: ManeuverTask
+) -> ManeuverTask:
+    """Give the models of a maneuver the frequency shape of a prediction."""
+
+    def shape(model: AeroelasticModel) -> AeroelasticModel:
+        fuel = maneuver.condition.fuel_fraction
+        numbers = model.modes.numbers
+        found = load_frequency_shape(store, prediction, fuel, numbers, model.inputs, model.body)
+        found.at(np.array([task.measurement.max_omega * model.condition.rate_factor]))
+        return replace(model, shape=found)
+
+    return replace(task, model=shape(task.model), extended_model=shape(task.extended_model))
 
 
 def _check_names(
@@ -232,7 +375,7 @@ def _check_names(
     settings: RunSettings,
 ) -> tuple[str, ...]:
     """Return the names of the free parameters; a prior without a free parameter is refused."""
-    empty = DerivativeTable.from_names(model.modes.numbers, model.inputs, {})
+    empty = model.fill_table({})
     delays = tuple(f"delay_{name}" for name in model.outputs) if structure.free_delays else ()
     extras = tuple(dict.fromkeys((*delays, *structure.extra_parameters)))
     start = next(iter(starts.values()), empty)
@@ -261,7 +404,8 @@ def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
         ParameterEstimate(
             name=quality.name,
             value=float(value),
-            std_error=finite_or_none(quality.std_error),
+            std_error=finite_or_none(np.hypot(quality.std_error, modal_std)),
+            modal_std=modal_std or None,
             start=float(start),
             cramer_rao=finite_or_none(quality.cramer_rao),
             insensitivity=finite_or_none(quality.insensitivity),
@@ -270,6 +414,7 @@ def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
         for quality, value, start in zip(
             compute_parameter_quality(estimate), estimate.values, estimate.start, strict=True
         )
+        for modal_std in [computed.modal_std.get(quality.name, 0.0)]
     )
 
 
@@ -291,6 +436,10 @@ def _build_fit(computed: ComputedRun) -> Fit:
         r_squared=_compute_r_squared(estimate),
         n_lines=sum(block.omega.size for block in estimate.lines),
         n_parameters=len(estimate.names),
+        noise="" if estimate.noise is None else estimate.noise.description,
+        noise_degrees_of_freedom=None
+        if estimate.noise is None
+        else estimate.noise.degrees_of_freedom,
         seconds=computed.seconds,
         start=computed.start,
         warnings=computed.warnings,

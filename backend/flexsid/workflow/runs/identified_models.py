@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from flexsid.records.run import EstimationRun
+from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -19,13 +20,17 @@ from flexsid.workflow.runs.estimation import prepare
 class IdentifiedModel:
     """A model with its derivatives; ``delays`` [s] and ``scales`` belong to the outputs.
 
-    Its modes have the frequencies and dampings that were estimated.
+    Its modes have the frequencies and dampings that were estimated. ``priors`` are mean and
+    standard deviation of the parameters for which the analyst gave them.
     """
 
     model: AeroelasticModel
     derivatives: DerivativeTable
     delays: np.ndarray
     scales: np.ndarray
+    priors: Mapping[str, tuple[float, float]] = field(
+        default_factory=dict[str, tuple[float, float]]
+    )
 
     def response(self, omega: np.ndarray) -> FrequencyResponse:
         """Compute frequency responses with the estimated delays and scale factors."""
@@ -50,17 +55,34 @@ def load_identified_model(
     alone = replace(run.settings, additional_maneuver_ids=())
     number = run.maneuver_id if maneuver_id is None else maneuver_id
     task = prepare(store, replace(run, maneuver_id=number, settings=alone))
-    return build_identified_model(task.model, run)
+    return replace(build_identified_model(task.model, run), priors=task.priors)
 
 
 def build_identified_model(model: AeroelasticModel, run: EstimationRun) -> IdentifiedModel:
     """Build the identified model of a run that succeeded from its prepared model."""
-    result = get_result(run)
-    values = run.structure.fixed | result.held
-    values |= {parameter.name: parameter.value for parameter in result.parameters}
+    values = collect_values(run)
     return IdentifiedModel(
         model=replace(model, modes=model.modes.tuned(values)),
-        derivatives=DerivativeTable.from_names(model.modes.numbers, model.inputs, values),
+        derivatives=model.fill_table(values),
         delays=np.array([values.get(f"delay_{name}", 0.0) for name in model.outputs]),
         scales=np.array([values.get(f"scale_{name}", 1.0) for name in model.outputs]),
     )
+
+
+def collect_values(run: EstimationRun) -> dict[str, float]:
+    """Collect all derivatives and other parameters of a run that succeeded, by name."""
+    result = get_result(run)
+    values = run.structure.fixed | result.held
+    values |= {parameter.name: parameter.value for parameter in result.parameters}
+    if result.retained is not None:
+        values |= {parameter.name: parameter.value for parameter in result.retained.parameters}
+    return values
+
+
+def read_covariance(store: Store, result: RunResult) -> tuple[tuple[str, ...], np.ndarray]:
+    """Read the names and the covariance of all parameters, the nuisance parameters included."""
+    names = tuple(parameter.name for parameter in result.parameters)
+    if result.retained is None:
+        return names, np.asarray(store.arrays.get(result.covariance))
+    names += tuple(parameter.name for parameter in result.retained.parameters)
+    return names, np.asarray(store.arrays.get(result.retained.covariance))

@@ -39,12 +39,12 @@ def regularise_start(
         Source of their derivatives; without it the modes have their frequency and damping
         in vacuo.
     """
-    n = len(parameters.base.modes)
+    n, first = len(parameters.base.modes), parameters.base.body.size
     rows, columns = parameters.rows, parameters.columns
     index = np.asarray(out_of_band, dtype=int)
-    own = np.isin(rows, 2 + index)
-    moved = np.isin(columns, np.r_[2 + index, 2 + n + index])
-    elastic = (columns >= 2) & (columns < 2 + 2 * n)
+    own = np.isin(rows, first + index)
+    moved = np.isin(columns, np.r_[first + index, first + n + index])
+    elastic = (columns >= first) & (columns < first + 2 * n)
     if predicted is None:
         table = np.where(moved | (own & elastic), 0.0, values)
     else:

@@ -4,22 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from flexsid.errors import FlexsidError
-from flexsid.records.prediction import DerivativePrediction
-from flexsid.records.run import EstimationRun, Method, Start
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow.aircraft.derivative_predictions import (
-    interpolate_prediction,
-    list_predicted_modes,
-    select_prediction,
-)
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
+from flexsid.workflow.modal_data.modal_tables import AircraftModes
 from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.computation import ComputedRun, compute_run
-from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.identified_models import IdentifiedModel
+from flexsid.workflow.runs.retained_modes import list_further_modes, select_widest_prediction
 
 _OF_MODES = ("omega_", "zeta_", "shape_")  # parameters of one mode that are no derivatives
 
@@ -36,7 +29,7 @@ class ExtendedRun:
 def extend_with_predicted_modes(
     store: Store, run: EstimationRun, model: IdentifiedModel, modes: AircraftModes
 ) -> ExtendedRun | None:
-    """Add the further symmetric modes that a prediction covers, held at predicted values.
+    """Add the further modes of the axis that a prediction covers, held at predicted values.
 
     The estimated parameters stay free and start at their estimates. None where no
     prediction covers further modes with these inputs, and for equation error, whose
@@ -46,16 +39,19 @@ def extend_with_predicted_modes(
         return None
     own, inputs = model.model.modes.numbers, model.model.inputs
     maneuver = store.maneuvers.get(run.maneuver_id)
-    known = list_derivative_names(own, inputs)
-    prediction = _select_widest_prediction(store, run, maneuver.aircraft_id, modes, own, inputs)
+    body = model.model.body
+    known = list_derivative_names(own, inputs, body)
+    used = run.prediction_id or get_result(run).prediction_id
+    prediction = select_widest_prediction(
+        store, used, maneuver.aircraft_id, modes, own, inputs, body
+    )
     if prediction is None:
         return None
     fuel = maneuver.condition.fuel_fraction
-    predicted = {
-        n: value for n, (value, _) in interpolate_prediction(store, prediction, fuel).items()
-    }
-    further_modes = _list_further_modes(prediction, modes, own)
-    further = [n for n in list_derivative_names((*own, *further_modes), inputs) if n not in known]
+    predicted = interpolate_values(store, prediction, fuel)
+    further_modes = list_further_modes(prediction, modes, own, body)
+    every = list_derivative_names((*own, *further_modes), inputs, body)
+    further = [n for n in every if n not in known]
     if not further_modes or not set(further) <= set(predicted):
         return None
     result = get_result(run)
@@ -98,49 +94,23 @@ def remove_highest_mode(run: EstimationRun) -> EstimationRun | None:
         ),
     )
     priors = {name: prior for name, prior in run.settings.priors.items() if is_retained(name)}
-    settings = replace(run.settings, start=Start.BEST, start_run_id=None, priors=priors)
+    settings = replace(
+        run.settings,
+        start=Start.BEST,
+        start_run_id=None,
+        priors=priors,
+        out_of_band_modes=OutOfBandModes.OMITTED,
+    )
     return replace(run, structure=structure, settings=settings)
 
 
-def refit(store: Store, run: EstimationRun) -> tuple[AeroelasticModel, ComputedRun] | None:
-    """Fit a run again; model and result, or None where the fit fails."""
-    try:
-        task = prepare(store, run)
-        return task.model, compute_run(task, lambda progress: None)
-    except FlexsidError:
-        return None
-
-
 def find_omitted_modes(
-    store: Store, run: EstimationRun, modes: AircraftModes, own: tuple[int, ...]
+    store: Store, run: EstimationRun, modes: AircraftModes, model: AeroelasticModel
 ) -> tuple[int, ...]:
-    """Find symmetric modes that a prediction covers and a model of ``own`` modes omits."""
+    """Find modes of a model's axis that a prediction covers and the model omits."""
     aircraft_id = store.maneuvers.get(run.maneuver_id).aircraft_id
     covered = (
-        _list_further_modes(p, modes, own) for p in store.predictions.find(aircraft_id=aircraft_id)
+        list_further_modes(p, modes, model.modes.numbers, model.body)
+        for p in store.predictions.find(aircraft_id=aircraft_id)
     )
     return max(covered, key=len, default=())
-
-
-def _select_widest_prediction(
-    store: Store,
-    run: EstimationRun,
-    aircraft_id: int,
-    modes: AircraftModes,
-    own: tuple[int, ...],
-    inputs: tuple[str, ...],
-) -> DerivativePrediction | None:
-    """Select the prediction of the run if it covers further modes, else that with most modes."""
-    used = run.prediction_id or get_result(run).prediction_id
-    first = select_prediction(store, aircraft_id, used, own, inputs)
-    if first is not None and _list_further_modes(first, modes, own):
-        return first
-    known = store.predictions.find(aircraft_id=aircraft_id)
-    return max(known, key=lambda p: len(_list_further_modes(p, modes, own)), default=None)
-
-
-def _list_further_modes(
-    prediction: DerivativePrediction, modes: AircraftModes, own: tuple[int, ...]
-) -> tuple[int, ...]:
-    covered = list_predicted_modes(prediction, modes.table.numbers)
-    return tuple(n for n in covered if n not in own and modes.symmetric[n])

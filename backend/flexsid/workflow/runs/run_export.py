@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.flight import Flight
-from flexsid.records.maneuver import Maneuver
+from flexsid.records.maneuver import Flight, Maneuver
 from flexsid.records.run import EstimationRun, FitBlock
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.run_results import refuse_altered

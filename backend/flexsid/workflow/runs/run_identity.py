@@ -1,21 +1,24 @@
 """Identity: two requests with equal inputs are one run.
 
 The hash covers what was recorded and assumed (maneuvers, aircraft, modal tables,
-predictions), what was asked for, and the release of the software.
+predictions), what was asked for, and the version of the numerical methods.
 """
 
 from __future__ import annotations
 
 from dataclasses import asdict, replace
 
-from flexsid import __version__
+import sqlalchemy as sa
+
 from flexsid.errors import BadInput, UnknownRecord
-from flexsid.records.run import EstimationRun, Provenance
+from flexsid.records.run import Aerodynamics, EstimationRun, OutOfBandModes, Provenance
 from flexsid.records.sealed_names import with_sealed_names
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.content import hash_content, hash_maneuvers, hash_record, hash_records
 from flexsid.storage.store import Store
-from flexsid.workflow.modal_data.aligned_modes import find_modal_tables
+from flexsid.storage.tables import channels
+from flexsid.workflow.modal_data.modal_tables import find_modal_tables
+from flexsid.workflow.runs.software_versions import METHODS
 
 Tables = tuple[int | None, int | None]
 
@@ -26,7 +29,8 @@ class RunHasher:
     def __init__(self, store: Store, maneuver_ids: tuple[int, ...]) -> None:
         self._store = store
         self._maneuvers = hash_maneuvers(store.database, maneuver_ids)
-        self._assumed: dict[tuple[int, int | None, int | None, int | None], str] = {}
+        self._assumed: dict[tuple[object, ...], str] = {}
+        self._starts: dict[int, str | None] = {}
         self._tables: dict[tuple[int, int | None, int | None], Tables] = {}
 
     def has_maneuver(self, maneuver_id: int) -> bool:
@@ -44,7 +48,7 @@ class RunHasher:
         run
             The run as requested.
         start_hash
-            ``input_hash`` of the run that supplies the start values, if any.
+            ``input_hash`` of the run that supplies the start values where it is not stored yet.
         """
         involved = (run.maneuver_id, *run.settings.additional_maneuver_ids)
         for number in involved:
@@ -53,13 +57,26 @@ class RunHasher:
         run = self._with_tables(run)
         data = hash_content([[self._maneuvers[n][1] for n in involved], self._assumptions(run)])
         settings = asdict(run.settings)
-        settings["start_run_id"] = start_hash or settings["start_run_id"]
+        if run.settings.out_of_band_modes is OutOfBandModes.OMITTED:
+            del settings["out_of_band_modes"]  # as hashed before the setting existed
+        if run.settings.aerodynamics is Aerodynamics.QUASI_STEADY:
+            del settings["aerodynamics"]
+        settings["start_run_id"] = start_hash or self._get_start_hash(run)
         # The saved model structure is part of the identity of a run.
         saved = [run.structure_id, run.structure_version]
-        asked = [run.method.value, asdict(run.structure), saved, settings, __version__]
+        asked = [run.method.value, asdict(run.structure), saved, settings, METHODS]
         return replace(
             run, data_hash=data, input_hash=hash_content([data, with_sealed_names(asked)])
         )
+
+    def _get_start_hash(self, run: EstimationRun) -> str | int | None:
+        """Return the hash of the run that supplies the start values; its id without a hash."""
+        number = run.settings.start_run_id
+        if number is None:
+            return None
+        if number not in self._starts:
+            self._starts[number] = self._store.runs.get(number).input_hash
+        return self._starts[number] or number
 
     def _with_tables(self, run: EstimationRun) -> EstimationRun:
         aircraft = self._maneuvers[run.maneuver_id][0]
@@ -76,13 +93,18 @@ class RunHasher:
         return replace(run, modal_table_id=modal_id, damping_table_id=damping_id)
 
     def _assumptions(self, run: EstimationRun) -> str:
-        """Hash of aircraft, tables and predictions: the named one, or all available ones."""
+        """Hash of aircraft, tables and predictions: the named one, or all available ones.
+
+        The prior of retained modes may be of another prediction than the named one.
+        """
         aircraft = self._maneuvers[run.maneuver_id][0]
-        key = (aircraft, run.modal_table_id, run.damping_table_id, run.prediction_id)
+        is_retaining = run.settings.out_of_band_modes is OutOfBandModes.RETAINED
+        prediction_id = None if is_retaining else run.prediction_id
+        key = (aircraft, run.modal_table_id, run.damping_table_id, prediction_id)
         if key not in self._assumed:
             tables = [t for t in (run.modal_table_id, run.damping_table_id) if t is not None]
             predictions = [p.id for p in self._store.predictions.find(aircraft_id=aircraft) if p.id]
-            named = None if run.prediction_id is None else [run.prediction_id]
+            named = None if prediction_id is None else [prediction_id]
             self._assumed[key] = hash_content(
                 [
                     hash_record(self._store.database, "aircraft", [aircraft]),
@@ -108,10 +130,8 @@ def add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
 
 
 def _add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
-    start = run.settings.start_run_id
-    start_hash = None if start is None else store.runs.get(start).input_hash
     involved = (run.maneuver_id, *run.settings.additional_maneuver_ids)
-    return RunHasher(store, involved).hash_run(run, start_hash)
+    return RunHasher(store, involved).hash_run(run)
 
 
 def hash_provenance(
@@ -145,4 +165,31 @@ def hash_provenance(
         rests_on=hash_records(store.database, names),
         data_hash=found.data_hash,
         input_hash=run.input_hash if found.data_hash == run.data_hash else found.input_hash,
+    )
+
+
+def list_run_contents(
+    store: Store, run_ids: tuple[int, ...], maneuver_ids: tuple[int, ...] = ()
+) -> tuple[object, ...]:
+    """List all records on which models of these runs, and refits of them, depend.
+
+    The data of further maneuvers are added.
+    """
+    runs = [store.runs.get(number) for number in run_ids]
+    used = {number for run in runs for number in run.settings.additional_maneuver_ids}
+    used |= {run.maneuver_id for run in runs} | set(maneuver_ids)
+    maneuvers = [store.maneuvers.get(number) for number in sorted(used)]
+    samples = sa.select(channels.c.maneuver_id, channels.c.name, channels.c.array)
+    with store.database.reading() as connection:
+        arrays = connection.execute(samples.where(channels.c.maneuver_id.in_(used))).all()
+    aircraft_ids = sorted({maneuver.aircraft_id for maneuver in maneuvers})
+    return (
+        runs,
+        maneuvers,
+        sorted(map(tuple, arrays)),
+        [step for number in sorted(used) for step in store.conditioning.find(maneuver_id=number)],
+        [store.aircraft.get(number) for number in aircraft_ids],
+        [store.modal_tables.find(aircraft_id=number) for number in aircraft_ids],
+        [store.predictions.find(aircraft_id=number) for number in aircraft_ids],
+        store.mode_corrections.find(),
     )

@@ -11,9 +11,16 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
-from flexsid.records.proposal_basis import ProposalBasis, ProposalSource
-from flexsid.records.run import EstimationRun, RunSettings, RunState
-from flexsid.records.run_proposal import ModeInBand, RunProposal
+from flexsid.records.run import (
+    EstimationRun,
+    ModeInBand,
+    OutOfBandModes,
+    ProposalBasis,
+    ProposalSource,
+    RunProposal,
+    RunSettings,
+    RunState,
+)
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -21,15 +28,15 @@ from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_nam
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
+from flexsid.workflow.aircraft.axes import find_body, require_axis
 from flexsid.workflow.aircraft.derivative_predictions import (
-    interpolate_prediction,
+    interpolate_values,
     list_predicted_modes,
     select_prediction,
 )
-from flexsid.workflow.aircraft.longitudinal import require_longitudinal
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
 from flexsid.workflow.measurements.sensor_responses import find_excited_band
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, require_baseline
 from flexsid.workflow.runs.estimation import select_inputs_and_outputs
 
@@ -80,7 +87,7 @@ def propose_run(
     Raises
     ------
     BadInput
-        If a maneuver is not longitudinal, was not flown, or baselines differ.
+        If maneuvers are of different axes, were not flown, or baselines differ.
     """
     with store.reading():
         return _propose(store, tuple(maneuver_ids), band_hz)
@@ -90,14 +97,14 @@ def _propose(
     store: Store, maneuver_ids: tuple[int, ...], band_hz: tuple[float, float] | None
 ) -> RunProposal:
     maneuvers = [store.maneuvers.get(number) for number in maneuver_ids]
-    for maneuver in maneuvers:
-        require_longitudinal(maneuver)
+    require_axis(find_body(maneuvers[0].axis), maneuvers)
     # The maneuver with the highest excited frequency determines the modes in the band.
     found = max(
         (_read_band_and_modes(store, maneuver, band_hz) for maneuver in maneuvers),
         key=lambda one: one.band_hz[1],
     )
-    first, settings = maneuvers[0], RunSettings()
+    first = maneuvers[0]
+    settings = RunSettings(out_of_band_modes=OutOfBandModes.RETAINED)
     if band_hz is not None or first.excitation is None:
         settings = replace(settings, band_hz=found.band_hz)
     structure, basis = _select_structure(store, maneuver_ids, first, found)
@@ -180,6 +187,7 @@ def _select_structure(
         return structure, replace(
             basis, band_hz=found.band_hz, reasons=(*basis.reasons, f"{excited}.")
         )
+    body = find_body(first.axis)
     inside = [mode for mode in found.modes if mode.in_band]
     above = next((mode for mode in found.modes if not mode.in_band), None)
     reasons = [
@@ -188,12 +196,13 @@ def _select_structure(
             f"{', '.join(_describe_mode(mode) for mode in inside)} "
             f"{'ends' if len(inside) == 1 else 'end'} below its upper limit."
             if inside
-            else "no symmetric mode ends below its upper limit: the model is rigid."
+            else f"no {body.symmetry} mode ends below its upper limit: the model is rigid."
         )
     ]
     if above is not None:
         reasons.append(f"{_describe_mode(above)} lies at that limit or above it and is omitted.")
-    return Structure(modes=tuple(mode.number for mode in inside), fixed={}), ProposalBasis(
+    numbers = tuple(mode.number for mode in inside)
+    return Structure(modes=numbers, fixed={}, axis=body.axis), ProposalBasis(
         source=ProposalSource.BAND, reasons=tuple(reasons), band_hz=found.band_hz
     )
 
@@ -238,7 +247,7 @@ def _find_saved_structure(
 def _find_modes_near_band(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, top_hz: float
 ) -> tuple[ModeInBand, ...]:
-    """Find symmetric modes in the band and just above it, lowest first; none without a table."""
+    """Find modes of the axis in the band and just above it, lowest first; none without a table."""
     try:
         tables = find_modal_tables(store, maneuver.aircraft_id, None, None)
     except BadInput:
@@ -248,7 +257,7 @@ def _find_modes_near_band(
     air = _compute_poles_in_air(store, maneuver, aircraft, known)
     found = []
     for number, omega, zeta in zip(at_fuel.numbers, at_fuel.omega, at_fuel.zeta, strict=True):
-        if not known.symmetric[number]:
+        if not known.belongs_to(number, find_body(maneuver.axis)):
             continue
         vacuo_hz = float(omega) / (2.0 * np.pi)
         pole = air.get(number)
@@ -278,26 +287,24 @@ def _find_modes_near_band(
 def _compute_poles_in_air(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, known: AircraftModes
 ) -> dict[int, NamedPole]:
-    """Compute the poles of the symmetric modes that a prediction covers, at the condition."""
-    symmetric = tuple(n for n in known.table.numbers if known.symmetric[n])
-    prediction = select_prediction(store, maneuver.aircraft_id, None, symmetric, ())
+    """Compute the poles of the modes of the axis that a prediction covers, at the condition."""
+    body = find_body(maneuver.axis)
+    own = tuple(n for n in known.table.numbers if known.belongs_to(n, body))
+    prediction = select_prediction(store, maneuver.aircraft_id, None, own, (), body)
     if prediction is None:
         return {}
-    covered = list_predicted_modes(prediction, symmetric)
+    covered = list_predicted_modes(prediction, own, body)
     fuel = maneuver.condition.fuel_fraction
-    values = {
-        name: value for name, (value, _) in interpolate_prediction(store, prediction, fuel).items()
-    }
-    if not set(list_derivative_names(covered, ())) <= set(values):
+    values = interpolate_values(store, prediction, fuel)
+    if not set(list_derivative_names(covered, (), body)) <= set(values):
         return {}
-    table = DerivativeTable.from_names(covered, (), values)
-    blind = SensorRows((), np.zeros((4, 0, 2 + len(covered))))
+    table = DerivativeTable.from_names(covered, (), values, body)
+    blind = SensorRows((), np.zeros((4, 0, body.size + len(covered))))
     condition = build_flight_condition(aircraft, maneuver.condition)
-    model = AeroelasticModel(condition, known.table.at(fuel).select(covered), (), blind)
-    exact = select_parameters(table, ("CZ_alpha",), ())  # its covariance is zero
-    names = tuple(known.names[number] for number in covered)
-    poles = compute_named_poles(model, exact, exact.start, np.zeros((1, 1)), names)
-    numbers = dict(zip(names, covered, strict=True))
+    model = AeroelasticModel(condition, known.table.at(fuel).select(covered), (), blind, body)
+    exact = select_parameters(table, model.derivative_names[:1], ())  # its covariance is zero
+    numbers = {str(number): number for number in covered}  # names of modes may be equal
+    poles = compute_named_poles(model, exact, exact.start, np.zeros((1, 1)), tuple(numbers))
     return {numbers[p.name]: p for p in poles if p.name in numbers and p.value.imag > 0.0}
 
 
@@ -311,7 +318,7 @@ def _describe_proposal(
     modes: tuple[ModeInBand, ...],
     found: _BandAndModes,
 ) -> RunProposal:
-    names = list_derivative_names(structure.modes, inputs)
+    names = list_derivative_names(structure.modes, inputs, find_body(structure.axis))
     held = {*structure.absent, *structure.fixed, *structure.fixed_to}
     free = [n for n in (names if structure.free is None else structure.free) if n not in held]
     n_parameters = len(free) + len(structure.extra_parameters)

@@ -8,9 +8,10 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, Method
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, standard_errors
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
+from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.stability.poles import NamedPole
@@ -18,6 +19,8 @@ from flexsid.sysid.stability.poles import NamedPole
 MAX_CORRELATION = 0.9
 _POOR_FIT = 0.8
 _MAX_ERROR_RATIO = 2.0
+_POOR_PREDICTION = 0.5  # of the size of a derivative; panel codes are within 0.3
+_INTERPOLATION_BIAS = 0.5  # of the standard deviation of a response: total error 12 % larger
 _PRIOR_DOMINATES = 0.95  # posterior over prior deviation at a tenth of the prior's information
 
 
@@ -62,9 +65,10 @@ def list_request_warnings(
     return [
         *_warn_of_out_of_band_modes(model, max_omega, names),
         *(
-            f"{names[number]} is antisymmetric and not identifiable from symmetric motion."
+            f"{names[number]} is not {model.body.symmetry} and not identifiable from "
+            f"{model.body.axis} motion."
             for number in numbers
-            if not symmetric[number]
+            if symmetric[number] != (model.body.symmetry == "symmetric")
         ),
         *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, model.inputs)),
         *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),
@@ -116,6 +120,27 @@ def list_result_warnings(estimate: Estimate) -> tuple[str, ...]:
     return tuple(found)
 
 
+def warn_of_unknown_modes(settings: RunSettings, nuisance: NuisancePrior | None) -> tuple[str, ...]:
+    """Warn that no further modes are known, where they were to be retained."""
+    if settings.out_of_band_modes is OutOfBandModes.OMITTED or nuisance is not None:
+        return ()
+    return (
+        "No prediction gives the derivatives of modes outside the model structure a size: the "
+        "standard errors assume that the aircraft has no such modes. Import a prediction.",
+    )
+
+
+def warn_of_poor_prediction(spread: float) -> tuple[str, ...]:
+    """Warn that the prior of the nuisance parameters is wide because the prediction is poor."""
+    if spread < _POOR_PREDICTION:
+        return ()
+    return (
+        f"The derivatives of the modes in the band differ from their prediction by {spread:.0%} "
+        "of their size; those of out-of-band modes were given the same uncertainty. Check the "
+        "prediction, or the model structure.",
+    )
+
+
 def warn_of_limits(estimate: Estimate, at_limit: np.ndarray) -> tuple[str, ...]:
     """Warn of parameters that converged to a physical limit; empty where there are none."""
     if not at_limit.any():
@@ -163,6 +188,42 @@ def warn_of_moved_poles(poles: Sequence[NamedPole], max_omega: float) -> list[st
         "derivatives, or give them priors at a prediction."
         for name, frequency in lowest.items()
     ]
+
+
+def warn_of_interpolation(
+    bias: float,
+    poles: Sequence[NamedPole],
+    omega: np.ndarray,
+    assigned_input: np.ndarray,
+) -> tuple[str, ...]:
+    """Warn that frequency responses are biased by interpolation between harmonics of one input.
+
+    Parameters
+    ----------
+    bias
+        Largest rms bias of the responses, in their standard deviations. [1]
+    poles
+        Of the estimated model.
+    omega, assigned_input
+        Frequencies [rad/s], and the input that each is a harmonic of.
+    """
+    if not bias > _INTERPOLATION_BIAS:
+        return ()
+    every = [np.diff(omega[assigned_input == index]) for index in np.unique(assigned_input)]
+    spacing = max(float(gaps.max()) for gaps in every if gaps.size) / (2.0 * np.pi)
+    width = {
+        pole.name: abs(pole.value.real) / np.pi
+        for pole in poles
+        if pole.value.imag > 0.0 and omega[0] <= pole.frequency <= omega[-1]
+    }
+    narrow = [f"{name} ({own:.2g} Hz)" for name, own in width.items() if own < spacing]
+    cause = f" The half-power bandwidth of {_list_names(narrow)} is narrower." if narrow else ""
+    return (
+        "Interpolation between the harmonics of one input, up to "
+        f"{spacing:.2g} Hz apart, biases frequency responses by up to {bias:.1f} of their standard "
+        f"deviations (rms), and derivatives with them.{cause} Use OE, or repeat the maneuver with "
+        "a longer period.",
+    )
 
 
 def _warn_of_out_of_band_modes(

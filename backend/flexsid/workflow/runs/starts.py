@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.prediction import DerivativePrediction
 from flexsid.records.run import EstimationRun, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
-    interpolate_prediction,
+    interpolate_values,
     list_predicted_modes,
 )
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes
 from flexsid.workflow.model_structures.run_results import refuse_altered
 
 RESIDUALIZED = "residualized"  # suffix of a start table with residualised modes
@@ -34,12 +37,13 @@ def select_starting_tables(
     run: EstimationRun,
     predicted: dict[str, DerivativeTable],
     inputs: tuple[str, ...],
+    body: RigidBody = LONGITUDINAL,
 ) -> dict[str, DerivativeTable]:
     """Select the start tables of the requested kind; they also supply held derivatives."""
     start = run.settings.start
     if start is Start.RUN:
         name = f"run {run.settings.start_run_id}"
-        return {name: _read_start_of_run(store, run, run.structure.modes, inputs)}
+        return {name: _read_start_of_run(store, run, run.structure.modes, inputs, body)}
     residualized = {n: t for n, t in predicted.items() if is_residualized(n)}
     if start is Start.RESIDUALIZED_PREDICTION:
         return residualized
@@ -52,7 +56,11 @@ def select_starting_tables(
 
 
 def _read_start_of_run(
-    store: Store, run: EstimationRun, numbers: tuple[int, ...], inputs: tuple[str, ...]
+    store: Store,
+    run: EstimationRun,
+    numbers: tuple[int, ...],
+    inputs: tuple[str, ...],
+    body: RigidBody,
 ) -> DerivativeTable:
     number = run.settings.start_run_id
     if number is None:
@@ -67,7 +75,7 @@ def _read_start_of_run(
         )
     values = other.structure.fixed | other.result.held
     values |= {p.name: p.value for p in other.result.parameters}
-    return DerivativeTable.from_names(numbers, inputs, values)
+    return DerivativeTable.from_names(numbers, inputs, values, body)
 
 
 def build_predicted_tables(
@@ -78,20 +86,19 @@ def build_predicted_tables(
     aircraft: Aircraft,
     modes: AircraftModes,
     inputs: tuple[str, ...],
+    body: RigidBody = LONGITUDINAL,
 ) -> dict[str, DerivativeTable]:
     """Build tables of a prediction: residualised where it covers the model, and unchanged."""
     numbers = run.structure.modes
     if prediction is None:
         return {}
     fuel = maneuver.condition.fuel_fraction
-    values = {
-        name: value for name, (value, _) in interpolate_prediction(store, prediction, fuel).items()
-    }
-    covered = list_predicted_modes(prediction, modes.table.numbers)
-    plain = DerivativeTable.from_names(numbers, inputs, values)
-    if not set(list_derivative_names(numbers, inputs)) <= set(values):
+    values = interpolate_values(store, prediction, fuel)
+    covered = list_predicted_modes(prediction, modes.table.numbers, body)
+    plain = DerivativeTable.from_names(numbers, inputs, values, body)
+    if not set(list_derivative_names(numbers, inputs, body)) <= set(values):
         return {prediction.source: plain} if set(numbers) <= set(covered) else {}
-    full = DerivativeTable.from_names(covered, inputs, values)
+    full = DerivativeTable.from_names(covered, inputs, values, body)
     condition = build_flight_condition(aircraft, maneuver.condition)
     reduced = residualize(full, modes.table.at(fuel), condition, numbers)
     return {f"{prediction.source}, {RESIDUALIZED}": reduced, prediction.source: plain}
@@ -139,7 +146,7 @@ def _collect_priors(
     table = next(iter(predicted.values()))
     typical = np.median(np.abs(table.values), axis=1, keepdims=True)  # of each coefficient
     sizes = spread * np.maximum(np.abs(table.values), typical)
-    spreads = DerivativeTable(table.modes, table.inputs, sizes).named()
+    spreads = replace(table, values=sizes).named()
     values = table.named()
     of_prediction = {name: (values[name], spreads[name]) for name in free if name in values}
     return of_prediction | dict(settings.priors)

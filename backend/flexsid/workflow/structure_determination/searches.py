@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
 
-from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnknownRecord
-from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, RunState
-from flexsid.records.search import SearchCandidate, SearchResult, StructureSearch, TermGroup
-from flexsid.storage import batches
+from flexsid.errors import BadInput, Conflict, UnknownRecord
+from flexsid.records.job import Job
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.records.search import SearchResult, StructureSearch, TermGroup
+from flexsid.storage import batches, queue
+from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.likelihood import FitSettings
+from flexsid.sysid.structure_determination.selection import Thresholds
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
-from flexsid.workflow.runs.computation import EstimationTask, read_versions
 from flexsid.workflow.runs.estimation import prepare as prepare_run
+from flexsid.workflow.runs.estimation_task import EstimationTask
 from flexsid.workflow.runs.run_identity import add_hashes
-from flexsid.workflow.structure_determination.computation import compute_search
-from flexsid.workflow.structure_determination.task import (
-    SearchTask,
-    build_thresholds,
-    check_same_candidates,
-)
+from flexsid.workflow.runs.software_versions import read_versions
+from flexsid.workflow.structure_determination.computation import SearchTask, compute_search
 
-__all__ = ["compute_search", "create_candidate_run", "get_candidate", "prepare_search"]
+__all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_search"]
 
-ENDED = (RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED)
 _END_S = 0.5
 _UNDECAYED = 0.02  # of the largest motion
 
@@ -58,13 +55,19 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
         )
     aircraft = store.aircraft.get(store.maneuvers.get(ids[0]).aircraft_id)
     check_structure(store, aircraft, request.structure)
-    tasks = tuple(_prepare_maneuver(store, request, number) for number in ids)
-    others = tuple(_prepare_maneuver(store, request, number) for number in unseen)
-    check_same_candidates((*tasks, *others))
-    build_thresholds(request.settings)
+    tasks, others = (
+        tuple(prepare_run(store, _build_run(request, request.structure, (n,))) for n in numbers)
+        for numbers in (ids, unseen)
+    )
+    _check_same_candidates((*tasks, *others))
+    settings = request.settings
     return SearchTask(
         method=request.method,
-        settings=request.settings,
+        settings=settings,
+        thresholds=Thresholds(
+            f_in=settings.f_in, f_out=settings.f_out, pse_noise=settings.pse_noise
+        ),
+        fit=FitSettings(max_iterations=settings.max_iterations, noise=settings.noise),
         structure=request.structure,
         maneuvers=tasks,
         unseen=others,
@@ -76,7 +79,7 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
 
 
 def add_search(store: Store, request: StructureSearch) -> StructureSearch:
-    """Store a search request; an invalid one is refused.
+    """Store a search request and queue its job; an invalid one is refused.
 
     Raises
     ------
@@ -87,73 +90,37 @@ def add_search(store: Store, request: StructureSearch) -> StructureSearch:
     """
     refuse_deleted(store, (*request.maneuver_ids, *request.settings.validate_on))
     prepare_search(store, request)
-    return store.searches.add(replace(request, state=RunState.QUEUED))
+    with store.transaction(), storing_in_campaign(request.aircraft_id):
+        stored = store.searches.add(replace(request, state=RunState.QUEUED))
+        job = queue.add_job(
+            store,
+            Job(
+                kind=queue.SEARCH,
+                title=f"{request.method.value} search",
+                author=request.author,
+                request={"search_id": stored.id},
+            ),
+        )
+        return store.searches.replace(replace(stored, job_id=job.id))
 
 
-def run_search(
-    store: Store, search_id: int, compute: Callable[[SearchTask], SearchResult]
-) -> StructureSearch:
-    """Run a queued search and store its result; one that has ended is returned unchanged.
-
-    An error of the request or the software ends it as failed; other exceptions of ``compute``
-    (``Cancelled``, an interrupt) are raised.
-    """
-    request = _update_search(store, search_id, state=RunState.RUNNING, progress=None)
-    if request.state is not RunState.RUNNING:
-        return request
-    try:
-        result = compute(prepare_search(store, request))
-    except (Cancelled, KeyboardInterrupt):
-        _update_search(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
-        raise
-    except FlexsidError as error:
-        return fail_search(store, search_id, error.code, error.message)
-    return _update_search(
-        store,
-        search_id,
-        state=RunState.SUCCEEDED,
-        result=result,
-        versions=read_versions(),
-        finished_at=datetime.now(UTC),
-    )
-
-
-def fail_search(store: Store, search_id: int, code: str, message: str) -> StructureSearch:
-    """End a search as failed with an error."""
-    error = {"code": code, "message": message}
-    now = datetime.now(UTC)
-    return _update_search(store, search_id, state=RunState.FAILED, error=error, finished_at=now)
-
-
-def cancel_search(store: Store, search_id: int) -> StructureSearch:
-    """Cancel a search that has not ended.
+def store_search_result(
+    store: Store, search_id: int, attempt: int, result: SearchResult, worker: str
+) -> None:
+    """Store the result of a search and end its job.
 
     Raises
     ------
-    Conflict
-        If it has ended.
+    StaleAttempt
+        If the job was cancelled or started again.
     """
-    before = store.searches.get(search_id)
-    if before.state in ENDED:
-        raise Conflict(
-            f"search {search_id} has {before.state.value} already; there is nothing to cancel",
-            code="search-ended",
-        )
-    return _update_search(store, search_id, state=RunState.CANCELLED, finished_at=datetime.now(UTC))
-
-
-def store_progress(store: Store, search_id: int, progress: Progress) -> bool:
-    """Store the progress of a search; False if it has ended, e.g. by cancellation."""
-    return _update_search(store, search_id, progress=progress).state is RunState.RUNNING
-
-
-def _update_search(store: Store, search_id: int, **changes: Any) -> StructureSearch:
-    """Update a search that has not ended, in one transaction."""
+    versions = read_versions()
     with store.transaction():
         found = store.searches.get(search_id)
-        if found.state in ENDED:
-            return found
-        return store.searches.replace(replace(found, **changes))
+        assert found.job_id is not None
+        queue.finish_job(store, found.job_id, attempt, None, versions, worker)
+        ended = store.searches.get(search_id)
+        store.searches.replace(replace(ended, result=result, versions=versions))
 
 
 def get_group(store: Store, search_id: int, name: str | None) -> TermGroup:
@@ -166,21 +133,32 @@ def get_group(store: Store, search_id: int, name: str | None) -> TermGroup:
     UnknownRecord
         If it has no such group.
     """
-    found = store.searches.get(search_id)
-    if found.result is None:
-        raise Conflict(
-            f"search {search_id} is {found.state.value} and has no result yet",
-            code="search-without-result",
-        )
-    for group in found.result.groups:
+    groups = get_result(store.searches.get(search_id)).groups
+    for group in groups:
         if name in (None, group.name):
             return group
-    names = ", ".join(group.name for group in found.result.groups)
+    names = ", ".join(group.name for group in groups)
     raise UnknownRecord(f"search {search_id} has no '{name}'; it has {names}")
 
 
-def get_candidate(request: StructureSearch, number: int) -> SearchCandidate:
-    """Return a candidate of a finished search by its index.
+def get_result(search: StructureSearch) -> SearchResult:
+    """Return the result of a finished search.
+
+    Raises
+    ------
+    Conflict
+        If the search has none.
+    """
+    if search.result is None:
+        raise Conflict(
+            f"search {search.id} is {search.state.value} and has no result yet",
+            code="search-without-result",
+        )
+    return search.result
+
+
+def create_candidate_run(store: Store, search_id: int, number: int, author: str) -> EstimationRun:
+    """Return the run of a candidate, by its index; it is created at the first call.
 
     Raises
     ------
@@ -189,71 +167,39 @@ def get_candidate(request: StructureSearch, number: int) -> SearchCandidate:
     UnknownRecord
         If it has no such candidate.
     """
-    if request.result is None:
-        raise Conflict(
-            f"search {request.id} is {request.state.value} and has no candidates yet",
-            code="search-without-result",
-        )
-    if not 0 <= number < len(request.result.candidates):
-        raise UnknownRecord(f"search {request.id} has no candidate {number}")
-    return request.result.candidates[number]
-
-
-def create_candidate_run(store: Store, search_id: int, number: int, author: str) -> EstimationRun:
-    """Return the run of a candidate; it is created at the first call."""
     with store.transaction():
         found = store.searches.get(search_id)
-        candidate = get_candidate(found, number)
+        result = get_result(found)
+        candidates = list(result.candidates)
+        if not 0 <= number < len(candidates):
+            raise UnknownRecord(f"search {search_id} has no candidate {number}")
+        candidate = candidates[number]
         if candidate.run_id is not None:
             return store.runs.get(candidate.run_id)
-        settings = found.settings
-        run, _ = batches.add_once(
-            store,
-            add_hashes(
-                store,
-                EstimationRun(
-                    maneuver_id=found.maneuver_ids[0],
-                    method=found.method,
-                    structure=candidate.structure,
-                    settings=RunSettings(
-                        band_hz=settings.band_hz,
-                        max_iterations=settings.max_iterations,
-                        noise=settings.noise,
-                        additional_maneuver_ids=found.maneuver_ids[1:],
-                    ),
-                    modal_table_id=found.modal_table_id,
-                    damping_table_id=found.damping_table_id,
-                    prediction_id=found.prediction_id,
-                    author=author,
-                ),
-            ),
-        )
-        assert isinstance(found.result, SearchResult)
-        candidates = list(found.result.candidates)
+        request = _build_run(found, candidate.structure, found.maneuver_ids)
+        run, _ = batches.add_once(store, add_hashes(store, replace(request, author=author)))
         candidates[number] = replace(candidate, run_id=run.id)
-        store.searches.replace(
-            replace(found, result=replace(found.result, candidates=tuple(candidates)))
-        )
+        store.searches.replace(replace(found, result=replace(result, candidates=tuple(candidates))))
     return run
 
 
-def _prepare_maneuver(store: Store, request: StructureSearch, maneuver_id: int) -> EstimationTask:
-    settings = request.settings
-    return prepare_run(
-        store,
-        EstimationRun(
-            maneuver_id=maneuver_id,
-            method=request.method,
-            structure=request.structure,
-            settings=RunSettings(
-                band_hz=settings.band_hz,
-                max_iterations=settings.max_iterations,
-                noise=settings.noise,
-            ),
-            modal_table_id=request.modal_table_id,
-            damping_table_id=request.damping_table_id,
-            prediction_id=request.prediction_id,
+def _build_run(
+    search: StructureSearch, structure: Structure, maneuver_ids: tuple[int, ...]
+) -> EstimationRun:
+    """Build the request of a run of a model structure with the settings of a search."""
+    return EstimationRun(
+        maneuver_id=maneuver_ids[0],
+        method=search.method,
+        structure=structure,
+        settings=RunSettings(
+            band_hz=search.settings.band_hz,
+            max_iterations=search.settings.max_iterations,
+            noise=search.settings.noise,
+            additional_maneuver_ids=maneuver_ids[1:],
         ),
+        modal_table_id=search.modal_table_id,
+        damping_table_id=search.damping_table_id,
+        prediction_id=search.prediction_id,
     )
 
 
@@ -286,3 +232,17 @@ def _warn_of_undecayed_motion(
                 "value): leakage may support terms that are not in the system."
             )
     return tuple(warnings)
+
+
+def _check_same_candidates(tasks: tuple[EstimationTask, ...]) -> None:
+    """Refuse maneuvers that cannot share one model structure: their inputs or modes differ."""
+    first = tasks[0].model
+    for task in tasks[1:]:
+        other = task.model
+        if other.inputs != first.inputs or other.modes.numbers != first.modes.numbers:
+            raise BadInput(
+                f"{task.maneuvers[0].label} has inputs {', '.join(other.inputs)}, "
+                f"{tasks[0].maneuvers[0].label} has {', '.join(first.inputs)}; name the inputs "
+                "of the model structure, or search over maneuvers with the same ones",
+                code="other-candidates",
+            )

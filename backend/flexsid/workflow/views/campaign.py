@@ -9,7 +9,7 @@ from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.store import Store
 
 
-def envelope(store: Store, **filters: Unpack[ManeuverFilters]) -> Envelope:
+def read_envelope(store: Store, **filters: Unpack[ManeuverFilters]) -> Envelope:
     """Read the flight conditions of the listed maneuvers."""
     return Envelope(
         marks=tuple(

@@ -14,7 +14,6 @@ from flexsid.records.views import ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.measurements.conditioning import read_conditioning
-from flexsid.workflow.measurements.excitation_interval import slice_samples
 from flexsid.workflow.measurements.recording import Conditioning
 
 Interval = tuple[float, float]
@@ -27,7 +26,7 @@ def list_input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
     return tuple(channel.name for channel in measured)
 
 
-def read_channels(
+def read_traces(
     store: Store, maneuver: Maneuver, names: Sequence[str], interval_s: Interval | None = None
 ) -> tuple[ChannelTrace, ...]:
     """Read channels, or combinations of channels, over an interval of the record.
@@ -101,7 +100,7 @@ def _build_trace(
     first, _ = parts[0]
     window = slice(0, first.n_samples)
     if interval_s is not None:
-        window = slice_samples(interval_s, first.start_s, first.rate_hz, first.n_samples)
+        window = first.slice_samples(interval_s)
     values = sum(
         weight * _apply_conditioning(channel, samples[channel.array], steps, window)
         for channel, weight in parts

@@ -9,13 +9,13 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from flexsid.errors import BadInput
-from flexsid.records.finite import finite_or_none
-from flexsid.records.modal_views import AssuranceMatrix, Correlation, PairedMode, PointAgreement
+from flexsid.records import finite_or_none
+from flexsid.records.modal_data import AssuranceMatrix, Correlation, PairedMode, PointAgreement
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_comac, compute_mac, compute_modal_scale_factors
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.sysid.modes.tracking import LOW_MAC
-from flexsid.workflow.modal_data.tracked_modes import (
+from flexsid.workflow.modal_data.modal_tables import (
     format_title,
     interpolate_damping,
     interpolate_shape,
@@ -24,16 +24,18 @@ from flexsid.workflow.modal_data.tracked_modes import (
 )
 
 _SAME_PLACE = 0.02  # of the extent of a structure
+_LEAST_MAC = 0.1  # of a listed pair; less is no resemblance
 
 
 def compute_assurance(
     store: Store,
     modal_table_id: int,
     fuel: float,
-    other_id: int | None,
-    other_fuel: float,
+    other_id: int | None = None,
+    other_fuel: float | None = None,
 ) -> AssuranceMatrix:
     """Compute the MAC of a table with itself, at another fuel, or with another table."""
+    other_fuel = fuel if other_fuel is None else other_fuel
     one = _read_shapes(store, modal_table_id, fuel)
     other = _read_shapes(store, modal_table_id if other_id is None else other_id, other_fuel)
     a, b, _ = _select_common(one, other)
@@ -64,6 +66,8 @@ def correlate(
     assignment = linear_sum_assignment(-values)
     pairs, matched = [], []
     for i, j in zip(*assignment, strict=True):
+        if values[i, j] < _LEAST_MAC:
+            continue
         pairs.append(
             PairedMode(
                 number=one.numbers[i],
@@ -82,6 +86,9 @@ def correlate(
             matched.append((int(i), int(j)))
     agreement: tuple[PointAgreement, ...] = ()
     notes = [f"Compared at {len(points)} points in {int(measured.sum())} directions."]
+    n_alone = max(values.shape) - len(pairs)
+    if n_alone:
+        notes.append(f"{n_alone} modes have no counterpart with a MAC of {_LEAST_MAC:g} or more.")
     if not moved.all():
         missing = [name for name, there in zip("xyz", moved, strict=True) if not there]
         notes.append(f"The second source does not move in {', '.join(missing)}.")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.records.finite import finite_or_none
-from flexsid.records.modal_views import CrossingMark, ModeAtFuel, ModesAgainstFuel
+from flexsid.records import finite_or_none
+from flexsid.records.modal_data import CrossingMark, ModeAtFuel, ModesAgainstFuel
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.table import compute_fuel_weights, interpolate, sum_weighted_rows
+from flexsid.sysid.interpolation import interpolate
+from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.sysid.modes.tracking import find_mode_crossings
-from flexsid.workflow.modal_data.tracked_modes import (
+from flexsid.workflow.modal_data.modal_tables import (
     format_title,
     interpolate_damping,
     list_mode_names,
@@ -28,19 +29,20 @@ def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeA
     zeta = interpolate_damping(store, modes, fuel)
     mass = None if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel)
     followed = modes.tracking.assurance.min(axis=0)
+    names = list_mode_names(table)
     reasons = [*table.reasons, *[""] * len(table.numbers)]
     listed = [
         ModeAtFuel(
             number=number,
-            name=list_mode_names(table)[place],
-            symmetric=table.symmetric[place],
-            reason=reasons[place],
-            frequency_hz=float(omega[place]) / (2.0 * np.pi),
-            damping=finite_or_none(zeta[place]),
-            mass_kg_m2=None if mass is None else float(mass[place]),
-            followed=float(followed[place]) if modes.fuel.size > 1 else None,
+            name=names[index],
+            symmetric=table.symmetric[index],
+            reason=reasons[index],
+            frequency_hz=float(omega[index]) / (2.0 * np.pi),
+            damping=finite_or_none(zeta[index]),
+            mass_kg_m2=None if mass is None else float(mass[index]),
+            followed=float(followed[index]) if modes.fuel.size > 1 else None,
         )
-        for place, number in enumerate(table.numbers)
+        for index, number in enumerate(table.numbers)
     ]
     return tuple(sorted(listed, key=lambda mode: mode.frequency_hz))
 
@@ -72,7 +74,7 @@ def trace_modes(store: Store, modal_table_id: int) -> ModesAgainstFuel:
         symmetric=table.symmetric,
         fuel=fine,
         frequency_hz=omega / (2.0 * np.pi),
-        damping=np.array([interpolate_damping(store, modes, f) for f in fine]),
+        damping=interpolate_damping(store, modes, fine),
         table_fuel=modes.fuel,
         table_hz=modes.omega / (2.0 * np.pi),
         crossings=marks,

@@ -9,10 +9,10 @@ from flexsid.records.views import LoopCurve, LoopPlot
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.measured_loops import estimate_loop_gains
 from flexsid.workflow.aircraft.aircraft_models import get_servo
-from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
+from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 
 
-def loops(store: Store, maneuver_id: int) -> LoopPlot:
+def estimate_loops(store: Store, maneuver_id: int) -> LoopPlot:
     """Estimate the loop gain of every excited surface, with margins.
 
     Raises
@@ -29,7 +29,7 @@ def loops(store: Store, maneuver_id: int) -> LoopPlot:
         )
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     inputs = tuple(maneuver.excitation.harmonics)
-    spectra = read_measured_spectra(store, maneuver, aircraft, inputs, ())
+    spectra = read_measurement(store, maneuver, aircraft, inputs, ()).transform()
     if spectra.commands is None:
         raise BadInput(
             "the excitation commands were not recorded; loops need commands and deflections",

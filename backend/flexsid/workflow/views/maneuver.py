@@ -12,19 +12,22 @@ from flexsid.records.quality import SignalToNoise
 from flexsid.records.views import ChannelHistories, Spectra
 from flexsid.storage.store import Store
 from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
-from flexsid.workflow.measurements.excitation_interval import get_excitation_interval
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
-from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
-from flexsid.workflow.views.channels import find_sampling, list_input_names, read_channels
+from flexsid.workflow.measurements.recording import (
+    SpectrumFrequencies,
+    list_excitation_names,
+    select_frequencies,
+)
+from flexsid.workflow.views.channels import find_sampling, list_input_names, read_traces
 
 POINTS = 1000  # about as many as a screen has columns
 _MOST_POINTS = 20_000
 _BACKGROUND = 2000  # points of a whole spectrum
 _FIRST_CYCLES = 2.0  # cycles per record, below which drift dominates
-_CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
+CLEAR_OF_NYQUIST = 0.4  # of the sampling rate, clear of the anti-alias filter's skirt
 
 
-def time_history(
+def read_time_history(
     store: Store,
     maneuver_id: int,
     channels: Sequence[str] = (),
@@ -52,13 +55,13 @@ def time_history(
     excitation = maneuver.excitation
     return ChannelHistories(
         maneuver_id=maneuver_id,
-        traces=read_channels(store, maneuver, selected, window),
-        excitation_s=None if excitation is None else get_excitation_interval(excitation),
+        traces=read_traces(store, maneuver, selected, window),
+        excitation_s=None if excitation is None else excitation.interval_s,
         points=points,
     )
 
 
-def spectrum(
+def compute_spectrum(
     store: Store, maneuver_id: int, channels: Sequence[str] = (), *, full: bool = False
 ) -> Spectra:
     """Transform channels at the maneuver's harmonics; the inputs by default.
@@ -70,39 +73,44 @@ def spectrum(
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     inputs = list_input_names(store, maneuver)
     rates = find_sampling(store, maneuver, channels or inputs)
-    lines = _select_frequencies(
+    frequencies = _select_frequencies(
         maneuver, min((rate_hz for rate_hz, _ in rates.values()), default=0.0)
     )
-    values = np.full((lines.omega.size, len(rates)), np.nan, dtype=complex)
+    values = np.full((frequencies.omega.size, len(rates)), np.nan, dtype=complex)
     for rate_hz in {rate_hz for rate_hz, _ in rates.values()}:
-        seen = lines.omega <= np.pi * rate_hz
-        below = SpectrumFrequencies(lines.omega[seen], lines.assigned_input[seen], lines.inputs)
+        seen = frequencies.omega <= np.pi * rate_hz
+        below = SpectrumFrequencies(
+            frequencies.omega[seen], frequencies.assigned_input[seen], frequencies.inputs
+        )
         alike = tuple(name for name, (rate, _) in rates.items() if rate == rate_hz)
-        columns = [place for place, name in enumerate(rates) if name in alike]
+        columns = [index for index, name in enumerate(rates) if name in alike]
         found = read_spectra(store, maneuver, aircraft, alike, below).values
         values[np.ix_(seen, np.array(columns))] = found
     background_hz, background = (
         _compute_background(store, maneuver, tuple(rates)) if full else (None, None)
     )
-    frequency_hz = lines.omega / (2.0 * np.pi)
+    frequency_hz = frequencies.omega / (2.0 * np.pi)
     return Spectra(
         maneuver_id=maneuver_id,
         inputs=inputs,
         frequency_hz=frequency_hz,
         assigned_inputs=tuple(
-            lines.inputs[own_input] if own_input >= 0 else "" for own_input in lines.assigned_input
+            frequencies.inputs[own_input] if own_input >= 0 else ""
+            for own_input in frequencies.assigned_input
         ),
         names=tuple(rates),
         units=tuple(unit for _, unit in rates.values()),
         magnitude=np.abs(values),
-        noise=_estimate_noise(store, maneuver, lines, values),
+        noise=_estimate_noise(store, maneuver, frequencies, values),
         background_hz=background_hz,
         background=background,
         band_hz=(float(frequency_hz[0]), float(frequency_hz[-1])) if frequency_hz.size else None,
     )
 
 
-def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()) -> SignalToNoise:
+def estimate_signal_to_noise(
+    store: Store, maneuver_id: int, channels: Sequence[str] = ()
+) -> SignalToNoise:
     """Estimate signal-to-noise ratios at every harmonic; all inputs and outputs by default.
 
     Raises
@@ -113,7 +121,7 @@ def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()
     if not channels:
         recorded = store.channels.find(maneuver_id=maneuver_id)
         channels = [c.name for c in recorded if c.role in (Role.INPUT, Role.OUTPUT)]
-    found = spectrum(store, maneuver_id, channels)
+    found = compute_spectrum(store, maneuver_id, channels)
     if found.noise is None:
         raise BadInput(
             "noise at harmonics can be estimated only with known excitation; import the maneuver "
@@ -133,26 +141,28 @@ def signal_to_noise(store: Store, maneuver_id: int, channels: Sequence[str] = ()
 
 
 def _estimate_noise(
-    store: Store, maneuver: Maneuver, lines: SpectrumFrequencies, values: np.ndarray
+    store: Store, maneuver: Maneuver, frequencies: SpectrumFrequencies, values: np.ndarray
 ) -> np.ndarray | None:
     """Estimate noise at every harmonic from adjacent responses; None if unknown."""
     recorded = {c.name: c.rate_hz for c in store.channels.find(maneuver_id=maneuver.id)}
-    names = [f"{n}_command" if f"{n}_command" in recorded else n for n in lines.inputs]
-    if not names or (lines.assigned_input < 0).any() or not recorded.keys() >= set(names):
+    names = list_excitation_names(frequencies.inputs, recorded)
+    if not names or (frequencies.assigned_input < 0).any() or not recorded.keys() >= set(names):
         return None
-    if lines.omega[-1] > np.pi * min(recorded[name] for name in names):
+    if frequencies.omega[-1] > np.pi * min(recorded[name] for name in names):
         return None
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    commands = read_spectra(store, maneuver, aircraft, tuple(names), lines).values
-    own = commands[np.arange(lines.omega.size), lines.assigned_input]
-    return estimate_noise_about_responses(lines.omega, lines.assigned_input, values, own)
+    commands = read_spectra(store, maneuver, aircraft, tuple(names), frequencies).values
+    own = commands[np.arange(frequencies.omega.size), frequencies.assigned_input]
+    return estimate_noise_about_responses(
+        frequencies.omega, frequencies.assigned_input, values, own
+    )
 
 
 def _compute_background(
     store: Store, maneuver: Maneuver, names: tuple[str, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute spectra of whole records, with the maximum of the bins of each point."""
-    traces = read_channels(store, maneuver, names)
+    traces = read_traces(store, maneuver, names)
     top_hz = max(0.5 / (trace.time_s[1] - trace.time_s[0]) for trace in traces)
     edges = np.linspace(0.0, top_hz, _BACKGROUND + 1)
     found = np.full((_BACKGROUND, len(traces)), np.nan)
@@ -172,5 +182,5 @@ def _select_frequencies(maneuver: Maneuver, rate_hz: float) -> SpectrumFrequenci
     if maneuver.excitation is not None:
         return select_frequencies(maneuver)
     return select_frequencies(
-        maneuver, (_FIRST_CYCLES / maneuver.duration_s, _CLEAR_OF_NYQUIST * rate_hz)
+        maneuver, (_FIRST_CYCLES / maneuver.duration_s, CLEAR_OF_NYQUIST * rate_hz)
     )

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import SensorKind
-from flexsid.records.axes import symmetric_surfaces
-from flexsid.records.modal_table import ModalTable
-from flexsid.records.modal_views import ModelOrder, OrderStep, ReducedResponses
-from flexsid.records.prediction import DerivativePrediction
+from flexsid.records.aircraft import DerivativePrediction, SensorKind
+from flexsid.records.modal_data import ModalTable, ModelOrder, OrderStep, ReducedResponses
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.stability.order import (
     BAND,
     POLE_BAND,
@@ -29,19 +28,20 @@ from flexsid.workflow.aircraft.aircraft_models import (
     define_outputs,
     list_default_outputs,
 )
+from flexsid.workflow.aircraft.axes import list_axis_surfaces
 from flexsid.workflow.aircraft.derivative_predictions import (
-    interpolate_prediction,
+    interpolate_values,
     list_predicted_modes,
     select_prediction,
 )
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 BAND_HZ = (0.25, 15.0)
 _FREQUENCIES = 240
 _FORCE = re.compile(r"CQ(\d+)_alpha")
 _UNITS = {
-    SensorKind.ACCELEROMETER: ("g/rad", 1.0 / 9.80665),
+    SensorKind.ACCELEROMETER: ("g/rad", 1.0 / GRAVITY),
     SensorKind.STRAIN: ("ustrain/rad", 1e6),
     SensorKind.GYRO: ("1/s", 1.0),
 }
@@ -49,7 +49,13 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrderQuery:
-    """Aircraft, flight condition and source of derivatives of an order study."""
+    """Aircraft, flight condition and source of derivatives of an order study.
+
+    Raises
+    ------
+    BadInput
+        If the band is empty.
+    """
 
     aircraft_id: int
     airspeed_m_s: float
@@ -57,7 +63,16 @@ class OrderQuery:
     altitude_m: float | None = None
     modal_table_id: int | None = None
     prediction_id: int | None = None
-    band_hz: tuple[float, float] = BAND_HZ
+    low_hz: float = BAND_HZ[0]
+    high_hz: float = BAND_HZ[1]
+
+    def __post_init__(self) -> None:
+        if self.high_hz <= self.low_hz:
+            raise BadInput(
+                f"the band is {self.low_hz:g} to {self.high_hz:g} Hz; "
+                "expected low_hz below high_hz",
+                code="bad-band",
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,9 +129,7 @@ def compute_reduced_responses(
         if 0 <= count < len(numbers):
             reduced = compute_reduced_response(full.model, full.derivatives, numbers[:count], omega)
             curves.append((_format_title(numbers[:count], full.modes.names), reduced[:, y, u]))
-    rigid = AeroelasticModel(
-        full.model.condition, full.model.modes, full.model.inputs, full.model.sensors.rigid_only()
-    )
+    rigid = replace(full.model, sensors=full.model.sensors.rigid_only(full.model.n_rigid))
     curves.append(
         ("rigid-body sensors (C_e = 0)", rigid.response(full.derivatives, omega)[:, y, u])
     )
@@ -133,7 +146,7 @@ def _build_full_model(store: Store, query: OrderQuery) -> _Full:
     aircraft = store.aircraft.get(query.aircraft_id)
     modal, damping = find_modal_tables(store, query.aircraft_id, query.modal_table_id, None)
     modes = load_modes(store, modal, damping)
-    inputs = symmetric_surfaces(aircraft)
+    inputs = list_axis_surfaces(aircraft, LONGITUDINAL)
     symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
     prediction = select_prediction(store, query.aircraft_id, query.prediction_id, symmetric, inputs)
     if prediction is None:
@@ -154,10 +167,7 @@ def _build_full_model(store: Store, query: OrderQuery) -> _Full:
             prediction_id=prediction.id,
         )
     order = sorted(covered, key=lambda n: float(at_fuel.omega[at_fuel.numbers.index(n)]))
-    values = {
-        name: value
-        for name, (value, _) in interpolate_prediction(store, prediction, query.fuel).items()
-    }
+    values = interpolate_values(store, prediction, query.fuel)
     condition = complete_condition(
         aircraft,
         {
@@ -212,8 +222,7 @@ def _describe_differences(
 
 
 def _select_frequencies(query: OrderQuery) -> np.ndarray:
-    low, high = query.band_hz
-    return 2.0 * np.pi * np.geomspace(low, high, _FREQUENCIES)
+    return 2.0 * np.pi * np.geomspace(query.low_hz, query.high_hz, _FREQUENCIES)
 
 
 def _format_title(numbers: tuple[int, ...], names: dict[int, str]) -> str:
@@ -224,7 +233,7 @@ def _describe_evidence(
     study: OrderStudy, names: dict[int, str], query: OrderQuery
 ) -> tuple[str, ...]:
     needed = study.steps[study.needed]
-    high = query.band_hz[1]
+    high = query.high_hz
     sentences = [
         f"With {_format_title(needed.modes, names)} every derivative of the rigid body is within "
         f"{100 * max(needed.bias, 0.0):.0f} % of the full model's"

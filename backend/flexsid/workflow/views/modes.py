@@ -9,8 +9,9 @@ from flexsid.records.maneuver import GROUND, Maneuver
 from flexsid.records.run import EstimationRun, Pole
 from flexsid.records.views import ModeMarker
 from flexsid.storage.store import Store
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.modal_data.aligned_modes import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 
 def find_mode_markers(
@@ -21,7 +22,7 @@ def find_mode_markers(
         known, at_fuel = _load(store, maneuver, None, None)
     except BadInput:  # without modal table the Bode plot has no markers
         return ()
-    symmetric = maneuver.axis in ("longitudinal", GROUND)
+    symmetric = maneuver.axis in (LONGITUDINAL.axis, GROUND)
     markers = (
         ModeMarker(name=known.names[number], frequency_hz=float(omega) / (2.0 * np.pi))
         for number, omega in zip(at_fuel.numbers, at_fuel.omega, strict=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
-from flexsid.records.modal_views import Observability, SensorCandidate, SensorRow
+from flexsid.records.modal_data import Observability, SensorCandidate, SensorRow
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.node_selection import select_spread_nodes
 from flexsid.sysid.modes.observability import (
@@ -15,7 +15,13 @@ from flexsid.sysid.modes.observability import (
     rank_candidate_sensors,
 )
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
-from flexsid.workflow.modal_data.tracked_modes import Modes, interpolate_shape, open_modes
+from flexsid.workflow.modal_data.modal_tables import (
+    Modes,
+    interpolate_shape,
+    list_mode_names,
+    open_modes,
+    read_nodes,
+)
 
 _CANDIDATES = 250
 _MOST_CANDIDATES = 12
@@ -89,7 +95,8 @@ def compute_observability(
     errors = np.sqrt(np.abs(np.diag(information.covariance))) * at**2  # as accelerations
     least = float(np.min(errors)) if np.isfinite(errors).any() else 1.0
     places, shapes = _spread_candidates(store, modes, columns, fuel)
-    names = tuple(table.names[place] or f"mode {table.numbers[place]}" for place in columns)
+    every_name = list_mode_names(table)
+    names = tuple(every_name[place] for place in columns)
     largest = _find_largest(sensors, motion, shapes)
     rows = tuple(
         SensorRow(
@@ -149,7 +156,7 @@ def _spread_candidates(
     table = modes.table
     if "nodes" not in table.arrays:
         return np.zeros((0, 3)), np.zeros((len(columns), 0, 3))
-    nodes = np.asarray(store.arrays.get(table.arrays["nodes"]), dtype=float)
+    nodes = read_nodes(store, table)
     rows = select_spread_nodes(nodes, _CANDIDATES)
     shapes = [interpolate_shape(store, modes, int(mode), fuel)[rows, :3] for mode in columns]
     return nodes[rows], np.array(shapes)
@@ -192,7 +199,7 @@ def _rank(
     for gain, place, axis, shrink in found:
         at = places[place]
         near = (
-            np.linalg.norm(at - np.array(other.place_m)) < _LEAST_DISTANCE * extent
+            np.linalg.norm(at - np.array(other.location_m)) < _LEAST_DISTANCE * extent
             for other in ranked
             if other.axis == axis
         )
@@ -203,7 +210,7 @@ def _rank(
             SensorCandidate(
                 node=place + 1,
                 axis=axis,
-                place_m=(float(at[0]), float(at[1]), float(at[2])),
+                location_m=(float(at[0]), float(at[1]), float(at[2])),
                 gain=gain,
                 helps=names[mode],
                 shrinks_to=float(shrink[mode]),

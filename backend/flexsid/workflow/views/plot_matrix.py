@@ -14,24 +14,24 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.views import PlotMatrix
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import build_regressors
-from flexsid.sysid.model.derivatives import variables
 from flexsid.sysid.spectra.collinearity import assess_collinearity
-from flexsid.workflow.measurements.excitation_interval import get_excitation_interval
+from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.runs.computation import reconstruct_with_out_of_band_modes
+from flexsid.workflow.runs.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.views.channels import (
     find_sampling,
     list_input_names,
-    read_channels,
+    read_traces,
     resample_to_slowest,
 )
+from flexsid.workflow.views.maneuver import CLEAR_OF_NYQUIST
 
 Domain = Literal["time", "frequency"]
 
 
-def plot_matrix(
+def compute_plot_matrix(
     store: Store,
     maneuver_id: int,
     channels: Sequence[str] = (),
@@ -50,8 +50,8 @@ def plot_matrix(
     if domain == "frequency":
         return _read_spectra(store, maneuver, selected)
     excitation = maneuver.excitation
-    interval = None if excitation is None else get_excitation_interval(excitation)
-    traces = read_channels(store, maneuver, selected, interval)
+    interval = None if excitation is None else excitation.interval_s
+    traces = read_traces(store, maneuver, selected, interval)
     together = resample_to_slowest(traces) if traces else ()
     samples = (
         np.stack([trace.values for trace in together], axis=1) if together else np.zeros((0, 0))
@@ -69,7 +69,7 @@ def _read_spectra(store: Store, maneuver: Maneuver, names: tuple[str, ...]) -> P
         )
     rates = find_sampling(store, maneuver, names)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    below_hz = 0.4 * min(rate_hz for rate_hz, _ in rates.values())
+    below_hz = CLEAR_OF_NYQUIST * min(rate_hz for rate_hz, _ in rates.values())
     frequencies = select_frequencies(maneuver, (0.0, below_hz))
     spectra = read_spectra(store, maneuver, aircraft, names, frequencies).values
     return _build_matrix(maneuver, names, tuple(f"{rates[name][1]} s" for name in names), spectra)
@@ -81,14 +81,14 @@ def _read_regressors(store: Store, maneuver: Maneuver, modes: tuple[int, ...]) -
     request = EstimationRun(
         maneuver_id=maneuver.id,
         method=Method.EE,
-        structure=Structure(modes=modes, fixed={}),
+        structure=Structure(modes=modes, fixed={}, axis=find_body(maneuver.axis).axis),
         settings=RunSettings(),
     )
     data = prepare(store, request).maneuvers[0]
     columns = build_regressors(
         data.model, reconstruct_with_out_of_band_modes(data)[0], data.measured.inputs
     )
-    names = variables(modes, data.model.inputs)
+    names = data.model.variables
     return _build_matrix(maneuver, names, tuple("s" for _ in names), columns)
 
 

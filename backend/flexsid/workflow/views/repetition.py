@@ -21,7 +21,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
     get_output_instrument,
 )
 from flexsid.workflow.measurements.recording import SpectrumFrequencies
-from flexsid.workflow.views.channels import list_input_names, read_channels, resample_to_slowest
+from flexsid.workflow.views.channels import list_input_names, read_traces, resample_to_slowest
 
 _STILL = 1e-3  # of the largest rms deflection: a surface below it was not excited
 _QUIET = 1e-3  # of the largest input power: frequencies below are not excited
@@ -29,30 +29,30 @@ _SPARE_WINDOWS = 6  # beyond two for every input
 
 
 @dataclass(frozen=True, slots=True)
-class WindowedMeasurement:
-    """Columns of responses by input, and ``coherence`` (n_omega, n_y) with all inputs."""
+class MeasuredColumn:
+    """Responses of outputs to one input, and their coherence (n_omega, n_y) where known."""
 
-    columns: dict[str, FrequencyResponse]
-    coherence: np.ndarray
+    response: FrequencyResponse
+    coherence: np.ndarray | None = None
 
 
 def measure_windows(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, outputs: tuple[OutputDefinition, ...]
-) -> WindowedMeasurement:
-    """Estimate responses to a sweep, doublet or other input from averaged windows.
+) -> dict[str, MeasuredColumn]:
+    """Estimate responses by input to a sweep, doublet or the like from averaged windows.
 
     Raises
     ------
     BadInput
         If no surface moved, or the record is too short for its inputs.
     """
-    surfaces = read_channels(store, maneuver, list_input_names(store, maneuver))
+    surfaces = read_traces(store, maneuver, list_input_names(store, maneuver))
     travel = {s.name: float(np.std(s.values)) for s in surfaces}
     inputs = tuple(n for n, rms in travel.items() if rms > _STILL * max(travel.values()))
     if not inputs:
         raise BadInput("no surface moved in this maneuver", code="no-input")
     names = tuple(output.name for output in outputs)
-    traces = resample_to_slowest(read_channels(store, maneuver, (*inputs, *names)))
+    traces = resample_to_slowest(read_traces(store, maneuver, (*inputs, *names)))
     samples = np.stack([trace.values for trace in traces], axis=1)
     rate_hz = _get_rate(traces[0])
     window_s = 2.0 * len(samples) / rate_hz / (2 * len(inputs) + _SPARE_WINDOWS + 1)
@@ -67,14 +67,15 @@ def measure_windows(
     columns = {}
     for j, name in enumerate(inputs):
         factor = (1.0 / compute_input_correction(aircraft, name, omega))[:, None] / sensed
-        columns[name] = FrequencyResponse(
+        response = FrequencyResponse(
             omega,
             (found.response.values[excited, :, j] * factor)[:, :, None],
             names,
             (name,),
             (found.response.std[excited, :, j] * np.abs(factor))[:, :, None],
         )
-    return WindowedMeasurement(columns, found.coherence[excited])
+        columns[name] = MeasuredColumn(response, found.coherence[excited])
+    return columns
 
 
 def compute_period_coherence(
@@ -94,7 +95,7 @@ def compute_period_coherence(
     spectra = []
     for number in range(1, excitation.n_periods):
         start_s = excitation.start_s + number * excitation.period_s
-        traces = read_channels(
+        traces = read_traces(
             store, maneuver, (*commands, *outputs), (start_s, start_s + excitation.period_s)
         )
         columns = [

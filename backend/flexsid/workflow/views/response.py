@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,28 +11,31 @@ from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.views import Blanked, Bode, Response
 from flexsid.storage.store import Store
-from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.reliability import find_unreliable_points, relative_std
 from flexsid.sysid.spectra.repetition import combine_responses
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
-from flexsid.workflow.measurements.maneuver_spectra import read_measured_spectra
+from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
 from flexsid.workflow.views.channels import find_sampling, list_input_names
 from flexsid.workflow.views.modes import find_identified_markers, find_mode_markers
-from flexsid.workflow.views.repetition import compute_period_coherence, measure_windows
+from flexsid.workflow.views.repetition import (
+    MeasuredColumn,
+    compute_period_coherence,
+    measure_windows,
+)
 
 _GRID = 400  # points of a model's curve
 _MARGIN = 1.1  # modes slightly outside the measured band are shown
 
 
-def bode(
+def compute_bode(
     store: Store,
     maneuver_id: int,
     outputs: Sequence[str],
     inputs: Sequence[str] = (),
     run_ids: Sequence[int] = (),
-    beside: Sequence[int] = (),
+    overlay: Sequence[int] = (),
     *,
     average: bool = False,
     rigid: bool = False,
@@ -48,7 +51,7 @@ def bode(
         Names.
     run_ids
         Runs whose models are added, if they have output and input.
-    beside
+    overlay
         Further maneuvers, as measured.
     average
         One response of all maneuvers, weighted by information.
@@ -65,10 +68,9 @@ def bode(
     names = tuple(dict.fromkeys(outputs))
     if not names:
         raise BadInput("a frequency response takes at least one output", code="no-output")
-    maneuvers = [store.maneuvers.get(number) for number in dict.fromkeys((maneuver_id, *beside))]
+    maneuvers = [store.maneuvers.get(number) for number in dict.fromkeys((maneuver_id, *overlay))]
     first = maneuvers[0]
-    responses = [measure_responses(store, m, names, windowed=windowed) for m in maneuvers]
-    columns = [each.columns for each in responses]
+    columns = [_measure_responses(store, m, names, windowed) for m in maneuvers]
     known = list_input_names(store, first)
     selected = tuple(dict.fromkeys(inputs)) or tuple(name for name in known if name in columns[0])
     for found in columns:
@@ -80,22 +82,17 @@ def bode(
     labels = [(m.id, m.label if len(maneuvers) > 1 else "") for m in maneuvers]
     if average and len(maneuvers) > 1:
         together = {
-            name: combine_responses([found[name] for found in columns]) for name in selected
+            name: combine_responses([found[name].response for found in columns])
+            for name in selected
         }
         probabilities = {name: value.probability for name, value in together.items()}
-        columns = [{name: value.response for name, value in together.items()}]
-        responses = []
+        columns = [{name: MeasuredColumn(value.response) for name, value in together.items()}]
         labels = [(None, f"average of {len(maneuvers)}")]
     pairs = [(output, name) for output in names for name in selected]
     measured = tuple(
-        replace(
-            _build_response(found[name], output, units),
-            maneuver_id=number,
-            label=label,
-            coherence=responses[place].get_coherence(output, name) if responses else None,
-        )
+        replace(_build_response(found[name], output, units), maneuver_id=number, label=label)
         for output, name in pairs
-        for place, (found, (number, label)) in enumerate(zip(columns, labels, strict=True))
+        for found, (number, label) in zip(columns, labels, strict=True)
     )
     anchors = {(r.output, r.input): r for r in reversed(measured)}
     low = min(response.frequency_hz[0] for response in measured)
@@ -128,47 +125,26 @@ def bode(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ResponseMeasurements:
-    """Responses by input, and the coherence of every output at the harmonics of each input."""
-
-    columns: dict[str, FrequencyResponse]
-    coherence: dict[str, np.ndarray]
-
-    def get_coherence(self, output: str, input_: str) -> np.ndarray | None:
-        """Return the coherence of one response, where known."""
-        if input_ not in self.coherence:
-            return None
-        return self.coherence[input_][:, self.columns[input_].outputs.index(output)]
-
-
-def measure_responses(
-    store: Store, maneuver: Maneuver, outputs: tuple[str, ...], *, windowed: bool = False
-) -> ResponseMeasurements:
+def _measure_responses(
+    store: Store, maneuver: Maneuver, outputs: tuple[str, ...], windowed: bool
+) -> dict[str, MeasuredColumn]:
     """Estimate responses to every excited input: at its harmonics, else from windows."""
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     definitions = define_outputs(aircraft, outputs)
     if maneuver.excitation is None or windowed:
-        found = measure_windows(store, maneuver, aircraft, definitions)
-        return ResponseMeasurements(found.columns, dict.fromkeys(found.columns, found.coherence))
+        return measure_windows(store, maneuver, aircraft, definitions)
     inputs = tuple(maneuver.excitation.harmonics)
-    columns = read_measured_spectra(store, maneuver, aircraft, inputs, definitions).responses()
+    measurement = read_measurement(store, maneuver, aircraft, inputs, definitions)
     frequencies = select_frequencies(maneuver)
-    repeated = compute_period_coherence(store, maneuver, outputs, frequencies)
-    if repeated is None:
-        return ResponseMeasurements(columns, {})
-    return ResponseMeasurements(
-        columns,
-        {
-            name: repeated[
-                np.isin(frequencies.omega, column.omega) & (frequencies.assigned_input == number)
-            ]
-            for number, (name, column) in enumerate(columns.items())
-        },
-    )
+    coherence = compute_period_coherence(store, maneuver, outputs, frequencies)
+    columns = {}
+    for number, (name, response) in enumerate(measurement.transform().responses().items()):
+        own = np.isin(frequencies.omega, response.omega) & (frequencies.assigned_input == number)
+        columns[name] = MeasuredColumn(response, None if coherence is None else coherence[own])
+    return columns
 
 
-def _check_excited(names: Sequence[str], columns: dict[str, FrequencyResponse]) -> None:
+def _check_excited(names: Sequence[str], columns: dict[str, MeasuredColumn]) -> None:
     unknown = [name for name in names if name not in columns]
     if unknown:
         raise BadInput(
@@ -180,7 +156,8 @@ def _check_excited(names: Sequence[str], columns: dict[str, FrequencyResponse]) 
 
 def _remove_flexibility(model: IdentifiedModel) -> IdentifiedModel:
     """Replace sensors by rigid-body sensors (C_e = 0)."""
-    return replace(model, model=replace(model.model, sensors=model.model.sensors.rigid_only()))
+    sensors = model.model.sensors.rigid_only(model.model.n_rigid)
+    return replace(model, model=replace(model.model, sensors=sensors))
 
 
 def _compute_curves(
@@ -192,7 +169,7 @@ def _compute_curves(
     """Compute responses of an identified model on a fine grid over the measured band."""
     response = model.response(2.0 * np.pi * np.geomspace(*band_hz, _GRID))
     return [
-        _build_response(response, output, units, name)
+        _build_response(MeasuredColumn(response), output, units, name)
         for output, name in pairs
         if output in response.outputs and name in response.inputs
     ]
@@ -206,10 +183,11 @@ def _align_phase(model: Response, data: Response) -> Response:
 
 
 def _build_response(
-    column: FrequencyResponse, output: str, units: dict[str, str], input_: str | None = None
+    found: MeasuredColumn, output: str, units: dict[str, str], input_: str | None = None
 ) -> Response:
+    column, row = found.response, found.response.outputs.index(output)
     name = column.inputs[0] if input_ is None else input_
-    place = (slice(None), column.outputs.index(output), column.inputs.index(name))
+    place = (slice(None), row, column.inputs.index(name))
     values = column.values[place]
     frequency_hz = column.omega / (2.0 * np.pi)
     relative = relative_std(column)
@@ -225,6 +203,7 @@ def _build_response(
         phase_rad=_unwrap(values, ~blank),
         # half of the complex error lies along the response, half across it
         relative_std=None if relative is None else relative[place] / np.sqrt(2.0),
+        coherence=None if found.coherence is None else found.coherence[:, row],
         blanked=tuple(
             Blanked(frequency_hz=float(frequency_hz[index]), reason=reason)
             for index in np.flatnonzero(blank)

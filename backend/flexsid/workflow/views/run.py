@@ -39,7 +39,7 @@ def read_finished_run(store: Store, run_id: int) -> tuple[EstimationRun, RunResu
     return run, get_result(run, "no result to show")
 
 
-def fit(
+def read_fit(
     store: Store, run_id: int, outputs: Sequence[str] = (), block: str | None = None
 ) -> FitPlot:
     """Read measured and fitted data; the first outputs of the first block by default."""
@@ -97,7 +97,7 @@ def _get_r_squared(result: RunResult, block: str, output: str) -> float | None:
     return own[0].r_squared if own else result.fit.r_squared.get(output)
 
 
-def residual(store: Store, run_id: int, block: str | None = None) -> Residuals:
+def compute_residuals(store: Store, run_id: int, block: str | None = None) -> Residuals:
     """Read residuals of all outputs of a block, normalised by their rms."""
     run, result = read_finished_run(store, run_id)
     selected = _get_block(run, result, block)
@@ -114,7 +114,7 @@ def residual(store: Store, run_id: int, block: str | None = None) -> Residuals:
     )
 
 
-def parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
+def compute_parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
     """Read the correlation of the estimates from their covariance."""
     _, result = read_finished_run(store, run_id)
     covariance = store.arrays.get(result.covariance)
@@ -128,7 +128,7 @@ def parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
     )
 
 
-def poles(store: Store, run_ids: Sequence[int]) -> PoleMap:
+def read_poles(store: Store, run_ids: Sequence[int]) -> PoleMap:
     """Read the poles of models, and of the modes of the first one in vacuo."""
     found = [read_finished_run(store, run_id) for run_id in dict.fromkeys(run_ids)]
     if not found:
@@ -153,7 +153,7 @@ def _select_upper(poles: tuple[Pole, ...]) -> tuple[Pole, ...]:
     return tuple(pole for pole in poles if pole.imag >= 0)
 
 
-def iterations(store: Store, run_id: int) -> Convergence:
+def read_iterations(store: Store, run_id: int) -> Convergence:
     """Read the cost by iteration."""
     _, result = read_finished_run(store, run_id)
     return Convergence(run_id=run_id, iterations=result.fit.iterations)
@@ -180,7 +180,7 @@ def _read_spectra(store: Store, block: FitBlock) -> tuple[np.ndarray, np.ndarray
     return omega[order], measured[order], fitted[order]
 
 
-def derivatives(
+def compare_derivatives(
     store: Store,
     run_ids: Sequence[int],
     prediction_ids: Sequence[int] = (),

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.errors import BadInput, UnknownRecord
+from flexsid.errors import UnknownRecord
+from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.records.aircraft import SensorKind
-from flexsid.records.modal_table import ModalTable
-from flexsid.records.modal_views import DrawnShape, SensorSight
+from flexsid.records.modal_data import DrawnShape, ModalTable, SensorSight
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
-from flexsid.workflow.modal_data.tracked_modes import (
+from flexsid.workflow.modal_data.modal_import import SHOWN
+from flexsid.workflow.modal_data.modal_tables import (
     Modes,
     interpolate_shape,
     list_mode_names,
     open_modes,
+    read_nodes,
 )
-
-_TO_STRUCTURE = np.array([-1.0, 1.0, -1.0])
-_SHOWN = 700
 
 
 def read_shape(
@@ -35,22 +34,20 @@ def read_shape(
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
     mode = _get_index(table, number)
-    if "nodes" not in table.arrays:
-        raise BadInput(f"table '{table.name}' has no shapes at nodes", code="no-nodes")
-    nodes = np.asarray(store.arrays.get(table.arrays["nodes"]), dtype=float)
+    nodes = read_nodes(store, table)
     shape = interpolate_shape(store, modes, mode, fuel)
     rows = np.arange(nodes.shape[0])
     if not every_node and "shown" in table.arrays:
         rows = np.asarray(store.arrays.get(table.arrays["shown"]))
     elif not every_node:
-        rows = select_spread_nodes(nodes, _SHOWN)
+        rows = select_spread_nodes(nodes, SHOWN)
     if rows.size < nodes.shape[0] or "lines" not in table.arrays:
         known = table.arrays.get("shown_lines")
         lines = connect_neighbours(nodes[rows]) if known is None else store.arrays.get(known)
     else:
         lines = store.arrays.get(table.arrays["lines"])
         lines = lines if lines.size else connect_neighbours(nodes)
-    displacement = shape[:, :3] * _TO_STRUCTURE
+    displacement = shape[:, :3] * TO_BODY  # back to structural axes
     weights = compute_fuel_weights(modes.fuel, fuel)
     omega = sum_weighted_rows(weights, modes.omega)[mode]
     return DrawnShape(
@@ -82,7 +79,7 @@ def _list_sensors(store: Store, modes: Modes, mode: int, fuel: float) -> tuple[S
             sensor=sensor.name,
             kind=sensor.kind.value,
             axis=sensor.axis,
-            place_m=sensor.location_m,
+            location_m=sensor.location_m,
             phi_m=_to_triple(shape[row, :3]),
             nu_rad=_to_triple(shape[row, 3:]),
         )

@@ -17,8 +17,8 @@ from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     define_outputs,
     get_output_instrument,
+    insert_instruments,
 )
-from flexsid.workflow.aircraft.instruments import insert_instruments
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
@@ -26,7 +26,7 @@ from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identi
 _SHOWN_FIRST = 4
 
 
-def time_check(
+def check_in_time(
     store: Store,
     run_id: int,
     outputs: Sequence[str] = (),

@@ -1,7 +1,7 @@
 /** Commands on the aircraft: thrust table and controllers. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
-import type { Controller, ThrustRequest } from "../types";
+import type { Controller, ComputePredictionRequest, ThrustRequest } from "../types";
 
 export function useSetThrust() {
   const cache = useQueryClient();
@@ -60,5 +60,13 @@ export function useSaveController() {
       }) as Promise<Controller>;
     },
     onSuccess: () => cache.invalidateQueries({ queryKey: ["controllers"] }),
+  });
+}
+
+/** Requests a prediction from a planform; its job ends when it is stored. */
+export function useComputePrediction() {
+  return useMutation({
+    mutationFn: (request: ComputePredictionRequest) =>
+      body(api.POST("/api/v1/predictions", { body: request })),
   });
 }

@@ -1,7 +1,7 @@
 /** Commands on excitation designs and pre-flight simulations. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
-import type { Design, DesignRequest } from "../types";
+import type { Design, DesignRequest, PreflightSimulationRequest } from "../types";
 
 export function useRescaleDesign(id: number) {
   const cache = useQueryClient();
@@ -17,7 +17,7 @@ export function useRescaleDesign(id: number) {
   });
 }
 
-/** Starts a phase optimisation; the task ends when the design is stored. */
+/** Requests a phase optimisation; its job ends when the design is stored. */
 export function useSearchDesign() {
   return useMutation({
     mutationFn: (request: DesignRequest) =>
@@ -39,7 +39,7 @@ export function useRedesign(id: number) {
 
 export function useSimulatePreflight(designId: number) {
   return useMutation({
-    mutationFn: (request: { run_id: number; level: number; controller_id: number | null }) =>
+    mutationFn: (request: PreflightSimulationRequest) =>
       body(
         api.POST("/api/v1/designs/{design_id}/preflight-simulations", {
           params: { path: { design_id: designId } },
@@ -67,7 +67,7 @@ export function useImportFlown() {
       form.append("rate_hz", String(rate));
       form.append("unit", unit);
       form.append("separate", String(separate));
-      const stored = (await json("/api/v1/designs/flown", { method: "POST", body: form })) as {
+      const stored = (await json("/api/v1/designs/import", { method: "POST", body: form })) as {
         items: Design[];
       };
       return stored.items;

@@ -8,5 +8,6 @@ export * from "./modes";
 export * from "./review";
 export * from "./runs";
 export * from "./searches";
+export * from "./session";
 export * from "./structures";
 export * from "./uploads";

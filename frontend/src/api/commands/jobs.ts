@@ -1,5 +1,5 @@
 /** Cancels and repeats what the server works on. */
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useMutation } from "@tanstack/react-query";
 import { api, body } from "../client";
 import type { BatchRequest } from "../types";
 import { useRefreshRuns } from "./refresh";
@@ -36,18 +36,5 @@ export function useCancelJob() {
     mutationFn: (id: number) =>
       body(api.POST("/api/v1/jobs/{job_id}/cancel", { params: { path: { job_id: id } } })),
     onSettled: useRefreshRuns(),
-  });
-}
-
-export function useCancelTask() {
-  const cache = useQueryClient();
-  return useMutation({
-    mutationFn: (id: string) =>
-      body(api.POST("/api/v1/tasks/{task_id}/cancel", { params: { path: { task_id: id } } })),
-    onSettled: () =>
-      Promise.all([
-        cache.invalidateQueries({ queryKey: ["task"] }),
-        cache.invalidateQueries({ queryKey: ["tasks"] }),
-      ]),
   });
 }

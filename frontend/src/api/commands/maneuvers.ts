@@ -66,6 +66,14 @@ export function useUndoCorrection(id: number) {
   });
 }
 
+export function useAssessManeuver(id: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: () => body(api.POST("/api/v1/quality/assess", { body: { maneuver_ids: [id] } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["quality"] }),
+  });
+}
+
 export function useAssess() {
   const cache = useQueryClient();
   return useMutation({

@@ -22,7 +22,7 @@ export function useImportStructure(upload: string, aircraftId: number) {
   return useMutation({
     mutationFn: (request: Pick<ModalDataRequest, "name" | "kind"> & Partial<ModalDataRequest>) =>
       body(
-        api.POST("/api/v1/uploads/{upload_id}/structure", {
+        api.POST("/api/v1/uploads/{upload_id}/modal-data", {
           params: { path: { upload_id: upload } },
           body: {
             axes: "aft right up",
@@ -89,6 +89,20 @@ export function useSaveFoundModes(responsesId: number) {
         api.POST("/api/v1/measured-responses/{responses_id}/modes", {
           params: { path: { responses_id: responsesId } },
           body: request,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),
+  });
+}
+
+export function useUpdateModalTable(modalTableId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: { name: string; test_ids: number[] }) =>
+      body(
+        api.POST("/api/v1/modal-tables/{modal_table_id}/updates", {
+          params: { path: { modal_table_id: modalTableId } },
+          body: { run_ids: [], ...request },
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),

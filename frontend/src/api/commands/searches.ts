@@ -1,4 +1,4 @@
-/** Begins and ends searches for a model structure. */
+/** Requests searches for a model structure, and opens their candidates. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
 import type { SearchRequest } from "../types";
@@ -12,26 +12,15 @@ export function useRequestSearch() {
   });
 }
 
-export function useCancelSearch() {
-  const cache = useQueryClient();
-  return useMutation({
-    mutationFn: (id: number) =>
-      body(
-        api.POST("/api/v1/searches/{search_id}/cancel", { params: { path: { search_id: id } } }),
-      ),
-    onSettled: () => cache.invalidateQueries({ queryKey: ["searches"] }),
-  });
-}
-
 /** Opens a candidate of a search as a run; the same run every time. */
 export function useOpenCandidate(id: number) {
   const cache = useQueryClient();
   const refresh = useRefreshRuns();
   return useMutation({
-    mutationFn: (place: number) =>
+    mutationFn: (index: number) =>
       body(
-        api.POST("/api/v1/searches/{search_id}/candidates/{place}/run", {
-          params: { path: { search_id: id, place } },
+        api.POST("/api/v1/searches/{search_id}/candidates/{index}/run", {
+          params: { path: { search_id: id, index } },
         }),
       ),
     onSuccess: () =>

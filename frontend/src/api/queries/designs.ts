@@ -1,8 +1,13 @@
 /** Excitation designs and what is expected of them. */
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import { isOver } from "../types";
-import { POLL_MS } from "./habits";
+import type {
+  ExpectedErrors,
+  ExpectedSummary,
+  InputComparison,
+  OptimisedAmplitudes,
+} from "../types";
+import type { StoredResultOptions } from "../useStoredResult";
 
 export const designsQuery = queryOptions({
   queryKey: ["designs"],
@@ -54,43 +59,45 @@ export const designChecksQuery = (id: number, level: number, actuator: Actuator)
     placeholderData: keepPreviousData,
   });
 
-export const expectedErrorsQuery = (id: number, level: number, runId: number | undefined) =>
-  queryOptions({
-    queryKey: ["designs", id, "expected", level, runId],
-    queryFn: ({ signal }) =>
-      body(
-        api.GET("/api/v1/designs/{design_id}/expected-errors", {
-          params: { path: { design_id: id }, query: { run_id: runId ?? 0, level } },
-          signal,
-        }),
-      ),
-    enabled: runId !== undefined,
-  });
+/** Predicted standard errors, and the response that they rest on. */
+export const predictedAccuracyResult = (
+  id: number,
+  level: number,
+  runId: number,
+): StoredResultOptions<{ errors: ExpectedErrors; response: ExpectedSummary }> => {
+  const params = { path: { design_id: id }, query: { run_id: runId, level } };
+  const path = "/api/v1/designs/{design_id}/predicted-accuracy/results";
+  return {
+    key: ["designs", id, "accuracy", level, runId],
+    enabled: true,
+    read: async (signal) => {
+      const [errors, response] = await Promise.all([
+        body(api.GET("/api/v1/designs/{design_id}/expected-errors", { params, signal })),
+        body(api.GET("/api/v1/designs/{design_id}/expected-response", { params, signal })),
+      ]);
+      return { errors, response };
+    },
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
 
-export const expectedResponseQuery = (id: number, level: number, runId: number) =>
-  queryOptions({
-    queryKey: ["designs", id, "response", level, runId],
-    queryFn: ({ signal }) =>
-      body(
-        api.GET("/api/v1/designs/{design_id}/expected-response", {
-          params: { path: { design_id: id }, query: { run_id: runId, level } },
-          signal,
-        }),
-      ),
-  });
-
-export const classicInputsQuery = (id: number, level: number, runId: number) =>
-  queryOptions({
-    queryKey: ["designs", id, "classic", level, runId],
-    queryFn: ({ signal }) =>
-      body(
-        api.GET("/api/v1/designs/{design_id}/classic-inputs", {
-          params: { path: { design_id: id }, query: { run_id: runId, level } },
-          signal,
-        }),
-      ),
-    staleTime: Infinity,
-  });
+export const classicInputsResult = (
+  id: number,
+  level: number,
+  runId: number,
+): StoredResultOptions<InputComparison> => {
+  const params = { path: { design_id: id }, query: { run_id: runId, level } };
+  const path = "/api/v1/designs/{design_id}/classic-inputs/results";
+  return {
+    key: ["designs", id, "classic", level, runId],
+    enabled: true,
+    read: (signal) =>
+      body(api.GET("/api/v1/designs/{design_id}/classic-inputs", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
 
 export const preflightSimulationsQuery = (designId: number) =>
   queryOptions({
@@ -102,31 +109,27 @@ export const preflightSimulationsQuery = (designId: number) =>
           signal,
         }),
       ),
-    refetchInterval: (query) =>
-      query.state.data?.some((one) => !isOver(one.state)) === true ? 3 * POLL_MS : false,
   });
 
-export interface AmplitudeLimits {
+interface AmplitudeLimits {
   /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
   deflection?: number;
   load_factor?: number;
 }
 
-export const amplitudesQuery = (
+export const amplitudesResult = (
   id: number,
   level: number,
-  runId: number | undefined,
+  runId: number,
   limits: AmplitudeLimits,
-) =>
-  queryOptions({
-    queryKey: ["designs", id, "amplitudes", level, runId, limits],
-    queryFn: ({ signal }) =>
-      body(
-        api.GET("/api/v1/designs/{design_id}/amplitudes", {
-          params: { path: { design_id: id }, query: { run_id: runId ?? 0, level, ...limits } },
-          signal,
-        }),
-      ),
-    enabled: runId !== undefined,
-    staleTime: 60_000,
-  });
+): StoredResultOptions<OptimisedAmplitudes> => {
+  const params = { path: { design_id: id }, query: { run_id: runId, level, ...limits } };
+  const path = "/api/v1/designs/{design_id}/amplitudes/results";
+  return {
+    key: ["designs", id, "amplitudes", level, runId, limits],
+    enabled: true,
+    read: (signal) => body(api.GET("/api/v1/designs/{design_id}/amplitudes", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};

@@ -27,12 +27,12 @@ export const flightChannelsQuery = (id: number) =>
     staleTime: 60_000,
   });
 
-export const foundManeuversQuery = (id: number) =>
+export const maneuverProposalsQuery = (id: number) =>
   queryOptions({
     queryKey: ["flight", id, "found"],
     queryFn: ({ signal }) =>
       items(
-        api.GET("/api/v1/flights/{flight_id}/found-maneuvers", {
+        api.GET("/api/v1/flights/{flight_id}/maneuver-proposals", {
           params: { path: { flight_id: id } },
           signal,
         }),

@@ -1,7 +1,7 @@
 /** How good the data of maneuvers is. */
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
 import { api, body } from "../client";
-import { POLL_MS, PAGED } from "./habits";
+import { PAGED } from "./habits";
 
 export const qualityQuery = (id: number) =>
   queryOptions({
@@ -16,7 +16,7 @@ export const qualityQuery = (id: number) =>
     staleTime: 60_000,
   });
 
-export interface QualityFilters {
+interface QualityFilters {
   verdict?: "good" | "questionable" | "bad" | "unchecked" | "missing";
   flight_id?: number;
   search?: string;
@@ -33,14 +33,4 @@ export const qualitiesQuery = (filters: QualityFilters, sort: string) =>
         }),
       ),
     ...PAGED,
-    refetchInterval: (query) =>
-      query.state.data?.pages[0]?.assessing.running === true ? 4 * POLL_MS : false,
   });
-
-/** How far the first look at the campaign is. */
-export const assessingQuery = queryOptions({
-  queryKey: ["quality", "assessing"],
-  queryFn: async ({ signal }) =>
-    (await body(api.GET("/api/v1/quality", { params: { query: { limit: 1 } }, signal }))).assessing,
-  refetchInterval: 4 * POLL_MS,
-});

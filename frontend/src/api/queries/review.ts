@@ -6,7 +6,7 @@ import type { DecisionState } from "../types";
 
 const TEAM_POLL_MS = 5000;
 
-export interface DecisionFilters {
+interface DecisionFilters {
   aircraft_id?: number;
   state?: DecisionState;
 }

@@ -1,8 +1,8 @@
 /** Estimation runs, and what they are compared with. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import { isOver, type DerivativeTrend, type RunFilters } from "../types";
-import { POLL_MS, PAGED } from "./habits";
+import type { DerivativeTrend, RunFilters } from "../types";
+import { PAGED } from "./habits";
 
 export const runListQuery = (filters: RunFilters, sort: string, limit = 50) =>
   infiniteQueryOptions({
@@ -15,10 +15,6 @@ export const runListQuery = (filters: RunFilters, sort: string, limit = 50) =>
         }),
       ),
     ...PAGED,
-    refetchInterval: (query) =>
-      query.state.data?.pages.some((page) => page.items.some((run) => !isOver(run.state))) === true
-        ? 4 * POLL_MS
-        : false,
   });
 
 export const runFacetsQuery = (filters: RunFilters) =>
@@ -34,8 +30,6 @@ export const runsQuery = (filters: RunFilters) =>
     queryKey: ["runs", filters],
     queryFn: ({ signal }) =>
       items(api.GET("/api/v1/runs", { params: { query: { ...filters, limit: 200 } }, signal })),
-    refetchInterval: (query) =>
-      query.state.data?.some((run) => !isOver(run.state)) === true ? 2 * POLL_MS : false,
   });
 
 export const runQuery = (id: number) =>
@@ -59,7 +53,7 @@ export const comparisonQuery = (runs: readonly number[], predictions: readonly n
     placeholderData: keepPreviousData,
   });
 
-export interface TrendParams {
+interface TrendParams {
   run_ids: string;
   prediction_ids?: string;
   name: string;

@@ -71,7 +71,7 @@ export const structureUploadQuery = (id: string) =>
     queryKey: ["upload", id, "structure"],
     queryFn: ({ signal }) =>
       body(
-        api.GET("/api/v1/uploads/{upload_id}/structure", {
+        api.GET("/api/v1/uploads/{upload_id}/modal-data", {
           params: { path: { upload_id: id } },
           signal,
         }),

@@ -29,7 +29,7 @@ export const unitsQuery = (names: readonly string[]) =>
       const query = { names: names.join(",") };
       const found = await items(api.GET("/api/v1/nomenclature", { params: { query }, signal }));
       return Object.fromEntries<string>(
-        found.flatMap(({ unit }, place) => (unit === "1" ? [] : [[names[place] ?? "", unit]])),
+        found.flatMap(({ unit }, index) => (unit === "1" ? [] : [[names[index] ?? "", unit]])),
       );
     },
     staleTime: Infinity,
@@ -39,6 +39,12 @@ export const unitsQuery = (names: readonly string[]) =>
 export const glossaryQuery = queryOptions({
   queryKey: ["nomenclature"],
   queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature", { signal })),
+  staleTime: Infinity,
+});
+
+export const axesQuery = queryOptions({
+  queryKey: ["nomenclature", "axes"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature/axes", { signal })),
   staleTime: Infinity,
 });
 

@@ -1,11 +1,14 @@
-import { NumberInput, Select, Stack, Text } from "@mantine/core";
+import { Button, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { useUpdateModalTable } from "../../api/commands";
 import { correlationQuery } from "../../api/queries";
-import type { Correlation, PairedMode } from "../../api/types";
+import type { Correlation, ModalTable, PairedMode } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
-import { DataTable, type Column } from "../DataTable";
+import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
+import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 import { tableTitle, type TableProps } from "./tables";
 
@@ -40,6 +43,15 @@ export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
             onChange({ other_fuel: typeof value === "number" ? value : undefined });
           }}
         />
+        {table.kind === "FEM" && other.kind === "GVT" && (
+          <UpdateForm
+            key={`${String(table.id)} ${String(other.id)}`}
+            {...{ table, other }}
+            onSaved={(saved) => {
+              onChange({ table: saved.id });
+            }}
+          />
+        )}
       </Stack>
       <Stack gap="md">
         <div className="panel" style={{ padding: 12 }}>
@@ -55,6 +67,41 @@ export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
         </Loaded>
       </Stack>
     </div>
+  );
+}
+
+interface UpdateProps {
+  table: ModalTable;
+  other: ModalTable;
+  onSaved: (table: ModalTable) => void;
+}
+
+/** Store the model with frequencies and damping of the test, as a new table. */
+function UpdateForm({ table, other, onSaved }: UpdateProps) {
+  const update = useUpdateModalTable(table.id);
+  const [name, setName] = useState(`${table.name} updated`);
+  return (
+    <Stack gap="xs">
+      <TextInput
+        label="Updated model"
+        description="Frequencies and damping of modes with a MAC of 0.7 or more"
+        value={name}
+        onChange={(event) => {
+          setName(event.currentTarget.value);
+        }}
+      />
+      <Button
+        variant="default"
+        loading={update.isPending}
+        disabled={name.trim() === ""}
+        onClick={() => {
+          update.mutate({ name: name.trim(), test_ids: [other.id] }, { onSuccess: onSaved });
+        }}
+      >
+        Update model
+      </Button>
+      {update.isError && <ProblemAlert error={update.error} />}
+    </Stack>
   );
 }
 
@@ -107,39 +154,9 @@ const PAIRS: Column<PairedMode>[] = [
       </Text>
     ),
   },
-  {
-    key: "hz",
-    header: "Frequency",
-    unit: "Hz",
-    numeric: true,
-    render: (row) => fixed(row.frequency_hz, 3),
-  },
-  {
-    key: "other_hz",
-    header: "Other",
-    unit: "Hz",
-    numeric: true,
-    render: (row) => fixed(row.other_hz, 3),
-  },
-  {
-    key: "change",
-    header: "Difference",
-    unit: "%",
-    numeric: true,
-    render: (row) => percent(row.frequency_change, 2),
-  },
-  {
-    key: "damping",
-    header: "Damping",
-    unit: "%",
-    numeric: true,
-    render: (row) => percent(row.damping, 2),
-  },
-  {
-    key: "other_damping",
-    header: "Other",
-    unit: "%",
-    numeric: true,
-    render: (row) => percent(row.other_damping, 2),
-  },
+  numeric("hz", "Frequency", (row) => fixed(row.frequency_hz, 3), "Hz"),
+  numeric("other_hz", "Other", (row) => fixed(row.other_hz, 3), "Hz"),
+  numeric("change", "Difference", (row) => percent(row.frequency_change, 2), "%"),
+  numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
+  numeric("other_damping", "Other", (row) => percent(row.other_damping, 2), "%"),
 ];

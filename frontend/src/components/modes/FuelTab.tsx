@@ -6,7 +6,7 @@ import { useCorrectMode } from "../../api/commands";
 import { modesAtQuery } from "../../api/queries";
 import type { ModeAtFuel } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/format";
-import { DataTable, type Column } from "../DataTable";
+import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
@@ -33,7 +33,7 @@ export function FuelTab({ table, view }: TableProps) {
         actions={
           hasShapes(table) && (
             <Group gap="xs" className="no-print">
-              {(["uff", "csv"] as const).map((form) => (
+              {(["uff", "uff-single", "csv", "mat"] as const).map((form) => (
                 <Button
                   key={form}
                   size="compact-sm"
@@ -41,7 +41,7 @@ export function FuelTab({ table, view }: TableProps) {
                   component="a"
                   href={address(`modal-tables/${String(table.id)}/file`, { form, fuel })}
                 >
-                  {form.toUpperCase()}
+                  {form.replace("-", ", ").toUpperCase()}
                 </Button>
               ))}
             </Group>
@@ -79,33 +79,10 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
     { key: "name", header: "Name", render: (row) => row.name },
     { key: "symmetry", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
-    {
-      key: "frequency",
-      header: "Frequency",
-      unit: "Hz",
-      numeric: true,
-      render: (row) => fixed(row.frequency_hz, 3),
-    },
-    {
-      key: "damping",
-      header: "Damping",
-      unit: "%",
-      numeric: true,
-      render: (row) => percent(row.damping, 2),
-    },
-    {
-      key: "mass",
-      header: "Generalised mass",
-      unit: "kg m²",
-      numeric: true,
-      render: (row) => significant(row.mass_kg_m2, 4),
-    },
-    {
-      key: "followed",
-      header: "Lowest MAC over fuel",
-      numeric: true,
-      render: (row) => fixed(row.followed, 3),
-    },
+    numeric("frequency", "Frequency", (row) => fixed(row.frequency_hz, 3), "Hz"),
+    numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
+    numeric("mass", "Generalised mass", (row) => significant(row.mass_kg_m2, 4), "kg m²"),
+    numeric("followed", "Lowest MAC over fuel", (row) => fixed(row.followed, 3)),
     { key: "reason", header: "Why", wraps: true, render: (row) => row.reason },
     {
       key: "correct",

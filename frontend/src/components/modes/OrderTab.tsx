@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { modelOrderQuery } from "../../api/queries";
 import type { ModelOrder } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
-import { DataTable, type Column } from "../DataTable";
+import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { Section } from "../Section";
@@ -146,13 +146,7 @@ const COLUMNS: Column<Step>[] = [
     numeric: true,
     render: (row) => (row.pole_error === null ? "missing" : percent(row.pole_error, 1)),
   },
-  {
-    key: "response",
-    header: "Response error",
-    unit: "%",
-    numeric: true,
-    render: (row) => percent(row.response_error, 1),
-  },
+  numeric("response", "Response error", (row) => percent(row.response_error, 1), "%"),
   {
     key: "poles",
     header: "Poles",

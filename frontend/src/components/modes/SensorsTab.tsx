@@ -52,14 +52,14 @@ function Result({ result }: { result: Observability }) {
   const columns: Column<Row>[] = [
     { key: "sensor", header: "Sensor", render: (row) => row.sensor },
     { key: "kind", header: "Kind", render: (row) => `${row.kind} ${row.axis}` },
-    ...result.names.map((name, place): Column<Row> => {
-      const error = result.std_error[place];
+    ...result.names.map((name, index): Column<Row> => {
+      const error = result.std_error[index];
       return {
         key: name,
         header: name,
         numeric: true,
         unit: error == null ? "not identifiable" : `σ ×${error.toPrecision(2)}`,
-        render: (row) => <Share value={row.share[place] ?? null} />,
+        render: (row) => <Share value={row.share[index] ?? null} />,
       };
     }),
   ];
@@ -88,10 +88,10 @@ function Result({ result }: { result: Observability }) {
           columns={[
             { key: "axis", header: "Axis", render: (row) => row.axis },
             {
-              key: "place",
+              key: "location",
               header: "Position: aft, right, up",
               unit: "m",
-              render: (row) => row.place_m.map((value) => fixed(value, 2)).join(", "),
+              render: (row) => row.location_m.map((value) => fixed(value, 2)).join(", "),
             },
             { key: "helps", header: "Best for mode", render: (row) => row.helps },
             {

@@ -29,9 +29,9 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
       <Group gap="lg" align="end">
         <Switch
           label="Side by side"
-          checked={view.beside === true}
+          checked={view.side_by_side === true}
           onChange={(event) => {
-            onChange({ beside: event.currentTarget.checked || undefined });
+            onChange({ side_by_side: event.currentTarget.checked || undefined });
           }}
         />
         <Switch
@@ -65,7 +65,7 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
           Reset view
         </Button>
       </Group>
-      <div className={view.beside === true ? "halves" : undefined}>
+      <div className={view.side_by_side === true ? "halves" : undefined}>
         <OneShape
           {...shared}
           table={table}
@@ -74,7 +74,7 @@ export function ShapesTab({ table, usable, view, onChange }: TableProps) {
             onChange({ mode });
           }}
         />
-        {view.beside === true && (
+        {view.side_by_side === true && (
           <OneShape
             {...shared}
             table={other}

@@ -13,7 +13,7 @@ import { useState } from "react";
 import { useSaveFoundModes } from "../../api/commands";
 import { foundModesQuery, measuredResponsesQuery } from "../../api/queries";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { fixed, percent, significant } from "../../lib/format";
 import { DataTable } from "../DataTable";
 import { Empty } from "../Empty";
 import { Figure } from "../Figure";
@@ -47,7 +47,7 @@ interface OneProps extends Pick<TabProps, "usable" | "view" | "onChange"> {
 }
 
 function OneSet({ known, responses, usable, view, onChange }: OneProps) {
-  const query = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 30 };
+  const query = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 40 };
   const found = useQuery(foundModesQuery(responses.id, query));
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
@@ -82,7 +82,7 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
           label="Highest model order"
           min={4}
           max={80}
-          value={view.order ?? 30}
+          value={view.order ?? 40}
           onChange={(value) => {
             onChange({ order: typed(value) });
           }}
@@ -123,18 +123,25 @@ interface FoundProps extends Pick<TabProps, "onChange"> {
 
 function Found({ found, query, usable, onChange }: FoundProps) {
   const save = useSaveFoundModes(found.responses_id);
-  const likes = usable.filter((table) => hasShapes(table) && table.kind === "FEM");
+  const templates = usable.filter((table) => hasShapes(table) && table.kind === "FEM");
   const [left, setLeft] = useState<number[]>([]);
   const [name, setName] = useState("GVT");
-  const [like, setLike] = useState<number | null>(likes.at(-1)?.id ?? null);
-  const rows = found.items.map((mode, place) => ({ ...mode, place }));
-  const selected = rows.map((row) => row.place).filter((place) => !left.includes(place));
+  const [template, setTemplate] = useState<number | null>(templates.at(-1)?.id ?? null);
+  const rows = found.items.map((mode, index) => ({ ...mode, index }));
+  const selected = rows.map((row) => row.index).filter((index) => !left.includes(index));
   return (
     <Section
       title="Identified modes"
-      note={`Stable over the model orders; ± is the scatter over orders. Fit error of the synthesised responses: ${percent(found.fit_error, 1)} %.`}
+      note={`± is one standard deviation by the covariance of the fit. Fit error of the synthesised responses: ${percent(found.fit_error, 1)} %.`}
     >
       <Stack gap="md">
+        {found.unmodelled_hz.length > 0 && (
+          <Text size="sm" data-testid="unmodelled-modes">
+            The residuals resemble a mode that is not identified at{" "}
+            {found.unmodelled_hz.map((hertz) => fixed(hertz, 2)).join(", ")} Hz; check the responses
+            there, or take a narrower band.
+          </Text>
+        )}
         <DataTable
           label="Identified modes"
           testId="found-modes"
@@ -145,11 +152,11 @@ function Found({ found, query, usable, onChange }: FoundProps) {
               render: (row) => (
                 <Checkbox
                   aria-label={`Save the mode at ${fixed(row.frequency_hz, 2)} Hz`}
-                  checked={!left.includes(row.place)}
+                  checked={!left.includes(row.index)}
                   onChange={(event) => {
                     const on = event.currentTarget.checked;
                     setLeft((before) =>
-                      on ? before.filter((one) => one !== row.place) : [...before, row.place],
+                      on ? before.filter((one) => one !== row.index) : [...before, row.index],
                     );
                   }}
                 />
@@ -160,14 +167,15 @@ function Found({ found, query, usable, onChange }: FoundProps) {
               header: "Frequency",
               unit: "Hz",
               numeric: true,
-              render: (row) => `${fixed(row.frequency_hz, 3)} ± ${fixed(row.std_hz, 3)}`,
+              render: (row) => `${fixed(row.frequency_hz, 3)} ± ${significant(row.std_hz, 2)}`,
             },
             {
               key: "damping",
               header: "Damping",
               unit: "%",
               numeric: true,
-              render: (row) => `${percent(row.damping, 2)} ± ${percent(row.std_damping, 2)}`,
+              render: (row) =>
+                `${percent(row.damping, 2)} ± ${significant(100 * row.std_damping, 2)}`,
             },
             { key: "orders", header: "Orders", numeric: true, render: (row) => row.n_orders },
             {
@@ -178,7 +186,7 @@ function Found({ found, query, usable, onChange }: FoundProps) {
             },
           ]}
           rows={rows}
-          rowKey={(row) => row.place}
+          rowKey={(row) => row.index}
         />
         <Group align="end">
           <TextInput
@@ -191,10 +199,10 @@ function Found({ found, query, usable, onChange }: FoundProps) {
           <Select
             label="Names and numbers from"
             clearable
-            data={likes.map((table) => ({ value: String(table.id), label: tableTitle(table) }))}
-            value={like === null ? null : String(like)}
+            data={templates.map((table) => ({ value: String(table.id), label: tableTitle(table) }))}
+            value={template === null ? null : String(template)}
             onChange={(value) => {
-              setLike(value === null ? null : Number(value));
+              setTemplate(value === null ? null : Number(value));
             }}
           />
           <Button
@@ -202,12 +210,12 @@ function Found({ found, query, usable, onChange }: FoundProps) {
             disabled={selected.length === 0 || name.trim() === ""}
             onClick={() => {
               save.mutate(
-                { name: name.trim(), ...query, selected, template_id: like },
+                { name: name.trim(), ...query, selected, template_id: template },
                 {
                   onSuccess: (table) => {
                     onChange({
                       tab: "mac",
-                      table: like ?? table.id,
+                      table: template ?? table.id,
                       other: table.id,
                       fuel: 100 * (table.fuel[0] ?? 0),
                       other_fuel: undefined,

@@ -1,0 +1,213 @@
+"""Sessions: who is logged in, log-in and log-out, invitations, and API tokens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Request, Response
+from pydantic import Field
+
+from flexsid.api import requests
+from flexsid.api.authorization import client_address, cookie_name, identify
+from flexsid.api.context import TheStore
+from flexsid.api.requests import Id, Title
+from flexsid.api.serialization import Identity as RecordId
+from flexsid.api.serialization import Json, JsonRoute
+from flexsid.errors import Conflict, UnknownRecord
+from flexsid.records.account import ApiToken, Role
+from flexsid.settings import Mode, Settings
+from flexsid.storage.paging import Items
+from flexsid.workflow.accounts import accounts, sessions
+from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
+
+router = APIRouter(tags=["session"], route_class=JsonRoute)
+
+Secret = Annotated[str, Field(min_length=1, max_length=LONGEST_PASSWORD)]
+
+
+class LoginRequest(requests.Request):
+    """Name and password of an account."""
+
+    name: requests.Name  # without control characters, which PostgreSQL cannot store
+    password: Secret
+
+
+class InvitationRequest(requests.Request):
+    """Code of an invitation, and the password to set."""
+
+    code: Secret
+    password: Secret
+
+
+class TokenRequest(requests.Request):
+    """Name, highest role, validity and campaign (all if omitted) of a token."""
+
+    name: Title
+    role: Role = Role.VIEWER
+    days: Annotated[int, Field(strict=True, ge=1, le=sessions.LONGEST_TOKEN_DAYS)] = 90
+    aircraft_id: Id | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignRole:
+    """Role in the campaign of an aircraft; in every campaign if it is null."""
+
+    aircraft_id: int | None
+    role: Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionState:
+    """How this server is used, and who is logged in; null is nobody."""
+
+    mode: Mode
+    name: str | None = None
+    roles: tuple[CampaignRole, ...] = ()
+    expires_at: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TokenItem:
+    """A token without its secret, which is shown once, when it is created."""
+
+    id: int
+    name: str
+    role: Role
+    aircraft_id: int | None
+    created_at: datetime | None
+    expires_at: datetime
+    used_at: datetime | None
+    secret: str | None = None
+
+
+@router.get("/session")
+def get_session(request: Request, store: TheStore) -> SessionState:
+    """Return the mode of the server, and the account that is logged in."""
+    settings: Settings = request.app.state.settings
+    found = None if settings.mode is Mode.PERSONAL else identify(store, settings, request)
+    return _describe(settings, found)
+
+
+@router.post("/session", response_model=SessionState)
+def log_in(request: Request, store: TheStore, body: LoginRequest) -> Json:
+    """Log in; the session is a cookie that scripts of the page cannot read."""
+    settings = _require_mode(request, Mode.TEAM)
+    address = client_address(settings, request)
+    secret = sessions.log_in(store, body.name, body.password, address)
+    # A session that the browser already had ends: its secret may be known to others.
+    _end_session(request, store, settings)
+    response = Json(_describe(settings, sessions.find_session(store, secret)))
+    response.set_cookie(
+        cookie_name(settings),
+        secret,
+        max_age=sessions.SESSION_HOURS * 3600,
+        path="/",
+        secure=settings.is_secure,
+        httponly=True,
+        samesite="lax",
+    )
+    return response
+
+
+@router.delete("/session", status_code=204, response_class=Response)
+def log_out(request: Request, store: TheStore) -> Response:
+    """End the session; its cookie is valid no longer."""
+    settings: Settings = request.app.state.settings
+    _end_session(request, store, settings)
+    response = Response(status_code=204)
+    response.delete_cookie(
+        cookie_name(settings), path="/", secure=settings.is_secure, httponly=True, samesite="lax"
+    )
+    return response
+
+
+@router.post("/invitations", status_code=204)
+def accept_invitation(request: Request, store: TheStore, body: InvitationRequest) -> None:
+    """Set the password of an invited account; the code is valid once."""
+    _require_mode(request, Mode.TEAM)
+    accounts.accept_invitation(store, body.code, body.password)
+
+
+@router.get("/tokens")
+def list_tokens(request: Request, store: TheStore) -> Items[TokenItem]:
+    """List the API tokens of the account."""
+    found = store.api_tokens.find(account_id=_require_account(request).account.id)
+    return Items(items=[_describe_token(token) for token in found])
+
+
+@router.post("/tokens", status_code=201)
+def create_token(request: Request, store: TheStore, body: TokenRequest) -> TokenItem:
+    """Create an API token; its secret is in this response only.
+
+    It acts as the account with at most the given role, in one campaign or in all.
+    """
+    identity = _require_account(request)
+    if identity.is_token:
+        raise Conflict("a token cannot create tokens; log in", code="token-not-allowed")
+    token, secret = sessions.add_token(
+        store, identity, body.name, body.role, body.days, body.aircraft_id
+    )
+    return _describe_token(token, secret)
+
+
+@router.delete("/tokens/{token_id}", status_code=204)
+def delete_token(request: Request, store: TheStore, token_id: RecordId) -> None:
+    """Delete an API token; it is valid no longer."""
+    own = store.api_tokens.find(id=token_id, account_id=_require_account(request).account.id)
+    if not own:
+        raise UnknownRecord(f"there is no token {token_id}")
+    store.api_tokens.delete(token_id)
+
+
+def _require_mode(request: Request, mode: Mode) -> Settings:
+    settings: Settings = request.app.state.settings
+    if settings.mode is not mode:
+        raise Conflict(
+            f"this server is used in {settings.mode.value} mode, without log-in by password",
+            code="no-log-in",
+        )
+    return settings
+
+
+def _require_account(request: Request) -> sessions.Identity:
+    found: sessions.Identity | None = getattr(request.state, "identity", None)
+    if found is None:
+        raise Conflict("this server is used in personal mode, without accounts", code="no-log-in")
+    return found
+
+
+def _end_session(request: Request, store: TheStore, settings: Settings) -> None:
+    secret = request.cookies.get(cookie_name(settings))
+    if secret is not None:
+        sessions.end_session(store, secret)
+
+
+def _describe(settings: Settings, identity: sessions.Identity | None) -> SessionState:
+    if identity is None:
+        return SessionState(mode=settings.mode)
+    roles = tuple(
+        CampaignRole(aircraft_id=key, role=role)
+        for key, role in sorted(identity.roles.items(), key=lambda pair: pair[0] or 0)
+    )
+    return SessionState(
+        mode=settings.mode,
+        name=identity.account.name,
+        roles=roles,
+        expires_at=identity.expires_at,
+    )
+
+
+def _describe_token(token: ApiToken, secret: str | None = None) -> TokenItem:
+    assert token.id is not None
+    return TokenItem(
+        id=token.id,
+        name=token.name,
+        role=token.role,
+        aircraft_id=token.aircraft_id,
+        created_at=token.created_at,
+        expires_at=token.expires_at,
+        used_at=token.used_at,
+        secret=secret,
+    )

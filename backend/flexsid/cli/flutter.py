@@ -1,0 +1,37 @@
+"""Command ``flexsid flutter``: flutter prediction from runs."""
+
+from __future__ import annotations
+
+import argparse
+
+from flexsid.cli.arguments import parse_list
+from flexsid.cli.database import open_store
+from flexsid.cli.output import print_result
+from flexsid.cli.runs import report_progress
+from flexsid.errors import BadInput
+from flexsid.jobs.inline import execute_request
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import FLUTTER
+from flexsid.settings import Settings
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes
+
+
+def predict(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the predicted flutter speed and the margin of the next test point."""
+    if arguments.next is not None and not arguments.next > 0.0:
+        raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
+    query = FlutterQuery(
+        run_ids=parse_list(arguments.runs, int, "RUNS"),
+        fuel=arguments.fuel,
+        altitude_m=arguments.altitude,
+        next_m_s=arguments.next,
+        unmodelled_modes=UnmodelledModes(arguments.unmodelled_modes),
+    )
+    with open_store(settings) as store:
+        execute_request(store, FLUTTER, query, report_progress)
+        prediction = get_result(store, FLUTTER, query).flutter
+    lines = [prediction.test_point_margin, prediction.sentence]
+    for structure in prediction.structures:
+        lines.append(f"modes {' '.join(map(str, structure.modes))}: {structure.sentence}")
+    print_result(lines, prediction, as_json=arguments.json)
+    return 0

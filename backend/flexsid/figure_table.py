@@ -1,0 +1,618 @@
+"""The table of figures: the parameters of each, the numbers they select, and the drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, get_type_hints
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, create_model
+
+from flexsid.figures.bode import View, draw_bode
+from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
+from flexsid.figures.derivatives import draw_derivatives
+from flexsid.figures.envelope import draw_envelope
+from flexsid.figures.equivalent_modes import draw_equivalent_modes
+from flexsid.figures.excitation import (
+    draw_design_history,
+    draw_design_information,
+    draw_design_signal,
+    draw_design_spectrum,
+)
+from flexsid.figures.fit import draw_fit
+from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
+from flexsid.figures.forest import draw_forest
+from flexsid.figures.ground_test import draw_ground_test
+from flexsid.figures.iterations import draw_iterations
+from flexsid.figures.loops import draw_loops
+from flexsid.figures.modal_data import (
+    draw_assurance,
+    draw_model_order,
+    draw_modes_against_fuel,
+    draw_reduced_responses,
+    draw_stabilisation,
+)
+from flexsid.figures.parameter_correlation import draw_parameter_correlation
+from flexsid.figures.plot_matrix import draw_plot_matrix
+from flexsid.figures.poles import draw_poles
+from flexsid.figures.reconstruction import draw_reconstruction
+from flexsid.figures.residual import draw_residual
+from flexsid.figures.roots import draw_root_locus, draw_v_omega_zeta
+from flexsid.figures.search import draw_search_path, draw_search_stability
+from flexsid.figures.signal_to_noise import draw_signal_to_noise
+from flexsid.figures.spec import Spec
+from flexsid.figures.spectrum import draw_spectrum
+from flexsid.figures.time_check import draw_time_check
+from flexsid.figures.time_history import draw_time_history
+from flexsid.figures.trend import draw_trend
+from flexsid.figures.validation import draw_cross_predictions, draw_residual_correlation
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import (
+    CLOSED_LOOP,
+    CROSS_PREDICTION,
+    CROSS_VALIDATION,
+    FLUTTER,
+    PREDICTED_ACCURACY,
+)
+from flexsid.records.comparison import Against
+from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, FlutterRoots
+from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
+from flexsid.records.validation import CrossPredictionMatrix, Partition
+from flexsid.records.views import DesignedExcitation, ExpectedResponse, FitPlot, Residuals
+from flexsid.storage.maneuver_list import ManeuverFilters
+from flexsid.storage.repository import LARGEST_ID
+from flexsid.storage.store import Store
+from flexsid.text import split_ids, split_names
+from flexsid.workflow.comparison.trends import fit_derivative_trend
+from flexsid.workflow.excitation.excitation_designs import sample_design
+from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
+from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
+from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes
+from flexsid.workflow.importing.maneuver_cutting import read_flight_history
+from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.modal_data.ground_vibration_test import (
+    ModeSearch,
+    compute_stabilisation_diagram,
+)
+from flexsid.workflow.quality.ground_records import read_ground_spectra
+from flexsid.workflow.review.audit import read_figure
+from flexsid.workflow.structure_determination.searches import get_group
+from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.validation.predicted_spectra import (
+    compute_held_out_residuals,
+    compute_prediction_residuals,
+    correlate_residuals,
+    read_held_out_fit,
+    read_prediction,
+)
+from flexsid.workflow.views.campaign import read_envelope
+from flexsid.workflow.views.correlation import compute_assurance
+from flexsid.workflow.views.fuel import trace_modes
+from flexsid.workflow.views.loops import estimate_loops
+from flexsid.workflow.views.maneuver import (
+    POINTS,
+    compute_spectrum,
+    estimate_signal_to_noise,
+    read_time_history,
+)
+from flexsid.workflow.views.model_order import (
+    BAND_HZ,
+    OrderQuery,
+    compute_reduced_responses,
+    study_model_order,
+)
+from flexsid.workflow.views.plot_matrix import Domain, compute_plot_matrix
+from flexsid.workflow.views.response import compute_bode
+from flexsid.workflow.views.run import (
+    compare_derivatives,
+    compute_parameter_correlation,
+    compute_residuals,
+    read_fit,
+    read_iterations,
+    read_poles,
+)
+from flexsid.workflow.views.time_check import check_in_time
+
+_MOST_COUNTS = 10
+
+
+def _read_ids(text: str | None, info: ValidationInfo) -> tuple[int, ...]:
+    return split_ids(text, info.field_name or "ids")
+
+
+def _read_names(text: str | None) -> tuple[str, ...]:
+    return split_names(text) or ()
+
+
+def _read_counts(text: str) -> tuple[int, ...]:
+    counts = [int(part) for part in _read_names(text) if part.isascii() and part.isdigit()]
+    return tuple(counts[:_MOST_COUNTS])
+
+
+_NAMES = AfterValidator(_read_names)
+_IDS = AfterValidator(_read_ids)
+_RUN_ID = AfterValidator(lambda text: split_ids(text, "run_id"))
+
+_Id = Annotated[int, Field(ge=1, le=LARGEST_ID)]
+_Reference = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
+_Ids = Annotated[str | None, _IDS, Field(description="Ids separated by commas.")]
+_RunIds = Annotated[str, _IDS, Field(description="Ids separated by commas.")]
+_Names = Annotated[str | None, _NAMES, Field(description="Names separated by commas.")]
+_Derivative = Annotated[str, Field(max_length=64, description="Derivative, e.g. Cm_alpha.")]
+_Fuel = Annotated[float, Field(ge=0.0, le=1.0, description="Fuel fraction.")]
+_Number = Annotated[float | None, Field(allow_inf_nan=False)]
+_Points = Annotated[int, Field(ge=100, le=20_000)]
+_Text = str | None
+
+
+class Parameters(BaseModel):
+    """Parameters of a figure, as in a query of the API; lists are separated by commas there."""
+
+    model_config = ConfigDict(frozen=True, validate_default=True)
+
+
+class TrendParameters(Parameters):
+    """One derivative of runs and predictions, and the flight condition of its trend."""
+
+    run_ids: _RunIds = Field(description="Ids of runs, separated by commas.")
+    name: _Derivative
+    against: Against = Against.DYNAMIC_PRESSURE
+    prediction_ids: _Ids = Field(None, description="Ids of predictions, separated by commas.")
+    degree: int = Field(1, ge=0, le=3, description="Degree of the weighted polynomial.")
+
+
+class FlutterParameters(Parameters):
+    """Runs and conditions of a flutter prediction."""
+
+    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
+    fuel: float | None = Field(
+        None,
+        ge=0.0,
+        le=1.0,
+        description="Fuel fraction; by default that of the fastest test point.",
+    )
+    altitude_m: float | None = Field(
+        None,
+        ge=-1000.0,
+        le=11_000.0,
+        description="Standard altitude; by default the air of the fastest test point.",
+    )
+    next_m_s: float | None = Field(
+        None,
+        ge=0.1,
+        le=1000.0,
+        description="Airspeed of the next test point; by default 3 % above the fastest.",
+    )
+    unmodelled_modes: UnmodelledModes = Field(
+        UnmodelledModes.PREDICTED,
+        description="Modes not modelled by the runs: with predicted dynamics, or residualised.",
+    )
+    trend: bool = Field(False, description="Linear trend of the derivatives with dynamic pressure.")
+
+
+class CrossPredictionParameters(Parameters):
+    """Runs and maneuvers of a matrix of cross-predictions."""
+
+    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
+    maneuver_ids: _Ids = Field(
+        None, description="Ids of maneuvers, separated by commas; by default those of the runs."
+    )
+
+
+class CrossValidationParameters(Parameters):
+    """A run and the data that are held out from its refits."""
+
+    run_id: _Id
+    partition: Partition = Field(
+        Partition.FOLDS,
+        description="All folds of the frequencies, the first fold, or the last periods.",
+    )
+    folds: int = Field(
+        5, ge=2, le=20, description="Number of folds; of periods, one share in so many is held out."
+    )
+
+
+class OrderParameters(Parameters):
+    """Aircraft, flight condition and band of an order study."""
+
+    aircraft_id: _Id
+    airspeed_m_s: float = Field(ge=1.0, le=1000.0)
+    fuel: _Fuel = 0.5
+    altitude_m: float = Field(0.0, ge=-1000.0, le=11_000.0)
+    modal_table_id: _Reference = None
+    prediction_id: _Reference = None
+    low_hz: float = Field(BAND_HZ[0], ge=0.01, le=100.0)
+    high_hz: float = Field(BAND_HZ[1], gt=0.01, le=1000.0)
+
+
+class ModeSearchParameters(Parameters):
+    """Band and highest model order of a search for modes."""
+
+    low_hz: float | None = Field(None, gt=0.0, le=100_000.0)
+    high_hz: float | None = Field(None, gt=0.0, le=100_000.0)
+    order: int = Field(40, ge=4, le=80, description="Highest model order.")
+
+
+_FILTERS: dict[str, Any] = {
+    name: (hint, None)
+    for name, hint in get_type_hints(ManeuverFilters, include_extras=True).items()
+}
+_Filters: type[Parameters] = create_model("_Filters", __base__=Parameters, **_FILTERS)
+
+
+class _Maneuver(Parameters):
+    maneuver_id: _Id
+
+
+class _Channels(_Maneuver):
+    channels: _Names = None
+
+
+class _TimeHistory(_Channels):
+    start_s: _Number = None
+    stop_s: _Number = None
+    points: int = POINTS
+
+
+class _Flight(Parameters):
+    flight_id: _Id
+
+
+class _FlightHistory(_Flight):
+    names: _Names = Field(None, alias="channels")
+    start_s: _Number = None
+    stop_s: _Number = None
+    points: _Points = 2000
+
+
+class _Spectrum(_Channels):
+    full: bool = Field(False, description="With the full spectrum.")
+
+
+class _PlotMatrix(_Channels):
+    domain: Domain = "time"
+    modes: _Ids = Field(
+        None, description="Mode numbers: draws the equation-error regressors instead."
+    )
+
+
+class _Bode(_Maneuver):
+    outputs: Annotated[str, _NAMES] = Field(
+        alias="output", description="Outputs separated by commas."
+    )
+    inputs: _Names = None
+    run_ids: Annotated[_Text, _RUN_ID] = Field(
+        None, alias="run_id", description="Ids separated by commas."
+    )
+    overlay: _Ids = Field(None, description="Ids of maneuvers to overlay.")
+    average: bool = Field(False, description="Average the frequency response over all maneuvers.")
+    rigid: bool = Field(False, description="Also models without modes in the sensor equations.")
+    windowed: bool = Field(
+        False, description="From averaged windows, as if no harmonics were known."
+    )
+    view: View = "bode"
+
+
+class _Reconstruction(_Maneuver):
+    names: _Names = Field(
+        None,
+        alias="quantities",
+        description="alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ..., separated by commas.",
+    )
+    modes: _Ids = Field(None, description="Mode numbers; by default those that are excited.")
+    domain: Domain = "time"
+
+
+class _Run(Parameters):
+    run_id: _Id
+
+
+class _Block(_Run):
+    block: _Text = Field(None, description="Set of data points; by default the first of the run.")
+
+
+class _Fit(_Block):
+    outputs: _Names = Field(None, alias="output")
+
+
+class _Poles(Parameters):
+    run_ids: Annotated[str, _RUN_ID] = Field(
+        alias="run_id", description="Ids of runs, separated by commas."
+    )
+
+
+class _TimeCheck(_Run):
+    outputs: _Names = None
+    maneuver_id: _Reference = None
+    points: _Points = POINTS
+
+
+class _PredictedResiduals(_Run):
+    maneuver_id: _Reference = Field(None, description="By default that of the run.")
+
+
+class _PredictedOutputs(_PredictedResiduals):
+    outputs: _Names = None
+
+
+class _HeldOutResiduals(CrossValidationParameters):
+    maneuver_id: _Reference = Field(None, description="Of a joint run; by default the first.")
+
+
+class _HeldOutFit(_HeldOutResiduals):
+    outputs: _Names = None
+
+
+class _Derivatives(Parameters):
+    run_ids: _RunIds
+    prediction_ids: _Ids = None
+    coefficient: _Text = Field(None, description="CZ, Cm, CQ7 ...")
+
+
+class _Forest(Parameters):
+    run_ids: _RunIds
+    name: _Derivative
+    prediction_ids: _Ids = None
+
+
+class _Roots(FlutterParameters):
+    along: Along = Field(Along.AIRSPEED, description="Variable over which the roots are tracked.")
+
+
+class _ClosedLoop(FlutterParameters):
+    controller_id: _Id
+
+
+class _Search(Parameters):
+    search_id: _Id
+    name: _Text = Field(
+        None, alias="group", description="Coefficient (EE) or method; by default the first."
+    )
+
+
+class _Design(Parameters):
+    design_id: _Id
+    level: int = Field(0, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
+
+
+class _DesignForRun(_Design):
+    run_id: _Id
+
+
+class _Frozen(Parameters):
+    figure_id: _Id
+
+
+class _ModalTable(Parameters):
+    modal_table_id: _Id
+
+
+class _Mac(_ModalTable):
+    fuel: _Fuel = 0.5
+    other_id: _Reference = None
+    other_fuel: float | None = Field(None, ge=0.0, le=1.0)
+
+
+class _ModelOrder(OrderParameters):
+    derivatives: Annotated[str, _NAMES] = Field(
+        "CZ_alpha,Cm_alpha,CZ_q,Cm_q",
+        max_length=2000,
+        description="Derivatives to draw, separated by commas.",
+    )
+
+
+class _ReducedResponses(OrderParameters):
+    output: str = Field(max_length=64)
+    surface: str = Field(max_length=64)
+    counts: Annotated[str, AfterValidator(_read_counts)] = Field(
+        "0,1,2,3,4", description="Numbers of retained modes, separated by commas."
+    )
+
+
+class _Stabilisation(ModeSearchParameters):
+    responses_id: _Id
+
+
+@dataclass(frozen=True, slots=True)
+class FigureKind:
+    """A figure: its parameters, the numbers they select, and how these are drawn.
+
+    ``numbers`` is called with the store and the parameters by name, ``draw`` with the numbers
+    and those parameters that are named in ``drawing``.
+    """
+
+    name: str
+    parameters: type[Parameters]
+    numbers: Callable[..., Any]
+    draw: Callable[..., Spec]
+    description: str
+    drawing: tuple[str, ...] = ()
+
+
+def draw_figure(store: Store, figure: str, /, **arguments: Any) -> Spec:
+    """Return a figure of the table as a Plotly specification.
+
+    Parameters
+    ----------
+    store
+        Database.
+    figure
+        Its name in ``FIGURES``.
+    **arguments
+        Its parameters, with lists as tuples.
+    """
+    kind = FIGURES[figure]
+    drawing = {key: arguments.pop(key) for key in kind.drawing if key in arguments}
+    return kind.draw(kind.numbers(store, **arguments), **drawing)
+
+
+def _get_flutter(store: Store, **query: Any) -> Flutter:
+    return get_result(store, FLUTTER, FlutterQuery(**query)).flutter
+
+
+def _get_flutter_map(store: Store, **query: Any) -> FlutterMap:
+    return get_result(store, FLUTTER, FlutterQuery(**query)).map
+
+
+def _get_roots(store: Store, along: Along = Along.AIRSPEED, **query: Any) -> FlutterRoots:
+    return get_result(store, FLUTTER, FlutterQuery(**query)).roots[along]
+
+
+def _get_closed_loop(store: Store, controller_id: int, **query: Any) -> ClosedLoop:
+    request = ClosedLoopQuery(flutter=FlutterQuery(**query), controller_id=controller_id)
+    return get_result(store, CLOSED_LOOP, request)
+
+
+def _get_cross_predictions(store: Store, **query: Any) -> CrossPredictionMatrix:
+    return get_result(store, CROSS_PREDICTION, CrossPredictionQuery(**query))
+
+
+def _read_held_out_fit(
+    store: Store, outputs: tuple[str, ...] = (), maneuver_id: int | None = None, **query: Any
+) -> FitPlot:
+    found = get_result(store, CROSS_VALIDATION, CrossValidationQuery(**query))
+    return read_held_out_fit(found, maneuver_id, outputs)
+
+
+def _compute_held_out_residuals(
+    store: Store, maneuver_id: int | None = None, **query: Any
+) -> Residuals:
+    found = get_result(store, CROSS_VALIDATION, CrossValidationQuery(**query))
+    return compute_held_out_residuals(found, maneuver_id)
+
+
+def _sample_design(store: Store, design_id: int, level: int) -> DesignedExcitation:
+    return sample_design(store.designs.get(design_id), level)
+
+
+def _predict_response(store: Store, design_id: int, run_id: int, level: int) -> ExpectedResponse:
+    query = DesignQuery(design_id=design_id, run_id=run_id, level=level)
+    return get_result(store, PREDICTED_ACCURACY, query).response
+
+
+def _study_model_order(store: Store, **query: Any) -> ModelOrder:
+    return study_model_order(store, OrderQuery(**query))
+
+
+def _reduce_responses(
+    store: Store, output: str, surface: str, counts: tuple[int, ...], **query: Any
+) -> ReducedResponses:
+    return compute_reduced_responses(store, OrderQuery(**query), output, surface, counts)
+
+
+def _search_modes(store: Store, responses_id: int, **search: Any) -> Stabilisation:
+    return compute_stabilisation_diagram(store, responses_id, ModeSearch(**search))
+
+
+def _read_frozen_figure(store: Store, figure_id: int) -> Spec:
+    return read_figure(store, store.frozen_figures.get(figure_id))
+
+
+# fmt: off
+_KINDS = (
+    FigureKind("envelope", _Filters, read_envelope, draw_envelope,
+        "Draw the flight conditions of the filtered maneuvers."),
+    FigureKind("time-history", _TimeHistory, read_time_history, draw_time_history,
+        "Draw channels over time, decimated for the screen; by default the inputs.\n\n"
+        "CSV and MAT files contain every sample of the window."),
+    FigureKind("flight-history", _FlightHistory, read_flight_history, draw_time_history,
+        "Draw channels of a whole flight over time; by default the commands."),
+    FigureKind("spectrum", _Spectrum, compute_spectrum, draw_spectrum,
+        "Draw Fourier magnitudes at the harmonics, coloured by input; by default of the inputs."),
+    FigureKind("signal-to-noise", _Channels, estimate_signal_to_noise, draw_signal_to_noise,
+        "Draw signal-to-noise ratios by channel and harmonic; by default of inputs and outputs."),
+    FigureKind("plot-matrix", _PlotMatrix, compute_plot_matrix, draw_plot_matrix,
+        "Draw a scatter plot matrix of channels with their correlation; by default of the inputs."),
+    FigureKind("bode", _Bode, compute_bode, draw_bode,
+        "Draw measured frequency responses and those of identified models.",
+        drawing=("view",)),
+    FigureKind("reconstruction", _Reconstruction, reconstruct, draw_reconstruction,
+        "Draw reconstructed motion and coefficients with ±2 standard errors.\n\n"
+        "In the time domain by the smoother (Fig. 16a), in the frequency domain by least "
+        "squares at each harmonic, with rank and condition number.",
+        drawing=("domain",)),
+    FigureKind("loops", _Maneuver, estimate_loops, draw_loops,
+        "Draw the measured loop gain of each surface, with its stability margins."),
+    FigureKind("ground-test", _Flight, read_ground_spectra, draw_ground_test,
+        "Draw mini-GVT spectra before and after a flight."),
+    FigureKind("fit", _Fit, read_fit, draw_fit,
+        "Draw the fitted model and the measured data points."),
+    FigureKind("residual", _Block, compute_residuals, draw_residual,
+        "Draw the residuals by output and frequency."),
+    FigureKind("parameter-correlation", _Run, compute_parameter_correlation,
+        draw_parameter_correlation,
+        "Draw the correlation matrix of the estimates."),
+    FigureKind("poles", _Poles, read_poles, draw_poles,
+        "Draw the poles of identified models, and the in-vacuo modes of the first."),
+    FigureKind("iterations", _Run, read_iterations, draw_iterations,
+        "Draw the cost over the iterations."),
+    FigureKind("time-check", _TimeCheck, check_in_time, draw_time_check,
+        "Draw recorded outputs and the response of the identified model to the recorded inputs."),
+    FigureKind("cross-prediction", CrossPredictionParameters, _get_cross_predictions,
+        draw_cross_predictions,
+        "Draw R² of the outputs of maneuvers that are predicted by the models of runs."),
+    FigureKind("prediction", _PredictedOutputs, read_prediction, draw_fit,
+        "Draw outputs of a maneuver that the model of a run predicts from the measured inputs."),
+    FigureKind("prediction-residual", _PredictedResiduals, compute_prediction_residuals,
+        draw_residual,
+        "Draw the residuals of the predicted outputs of a maneuver by output and frequency."),
+    FigureKind("residual-correlation", _PredictedOutputs, correlate_residuals,
+        draw_residual_correlation,
+        "Draw auto- and cross-correlation of residuals over the lag, with bounds of 95 %."),
+    FigureKind("held-out", _HeldOutFit, _read_held_out_fit, draw_fit,
+        "Draw measured outputs and their prediction by refits to other data."),
+    FigureKind("held-out-residual", _HeldOutResiduals, _compute_held_out_residuals,
+        draw_residual,
+        "Draw the residuals at held-out data by output and frequency."),
+    FigureKind("derivatives", _Derivatives, compare_derivatives, draw_derivatives,
+        "Draw derivatives by method and prediction with ±2 standard errors."),
+    FigureKind("forest", _Forest, compare_derivatives, draw_forest,
+        "Draw the estimates and predictions of one derivative, with their mean (forest plot).",
+        drawing=("name",)),
+    FigureKind("trend", TrendParameters, fit_derivative_trend, draw_trend,
+        "Draw one derivative over the flight conditions, with weighted fits."),
+    FigureKind("v-omega-zeta", _Roots, _get_roots, draw_v_omega_zeta,
+        "Draw frequency and damping of the identified roots with ±2 standard errors."),
+    FigureKind("root-locus", _Roots, _get_roots, draw_root_locus,
+        "Draw the identified roots in the s-plane."),
+    FigureKind("equivalent-modes", FlutterParameters, _get_flutter, draw_equivalent_modes,
+        "Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."),
+    FigureKind("flutter-forecast", FlutterParameters, _get_flutter, draw_flutter_forecast,
+        "Draw the predicted flutter speed by run, and by classical flutter prediction methods."),
+    FigureKind("flutter-map", FlutterParameters, _get_flutter_map, draw_flutter_map,
+        "Draw the flutter speed over fuel and altitude."),
+    FigureKind("closed-loop-margins", _ClosedLoop, _get_closed_loop, draw_closed_loop_margins,
+        "Draw the stability margins of the loop of every surface over airspeed."),
+    FigureKind("closed-loop-roots", _ClosedLoop, _get_closed_loop, draw_closed_loop_roots,
+        "Draw the roots with and without the controller."),
+    FigureKind("search-path", _Search, get_group, draw_search_path,
+        "Draw the criteria after every step of a search."),
+    FigureKind("search-stability", _Search, get_group, draw_search_stability,
+        "Draw the frequency of selection of each term in bootstrap samples."),
+    FigureKind("design-history", _Design, _sample_design, draw_design_history,
+        "Draw one period of an excitation design."),
+    FigureKind("design-spectrum", _Design, _sample_design, draw_design_spectrum,
+        "Draw the amplitudes of the harmonics of an excitation design, by input."),
+    FigureKind("design-information", _DesignForRun, _predict_response, draw_design_information,
+        "Draw the information of each harmonic of a design on the parameters of a run."),
+    FigureKind("design-signal", _DesignForRun, _predict_response, draw_design_signal,
+        "Draw the expected signal-to-noise ratio by output and harmonic of a design."),
+    FigureKind("frozen", _Frozen, _read_frozen_figure, dict,
+        "Draw a frozen figure in its stored state."),
+    FigureKind("modes-against-fuel", _ModalTable, trace_modes, draw_modes_against_fuel,
+        "Draw frequency and damping of the modes of a table over fuel, with crossings."),
+    FigureKind("mac", _Mac, compute_assurance, draw_assurance,
+        "Draw the MAC of the modes of a table with itself, or of another fuel or table."),
+    FigureKind("model-order", _ModelOrder, _study_model_order, draw_model_order,
+        "Draw derivatives over the number of retained modes, with a band of ±10 %.",
+        drawing=("derivatives",)),
+    FigureKind("reduced-responses", _ReducedResponses, _reduce_responses, draw_reduced_responses,
+        "Draw one frequency response of full and reduced models, and with rigid-body sensors."),
+    FigureKind("stabilisation", _Stabilisation, _search_modes, draw_stabilisation,
+        "Draw the stabilisation diagram: poles by model order, and the mean measured response."),
+)
+# fmt: on
+
+FIGURES = {kind.name: kind for kind in _KINDS}
+"""All figures by name; a new figure is one more value in this table."""

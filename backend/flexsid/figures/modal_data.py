@@ -1,0 +1,241 @@
+"""Modal data: modes over fuel, MAC, model order, reduced responses, stabilisation diagram."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.figures import style
+from flexsid.figures.spec import (
+    Spec,
+    axis,
+    band,
+    column,
+    empty,
+    heatmap,
+    line_at,
+    marked,
+    scatter,
+    stack,
+    stagger,
+    title,
+    vertical_mark,
+)
+from flexsid.records.modal_data import (
+    AssuranceMatrix,
+    ModelOrder,
+    ModesAgainstFuel,
+    ReducedResponses,
+    Stabilisation,
+)
+
+_LEAST_SHOWN = 0.05
+
+
+def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
+    """Draw frequencies and damping of the modes over fuel, with crossings circled."""
+    data: list[Spec] = []
+    for index, name in enumerate(value.names):
+        colour, _ = style.of_index(index)
+        dash = "solid" if value.symmetric[index] else "dash"
+        shared: Spec = {"name": name, "legendgroup": name}
+        line = {"color": colour, "width": 1.5, "dash": dash}
+        hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.3f}} Hz<extra></extra>"
+        data += [
+            scatter(
+                value.fuel, column(value.frequency_hz[:, index], exact=True), "lines",
+                showlegend=True, line=line, hovertemplate=hover, **shared,
+            ),
+            scatter(
+                value.table_fuel, column(value.table_hz[:, index], exact=True), showlegend=False,
+                marker={"color": colour, "size": 4}, hovertemplate=hover, **shared,
+            ),
+        ]  # fmt: skip
+        if np.isfinite(value.damping[:, index]).any():
+            hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.2f}} %<extra></extra>"
+            data.append(
+                scatter(
+                    value.fuel, 100.0 * value.damping[:, index], "lines", row=2,
+                    showlegend=False, line=line, hovertemplate=hover, **shared,
+                )
+            )  # fmt: skip
+    ring = {"symbol": "circle-open", "size": 14, "color": style.FLAG, "line": {"width": 2}}
+    if value.crossings:
+        data.append(
+            scatter(
+                [mark.fuel for mark in value.crossings],
+                [mark.frequency_hz for mark in value.crossings],
+                name="crossing",
+                text=[" × ".join(mark.names) for mark in value.crossings],
+                marker=ring,
+                hovertemplate="%{text}<br>fuel %{x:.3f}<br>%{y:.2f} Hz<extra>crossing</extra>",
+            )
+        )
+    if value.uncertain:
+        data.append(
+            scatter(
+                [fuel for fuel, _ in value.uncertain],
+                [hertz for _, hertz in value.uncertain],
+                name="low MAC",
+                marker={"symbol": "x-open", "size": 11, "color": style.FLAG},
+                hovertemplate="fuel %{x:.3f}: low MAC, tracking uncertain<extra></extra>",
+            )
+        )
+    titles = ("Frequency [Hz]", "Damping ratio [%]")
+    axes = [{**title(text), "rangemode": "tozero"} for text in titles]
+    layout = stack(title("Fuel fraction [1]"), axes, [3, 1], meta={"rows": 3})
+    return {"data": data, "layout": layout}
+
+
+def draw_assurance(value: AssuranceMatrix) -> Spec:
+    """Draw the MAC as a heat map."""
+    columns, rows = list(range(len(value.columns))), list(range(len(value.rows)))
+    trace = heatmap(
+        columns,
+        rows,
+        value.values,
+        zmin=0.0,
+        zmax=1.0,
+        colorscale=[[0.0, "#f4f6f8"], [0.5, "#7fb3dd"], [1.0, "#0b3d66"]],
+        colorbar=title("MAC"),
+        customdata=[[[r, c] for c in value.columns] for r in value.rows],
+        hovertemplate="%{customdata[0]} with %{customdata[1]}<br>MAC %{z:.4f}<extra></extra>",
+    )
+    if max(value.values.shape) <= 16:
+        text = [[f"{x:.2f}" if x >= _LEAST_SHOWN else "" for x in row] for row in value.values]
+        trace |= {"text": text, "texttemplate": "%{text}"}
+    ticks = {"tickmode": "array", "automargin": True}
+    layout = {
+        "xaxis": {**title(value.column_title), **ticks, "tickangle": -45,
+                  "tickvals": columns, "ticktext": list(value.columns)},
+        "yaxis": {**title(value.row_title), **ticks, "autorange": "reversed",
+                  "tickvals": rows, "ticktext": list(value.rows)},
+    }  # fmt: skip
+    return {"data": [trace], "layout": layout}
+
+
+def draw_model_order(value: ModelOrder, derivatives: tuple[str, ...]) -> Spec:
+    """Draw derivatives over retained modes, with ±10 % of the full model (Fig. 13)."""
+    selected = [name for name in derivatives if name in value.full]
+    if not selected:
+        return empty("No such derivative")
+    counts = [len(step.modes) for step in value.steps]
+    data: list[Spec] = []
+    shapes: list[Spec] = []
+    for row, name in enumerate(selected, start=1):
+        for kind, colour, symbol, dash in (
+            ("residualized", style.BLUE, "circle", "solid"),
+            ("truncated", style.VERMILION, "square", "dot"),
+        ):
+            data.append(
+                scatter(
+                    counts,
+                    [getattr(step, kind)[name] for step in value.steps],
+                    "lines+markers",
+                    row=row,
+                    name=kind.replace("ized", "ised"),
+                    legendgroup=kind,
+                    showlegend=row == 1,
+                    line={"color": colour, "dash": dash},
+                    marker={"symbol": symbol, "size": 7},
+                    hovertemplate=f"{name} %{{y:.4g}}<br>%{{x}} modes retained"
+                    f"<extra>{kind}</extra>",
+                )
+            )
+        full, green = value.full[name], "rgba(0,158,115,0.18)"
+        shapes.append(band(0.9 * full, 1.1 * full, green, letter="y", yref=axis(row)))
+    needed = {"color": style.GREEN, "dash": "dash", "width": 1.5}
+    shapes.append(line_at(value.needed, line=needed, layer="above"))
+    ticks = [f"{len(s.modes)}<br>{s.names[-1]}" if s.names else "0<br>SP" for s in value.steps]
+    layout = stack(
+        {
+            **title("Retained structural modes"),
+            "tickmode": "array",
+            "tickvals": counts,
+            "ticktext": ticks,
+        },
+        [{**title(name), "automargin": True} for name in selected],
+        shapes=shapes,
+        meta={"rows": max(2, len(selected))},
+    )
+    return {"data": data, "layout": layout}
+
+
+def draw_reduced_responses(value: ReducedResponses) -> Spec:
+    """Draw a response of the full, reduced and rigid-sensor models (Fig. 11)."""
+    data: list[Spec] = []
+    for index, (name, values) in enumerate(value.curves):
+        line = {
+            "color": style.of_index(index - 1)[0] if index else style.GREY,
+            "width": 1.5 if index else 4,
+            "dash": "dot" if index == len(value.curves) - 1 else "solid",
+        }
+        shared = {"line": line, "name": name, "legendgroup": name}
+        hover = f"{name}<br>%{{x:.2f}} Hz<br>%{{y:"
+        data += [
+            scatter(
+                value.frequency_hz, 20.0 * np.log10(np.maximum(np.abs(values), 1e-12)), "lines",
+                hovertemplate=f"{hover}.1f}} dB<extra></extra>", **shared,
+            ),
+            scatter(
+                value.frequency_hz, np.degrees(np.unwrap(np.angle(values))), "lines", row=2,
+                showlegend=False, hovertemplate=f"{hover}.0f}}°<extra></extra>", **shared,
+            ),
+        ]  # fmt: skip
+    titles = (f"|{value.output}/{value.input}| [dB, {value.unit}]", "Phase [deg]")
+    layout = stack({**title("Frequency [Hz]"), "type": "log"}, list(map(title, titles)), [2, 1])
+    del layout["meta"]  # the default height
+    return {"data": data, "layout": layout}
+
+
+def draw_stabilisation(value: Stabilisation) -> Spec:
+    """Draw the stabilisation diagram: poles by model order, over the mean response."""
+    data: list[Spec] = []
+    for name, magnitude, line in (
+        ("measured", value.magnitude, {"color": style.MEASURED, "width": 1.5}),
+        ("fitted", value.fitted, {"color": style.BLUE, "width": 1.2}),
+    ):
+        if name == "measured" or np.isfinite(magnitude).all():
+            decibel = 20.0 * np.log10(np.maximum(magnitude, 1e-30))
+            x = column(value.frequency_hz, exact=True)
+            data.append(scatter(x, decibel, "lines", row=2, name=name, line=line, hoverinfo="skip"))
+    for index, singular in enumerate(value.indicator.T):
+        decibel = 20.0 * np.log10(np.maximum(singular, 1e-30))
+        x = column(value.frequency_hz, exact=True)
+        line = {"color": style.of_index(index)[0], "width": 1.2}
+        name = "mode indicator" if index == 0 else f"mode indicator {index + 1}"
+        data.append(
+            scatter(
+                x, decibel, "lines", row=2, name=name, line=line, hoverinfo="skip",
+                visible="legendonly",
+            )
+        )  # fmt: skip
+    half = value.stable_frequency & ~value.stable
+    for name, selected, colour, symbol, size in (
+        ("new pole", ~value.stable & ~half, style.GREY, "x-thin-open", 5),
+        ("stable frequency", half, style.OCHRE, "triangle-up-open", 6),
+        ("stable", value.stable, style.GREEN, "circle", 6),
+    ):
+        data.append(
+            scatter(
+                column(value.pole_hz[selected], exact=True),
+                value.pole_order[selected],
+                name=name,
+                customdata=(100.0 * value.pole_damping[selected]).tolist(),
+                marker={"color": colour, "symbol": symbol, "size": size},
+                hovertemplate="%{x:.3f} Hz<br>damping %{customdata:.2f} %<br>order %{y}"
+                "<extra></extra>",
+            )
+        )
+    layout = {
+        "meta": {"rows": 3},
+        "xaxis": title("Frequency [Hz]"),
+        "yaxis": title("Model order"),
+        "yaxis2": {**title(f"Mean {value.quantity}/force [dB]"), "overlaying": "y",
+                   "side": "right", "showgrid": False, "tickmode": "auto"},
+        **marked(
+            [vertical_mark(float(hertz), f"{hertz:.2f}") for hertz in value.mode_hz]
+            + [vertical_mark(float(hertz), "not modelled") for hertz in value.unmodelled_hz]
+        ),
+    }  # fmt: skip
+    stagger(layout["annotations"])
+    return {"data": data, "layout": layout}

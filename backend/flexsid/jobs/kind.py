@@ -1,0 +1,170 @@
+"""Kind of a job: its request, its computation, and how its result is stored."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from flexsid.errors import Conflict
+from flexsid.jobs.worker import Report
+from flexsid.records.job import Job
+from flexsid.records.run import RunState
+from flexsid.storage import queue
+from flexsid.storage.encoding import decode, encode
+from flexsid.storage.store import Store
+from flexsid.workflow.runs.software_versions import METHODS
+
+Request = TypeVar("Request")
+Result = TypeVar("Result")
+Save = Callable[[Store, Job, Any, str], object]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind(Generic[Request, Result]):
+    """A kind of job; a worker calls only ``compute``.
+
+    Parameters
+    ----------
+    name
+        Name in the table of jobs.
+    label
+        Label on the page.
+    request
+        Type of the request in the table.
+    prepare
+        Reads the store for a job with its request, and returns a task that can be pickled.
+    compute
+        Pure function of the task, which reports its progress.
+    save
+        Stores the outcome of one attempt with the name of its worker, and ends the job.
+    result
+        Type of the result in the table; None if it is stored elsewhere.
+    identify
+        Checks a request, and returns all records on which the result depends; None for kinds
+        whose result is never that of an earlier request.
+    priority
+        Jobs of higher priority start first.
+    time_limit_s
+        Computing time, unless the limits of a job differ. [s]
+    """
+
+    name: str
+    label: str
+    request: type[Request]
+    prepare: Callable[[Store, Job, Request], Any]
+    compute: Callable[[Any, Report], Any]
+    save: Save
+    result: type[Result] | None = None
+    identify: Callable[[Store, Request], tuple[object, ...]] | None = None
+    priority: int = 0
+    time_limit_s: float = 3600.0
+
+    def read_request(self, job: Job) -> Request:
+        """Return the request of a job."""
+        return decode(self.request, job.request or {})
+
+    def read_result(self, job: Job) -> Result:
+        """Return the result of a job that succeeded."""
+        assert self.result is not None
+        return decode(self.result, job.result)
+
+
+Kinds = Mapping[str, Kind[Any, Any]]
+LoadKinds = Callable[[], Kinds]
+
+
+def hash_request(store: Store, kind: Kind[Request, Any], request: Request) -> str | None:
+    """Hash a request and all records that its result depends on; None if it has no identity.
+
+    Raises
+    ------
+    BadInput
+        If the request is invalid.
+    UnknownRecord
+        If one of the records does not exist.
+    """
+    if kind.identify is None:
+        return None
+    content = (METHODS, kind.name, request, kind.identify(store, request))
+    return hashlib.sha256(repr(content).encode()).hexdigest()
+
+
+def submit(
+    store: Store, kind: Kind[Request, Any], request: Request, author: str = "", title: str = ""
+) -> Job:
+    """Queue a job, or return that of an equal request that has not failed.
+
+    Raises
+    ------
+    BadInput, UnknownRecord
+        As ``hash_request``.
+    """
+    job = build_job(store, kind, request, author, title)
+    with store.database.transaction() as connection:
+        store.database.lock_writers(connection)
+        digest = job.request_hash
+        known = None if digest is None else queue.find_equal(store, digest)
+        return queue.add_job(store, job) if known is None else known
+
+
+def build_job(
+    store: Store, kind: Kind[Request, Any], request: Request, author: str = "", title: str = ""
+) -> Job:
+    """Build the job of a request, which is not stored yet.
+
+    Raises
+    ------
+    BadInput, UnknownRecord
+        As ``hash_request``.
+    """
+    return Job(
+        kind=kind.name,
+        title=title,
+        author=author,
+        request=encode(request),
+        request_hash=hash_request(store, kind, request),
+        priority=kind.priority,
+    )
+
+
+def find_job(store: Store, kind: Kind[Request, Any], request: Request) -> Job | None:
+    """Find the newest job of an equal request, one that has not failed if there is one.
+
+    Raises
+    ------
+    BadInput, UnknownRecord
+        As ``hash_request``.
+    """
+    digest = hash_request(store, kind, request)
+    assert digest is not None
+    return queue.find_equal(store, digest) or queue.find_newest(store, digest)
+
+
+def get_result(store: Store, kind: Kind[Request, Result], request: Request) -> Result:
+    """Return the stored result of a request; nothing is computed.
+
+    Raises
+    ------
+    BadInput, UnknownRecord
+        As ``hash_request``.
+    Conflict
+        If the request has not been made, its job has not ended, or it failed.
+    """
+    job = find_job(store, kind, request)
+    if job is None or job.state is RunState.CANCELLED:
+        raise Conflict(
+            f"No result of this request is stored. POST the request to compute it"
+            f" ({kind.label.lower()}), and wait for its job.",
+            code="not-computed",
+        )
+    if job.error is not None:
+        raise Conflict(job.error["message"], code=job.error["code"], job_id=job.id)
+    if job.state is not RunState.SUCCEEDED:
+        raise Conflict(
+            f"Job {job.id} computes this result and is {job.state.value}; wait until it has ended.",
+            code="not-ready",
+            job_id=job.id,
+        )
+    return kind.read_result(job)

@@ -1,0 +1,402 @@
+"""All kinds of jobs. A worker imports this module, and with it the numerical libraries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
+
+from flexsid.jobs.kind import Kind, Kinds
+from flexsid.jobs.worker import Report
+from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.flutter import ClosedLoop, FlutterResult
+from flexsid.records.job import Job
+from flexsid.records.quality import ManeuverQuality
+from flexsid.records.validation import CrossPredictionMatrix, CrossValidation
+from flexsid.storage import queue
+from flexsid.storage.derived_runs import find_derived_runs
+from flexsid.storage.encoding import encode
+from flexsid.storage.runs import ESTIMATION
+from flexsid.storage.snapshot import open_snapshot, take_snapshot
+from flexsid.storage.store import Store
+from flexsid.workflow.excitation.amplitude_optimisation import (
+    AmplitudeQuery,
+    OptimisedAmplitudes,
+    optimise_amplitudes,
+)
+from flexsid.workflow.excitation.classic_inputs import InputComparison, compare_inputs
+from flexsid.workflow.excitation.excitation_designs import DesignOrder, compute_design
+from flexsid.workflow.excitation.predicted_accuracy import (
+    DesignQuery,
+    PredictedAccuracy,
+    identify_design_query,
+    predict_accuracy,
+)
+from flexsid.workflow.excitation.preflight_simulation import (
+    SimulatedManeuver,
+    SimulationRequest,
+    simulate_design,
+    store_simulation,
+)
+from flexsid.workflow.flutter.closed_loop import (
+    ClosedLoopQuery,
+    analyse_closed_loop,
+    refuse_shaped_runs,
+)
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, compute_flutter
+from flexsid.workflow.flutter.flutter_models import fuse_runs, identify_query
+from flexsid.workflow.modal_data.computed_predictions import (
+    ComputedPrediction,
+    PredictionRequest,
+    compute_prediction,
+    prepare_prediction,
+    store_computed_prediction,
+)
+from flexsid.workflow.quality.maneuver_quality import (
+    assess_maneuver,
+    compute_content_hash,
+    store_quality,
+)
+from flexsid.workflow.runs import estimation
+from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
+from flexsid.workflow.runs.software_versions import read_versions
+from flexsid.workflow.structure_determination import searches
+from flexsid.workflow.validation.cross_prediction import (
+    CrossPredictionQuery,
+    compute_cross_predictions,
+    identify_cross_prediction,
+    list_maneuver_ids,
+)
+from flexsid.workflow.validation.cross_validation import (
+    CrossValidationQuery,
+    cross_validate,
+    identify_cross_validation,
+)
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRequest:
+    """Empty: the request of an estimation is its run, which has the id of the job."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchRequest:
+    """The search, which is stored with its result."""
+
+    search_id: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QualityRequest:
+    """Maneuver whose data quality is to be assessed."""
+
+    maneuver_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class SnapshotTask:
+    """Request with all records that its computation needs."""
+
+    snapshot: bytes
+    request: Any
+    design: ExcitationDesign | None = None
+
+    def open(self) -> Store:
+        """Return the store of the records."""
+        return open_snapshot(self.snapshot)
+
+
+def _id(job: Job) -> int:
+    assert job.id is not None
+    return job.id
+
+
+def _finish(store: Store, job: Job, result: dict[str, Any] | None, worker: str) -> None:
+    queue.finish_job(store, _id(job), job.attempt, result, read_versions(), worker)
+
+
+def _save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
+    _finish(store, job, encode(outcome), worker)
+
+
+def _prepare_runs(store: Store, run_ids: Sequence[int], request: object) -> SnapshotTask:
+    return SnapshotTask(take_snapshot(store, run_ids=run_ids), request)
+
+
+@dataclass(frozen=True, slots=True)
+class Derived(Generic[Result]):
+    """A result that rests on refits, and those of them that are not stored yet."""
+
+    result: Result
+    fits: tuple[DerivedFit, ...]
+
+
+def _prepare_prediction(store: Store, run_ids: tuple[int, ...], request: object) -> SnapshotTask:
+    return _prepare_runs(store, (*run_ids, *find_derived_runs(store, run_ids)), request)
+
+
+def _compute_flutter(task: SnapshotTask, report: Report) -> Derived[FlutterResult]:
+    store = task.open()
+    models = fuse_runs(store, task.request, report)
+    return Derived(compute_flutter(store, models, report), models.new_fits)
+
+
+def _compute_closed_loop(task: SnapshotTask, report: Report) -> Derived[ClosedLoop]:
+    store, query = task.open(), task.request
+    models = fuse_runs(store, query.flutter, report)
+    found = analyse_closed_loop(store, models, query.controller_id, report)
+    return Derived(found, models.new_fits)
+
+
+def _save_flutter(store: Store, job: Job, outcome: Derived[FlutterResult], worker: str) -> None:
+    with store.transaction():
+        stored = store_derived_fits(store, outcome.fits, job, worker)
+        flutter = outcome.result.flutter
+        flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, stored))
+        _save_result(store, job, replace(outcome.result, flutter=flutter), worker)
+
+
+def _save_closed_loop(store: Store, job: Job, outcome: Derived[ClosedLoop], worker: str) -> None:
+    with store.transaction():
+        stored = store_derived_fits(store, outcome.fits, job, worker)
+        derived_runs = renumber(outcome.result.derived_runs, stored)
+        _save_result(store, job, replace(outcome.result, derived_runs=derived_runs), worker)
+
+
+def _prepare_simulation(store: Store, job: Job, request: SimulationRequest) -> SnapshotTask:
+    snapshot = take_snapshot(store, run_ids=(request.run_id,))
+    return SnapshotTask(snapshot, request, store.designs.get(request.design_id))
+
+
+def _compute_simulation(task: SnapshotTask, report: Report) -> SimulatedManeuver:
+    assert task.design is not None
+    return simulate_design(task.open(), task.design, task.request, report)
+
+
+def _save_simulation(store: Store, job: Job, outcome: SimulatedManeuver, worker: str) -> None:
+    with store.transaction():
+        stored = store_simulation(store, SIMULATION.read_request(job), outcome, job.author)
+        _finish(store, job, {"simulation_id": stored.id, "run_id": stored.run_id}, worker)
+
+
+def _save_design(store: Store, job: Job, outcome: ExcitationDesign, worker: str) -> None:
+    with store.transaction():
+        _finish(store, job, {"design_id": store.designs.add(outcome).id}, worker)
+
+
+def _prepare_design_query(store: Store, job: Job, query: DesignQuery) -> SnapshotTask:
+    snapshot = take_snapshot(store, run_ids=(query.run_id,))
+    return SnapshotTask(snapshot, query, store.designs.get(query.design_id))
+
+
+def _compute_accuracy(task: SnapshotTask, report: Report) -> PredictedAccuracy:
+    assert task.design is not None
+    query: DesignQuery = task.request
+    return predict_accuracy(task.open(), task.design, query.run_id, query.level)
+
+
+def _compute_input_comparison(task: SnapshotTask, report: Report) -> InputComparison:
+    assert task.design is not None
+    query: DesignQuery = task.request
+    return compare_inputs(task.open(), task.design, query.run_id, query.level)
+
+
+def _compute_amplitudes(task: SnapshotTask, report: Report) -> OptimisedAmplitudes:
+    assert task.design is not None
+    query: AmplitudeQuery = task.request
+    return optimise_amplitudes(
+        *(task.open(), task.design, query.run_id),
+        *(query.level, query.deflection, query.load_factor),
+    )
+
+
+def _identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object, ...]:
+    refuse_shaped_runs(store, query.flutter.run_ids)
+    return *identify_query(store, query.flutter), store.controllers.get(query.controller_id)
+
+
+def _prepare_cross_prediction(store: Store, job: Job, query: CrossPredictionQuery) -> SnapshotTask:
+    maneuver_ids = list_maneuver_ids(store, query)
+    return SnapshotTask(take_snapshot(store, maneuver_ids, query.run_ids), query)
+
+
+def _compute_cross_prediction(task: SnapshotTask, report: Report) -> CrossPredictionMatrix:
+    return compute_cross_predictions(task.open(), task.request, report)
+
+
+def _compute_cross_validation(task: SnapshotTask, report: Report) -> CrossValidation:
+    return cross_validate(task.open(), task.request, report)
+
+
+def _compute_quality(task: SnapshotTask, report: Report) -> ManeuverQuality:
+    store = task.open()
+    maneuver = store.maneuvers.get(task.request.maneuver_id)
+    return assess_maneuver(store, maneuver, compute_content_hash(store, maneuver))
+
+
+def _save_quality(store: Store, job: Job, outcome: ManeuverQuality, worker: str) -> None:
+    with store.transaction():
+        stored = store_quality(store, outcome)
+        _finish(store, job, {"verdict": stored.verdict.value}, worker)
+
+
+def _save_prediction(store: Store, job: Job, outcome: ComputedPrediction, worker: str) -> None:
+    with store.transaction():
+        stored = store_computed_prediction(store, outcome)
+        _finish(store, job, {"prediction_id": stored.id}, worker)
+
+
+RUN = Kind(
+    name=ESTIMATION,
+    label="Estimation",
+    request=RunRequest,
+    prepare=lambda store, job, request: estimation.prepare(store, store.runs.get(_id(job))),
+    compute=estimation.compute_run,
+    save=lambda store, job, outcome, worker: estimation.store_result(
+        store, _id(job), job.attempt, outcome, worker
+    ),
+)
+SEARCH = Kind(
+    name=queue.SEARCH,
+    label="Model structure search",
+    request=SearchRequest,
+    prepare=lambda store, job, request: searches.prepare_search(
+        store, store.searches.get(request.search_id)
+    ),
+    compute=searches.compute_search,
+    save=lambda store, job, outcome, worker: searches.store_search_result(
+        store, SEARCH.read_request(job).search_id, job.attempt, outcome, worker
+    ),
+)
+DESIGN = Kind(
+    name="excitation-design",
+    label="Excitation design",
+    request=DesignOrder,
+    prepare=lambda store, job, request: request,
+    compute=compute_design,
+    save=_save_design,
+)
+SIMULATION = Kind(
+    name="preflight-simulation",
+    label="Pre-flight simulation",
+    request=SimulationRequest,
+    prepare=_prepare_simulation,
+    compute=_compute_simulation,
+    save=_save_simulation,
+)
+FLUTTER = Kind(
+    name="flutter-prediction",
+    label="Flutter prediction",
+    request=FlutterQuery,
+    prepare=lambda store, job, query: _prepare_prediction(store, query.run_ids, query),
+    compute=_compute_flutter,
+    save=_save_flutter,
+    result=FlutterResult,
+    identify=identify_query,
+)
+CLOSED_LOOP = Kind(
+    name="closed-loop",
+    label="Closed-loop stability",
+    request=ClosedLoopQuery,
+    prepare=lambda store, job, query: _prepare_prediction(store, query.flutter.run_ids, query),
+    compute=_compute_closed_loop,
+    save=_save_closed_loop,
+    result=ClosedLoop,
+    identify=_identify_closed_loop,
+)
+CROSS_PREDICTION = Kind(
+    name="cross-prediction",
+    label="Cross-prediction",
+    request=CrossPredictionQuery,
+    prepare=_prepare_cross_prediction,
+    compute=_compute_cross_prediction,
+    save=_save_result,
+    result=CrossPredictionMatrix,
+    identify=identify_cross_prediction,
+)
+CROSS_VALIDATION = Kind(
+    name="cross-validation",
+    label="Cross-validation",
+    request=CrossValidationQuery,
+    prepare=lambda store, job, query: _prepare_runs(store, (query.run_id,), query),
+    compute=_compute_cross_validation,
+    save=_save_result,
+    result=CrossValidation,
+    identify=identify_cross_validation,
+)
+PREDICTED_ACCURACY = Kind(
+    name="predicted-accuracy",
+    label="Predicted accuracy",
+    request=DesignQuery,
+    prepare=_prepare_design_query,
+    compute=_compute_accuracy,
+    save=_save_result,
+    result=PredictedAccuracy,
+    identify=identify_design_query,
+)
+INPUT_COMPARISON = Kind(
+    name="input-comparison",
+    label="Comparison with classic inputs",
+    request=DesignQuery,
+    prepare=_prepare_design_query,
+    compute=_compute_input_comparison,
+    save=_save_result,
+    result=InputComparison,
+    identify=identify_design_query,
+)
+AMPLITUDES = Kind(
+    name="amplitude-optimisation",
+    label="Amplitude optimisation",
+    request=AmplitudeQuery,
+    prepare=_prepare_design_query,
+    compute=_compute_amplitudes,
+    save=_save_result,
+    result=OptimisedAmplitudes,
+    identify=identify_design_query,
+)
+QUALITY = Kind(
+    name="quality-assessment",
+    label="Quality assessment",
+    request=QualityRequest,
+    prepare=lambda store, job, request: SnapshotTask(
+        take_snapshot(store, maneuver_ids=(request.maneuver_id,)), request
+    ),
+    compute=_compute_quality,
+    save=_save_quality,
+    priority=-1,  # analysts wait for the others
+)
+
+PREDICTION = Kind(
+    name="derivative-prediction",
+    label="Derivative prediction",
+    request=PredictionRequest,
+    prepare=lambda store, job, request: prepare_prediction(store, request),
+    compute=compute_prediction,
+    save=_save_prediction,
+)
+
+KINDS: Kinds = {
+    kind.name: kind
+    for kind in (
+        RUN,
+        SEARCH,
+        DESIGN,
+        SIMULATION,
+        FLUTTER,
+        CLOSED_LOOP,
+        CROSS_PREDICTION,
+        CROSS_VALIDATION,
+        PREDICTED_ACCURACY,
+        INPUT_COMPARISON,
+        AMPLITUDES,
+        QUALITY,
+        PREDICTION,
+    )
+}
+
+
+def load_kinds() -> Kinds:
+    """Return all kinds by name; a worker receives this function and imports this module."""
+    return KINDS

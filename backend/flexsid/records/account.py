@@ -1,0 +1,81 @@
+"""Account: who may log in, membership of campaigns, and API tokens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+
+class Role(StrEnum):
+    """What an account may do in a campaign; each role includes the ones before it."""
+
+    VIEWER = "viewer"
+    ANALYST = "analyst"
+    REVIEWER = "reviewer"
+    ADMIN = "admin"
+
+    @property
+    def rank(self) -> int:
+        """Position in the order of roles."""
+        return list(Role).index(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Account:
+    """A person who may log in.
+
+    ``skeleton`` is equal for names that look alike. ``invitation_hash`` is the SHA-256 of
+    the code by which a password is set once. An account without a password logs in through the
+    organisation only.
+    """
+
+    name: str
+    skeleton: str
+    password_hash: str | None = None
+    invitation_hash: str | None = None
+    invited_until: datetime | None = None
+    disabled_at: datetime | None = None
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Membership:
+    """Role of an account in the campaign of an aircraft; in every campaign if it names none."""
+
+    account_id: int
+    aircraft_id: int | None
+    role: Role
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoginSession:
+    """A session of a browser; only the SHA-256 of its secret is stored."""
+
+    account_id: int
+    secret_hash: str
+    address: str
+    expires_at: datetime
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ApiToken:
+    """A token of a script, which acts as its account with at most ``role``.
+
+    With ``aircraft_id`` it is valid in one campaign only. Only the SHA-256 of its secret is
+    stored.
+    """
+
+    account_id: int
+    name: str
+    secret_hash: str
+    role: Role
+    aircraft_id: int | None
+    expires_at: datetime
+    used_at: datetime | None = None
+    created_at: datetime | None = None
+    id: int | None = None

@@ -1,0 +1,157 @@
+"""Validation of identified models: prediction of data that they were not fitted to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+
+class Partition(StrEnum):
+    """Partition of the data of a run for its validation.
+
+    ``folds``: every fold of the frequencies is predicted by a fit to the other folds;
+    ``frequencies``: only the first fold is held out; ``periods``: the last periods of the
+    multisine are held out.
+    """
+
+    FOLDS = "folds"
+    FREQUENCIES = "frequencies"
+    PERIODS = "periods"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictedOutput:
+    """Prediction of one measured output: R2 and Theil's inequality coefficient. [1]"""
+
+    output: str
+    r_squared: float
+    theil: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossPrediction:
+    """Prediction of the outputs of a maneuver by the model of a run; ``error`` if there is none.
+
+    ``r_squared`` and ``theil`` are means over the outputs. ``is_fitted`` is whether the run was
+    fitted to the maneuver.
+    """
+
+    run_id: int
+    maneuver_id: int
+    is_fitted: bool
+    r_squared: float | None
+    theil: float | None
+    outputs: tuple[PredictedOutput, ...]
+    n_frequencies: int
+    error: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidatedSource:
+    """A run or maneuver of a matrix."""
+
+    id: int
+    label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossPredictionMatrix:
+    """Predictions of maneuvers by runs, by run and then by maneuver."""
+
+    runs: tuple[ValidatedSource, ...]
+    maneuvers: tuple[ValidatedSource, ...]
+    predictions: tuple[CrossPrediction, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refit:
+    """A fit without the data that were held out; ``r_squared`` is that of their prediction."""
+
+    name: str
+    outcome: str
+    n_frequencies: int
+    n_held_out: int
+    r_squared: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidatedOutput:
+    """One output of one maneuver at the frequencies held out: by refits, and by the run itself.
+
+    ``fitted`` values are those of the run, which was fitted to these data.
+    """
+
+    maneuver_id: int
+    output: str
+    r_squared: float
+    theil: float
+    fitted_r_squared: float
+    fitted_theil: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeldOutSpectra:
+    """Spectra of a maneuver at the frequencies held out, (n_omega, n_outputs)."""
+
+    maneuver_id: int
+    outputs: tuple[str, ...]
+    omega: np.ndarray
+    measured: np.ndarray
+    predicted: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossValidationSummary:
+    """Fit of data of a run that were held out from its refits.
+
+    ``r_squared`` and ``theil`` are means over the outputs at the data held out;
+    ``fitted_r_squared`` and ``fitted_theil`` those of the run itself at the same data.
+    """
+
+    run_id: int
+    partition: Partition
+    sentence: str
+    r_squared: float
+    theil: float
+    fitted_r_squared: float
+    fitted_theil: float
+    refits: tuple[Refit, ...]
+    outputs: tuple[ValidatedOutput, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CrossValidation:
+    """Prediction of held-out data of a run: its fit, and the spectra by maneuver."""
+
+    summary: CrossValidationSummary
+    spectra: tuple[HeldOutSpectra, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CorrelationCurve:
+    """Correlation function of the residual of an output, with the bound at each lag. [1]
+
+    ``other`` is the output or input that it is correlated with.
+    """
+
+    output: str
+    other: str
+    lags_s: np.ndarray
+    values: np.ndarray
+    bound: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ResidualCorrelations:
+    """Auto- and cross-correlation of the residuals of a run at a maneuver.
+
+    ``share_outside`` is the share of all values outside their bounds, 0.05 for white residuals
+    independent of the inputs and of each other.
+    """
+
+    run_id: int
+    maneuver_id: int
+    curves: tuple[CorrelationCurve, ...]
+    share_outside: float

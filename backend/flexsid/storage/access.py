@@ -1,0 +1,324 @@
+"""Access: which campaigns a request may read and change, enforced in every statement.
+
+A request of a server with accounts runs with an ``Access``. Every SELECT then has the condition
+that its records belong to a campaign of the account, so that other records do not exist for it;
+every INSERT, UPDATE and DELETE is refused outside the campaigns that the account may change.
+Without an ``Access`` (personal mode, dispatcher, command line) statements are unchanged.
+
+Tables name their campaign by ``aircraft_id``, or by a reference to a record that does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import event
+from sqlalchemy.engine import Connection, Engine
+from sqlalchemy.exc import DontWrapMixin
+from sqlalchemy.sql import visitors
+
+from flexsid.errors import BadInput, FlexsidError, UnknownRecord
+from flexsid.storage.columns import metadata
+
+Campaigns = frozenset[int] | None
+"""Ids of aircraft; None for every campaign."""
+
+
+class Forbidden(FlexsidError, DontWrapMixin):
+    """The role of the account in a campaign does not permit the change."""
+
+    code = "forbidden"
+
+
+class NoCampaign(BadInput, DontWrapMixin):
+    """A record without an aircraft needs a campaign, and the request names none."""
+
+    code = "no-campaign"
+
+
+class _Unknown(UnknownRecord, DontWrapMixin):
+    """A new record refers to one that does not exist for the account."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Access:
+    """Who acts, from where, and in which campaigns.
+
+    Records without an aircraft of their own, such as designs, are stored in ``campaign``.
+    """
+
+    account_id: int | None
+    author: str
+    address: str = ""
+    request_id: str = ""
+    operation: str = ""
+    readable: Campaigns = None
+    writable: Campaigns = None
+    campaign: int | None = None
+
+    @property
+    def is_restricted(self) -> bool:
+        """Whether statements need conditions."""
+        return self.readable is not None or self.writable is not None
+
+
+_AT_ONCE = 500  # values in one query
+_current: ContextVar[Access | None] = ContextVar("access", default=None)
+_campaign: ContextVar[int | None] = ContextVar("campaign", default=None)
+
+
+def get_access() -> Access | None:
+    """Return the access of the present request; None without accounts."""
+    return _current.get()
+
+
+def set_access(access: Access | None) -> None:
+    """Set the access of the present request, until its task ends."""
+    _current.set(access)
+
+
+@contextmanager
+def using_access(access: Access | None) -> Iterator[None]:
+    """Execute a block with this access."""
+    token = _current.set(access)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def storing_in_campaign(aircraft_id: int | None) -> Iterator[None]:
+    """Store records without an aircraft of their own in this campaign."""
+    token = _campaign.set(aircraft_id)
+    try:
+        yield
+    finally:
+        _campaign.reset(token)
+
+
+# The column by which a table belongs to a campaign, and the table that it refers to.
+_BY_COLUMN: dict[str, tuple[str, str]] = {
+    "aircraft": ("id", "aircraft"),
+    **{
+        name: ("aircraft_id", "aircraft")
+        for name in (
+            *("flights", "maneuvers", "mappings", "modal_tables", "flutter_summaries"),
+            *("measured_responses", "predictions", "model_structures", "designs", "controllers"),
+            *("saved_views", "review_rules", "decisions", "frozen_figures", "jobs", "batches"),
+            *("searches", "audit_events"),
+        )
+    },
+    **dict.fromkeys(
+        ("channels", "conditioning_steps", "maneuver_quality", "maneuver_tags", "runs"),
+        ("maneuver_id", "maneuvers"),
+    ),
+    "flight_channels": ("flight_id", "flights"),
+    "modal_shapes": ("modal_table_id", "modal_tables"),
+    "mode_corrections": ("modal_table_id", "modal_tables"),
+    "structure_versions": ("structure_id", "model_structures"),
+    "preflight_simulations": ("maneuver_id", "maneuvers"),
+    "decision_events": ("decision_id", "decisions"),
+    "job_events": ("job_id", "jobs"),
+    "run_tags": ("run_id", "runs"),
+    "batch_runs": ("run_id", "runs"),
+}
+
+WITHOUT_CAMPAIGN = frozenset(
+    {
+        *("arrays", "leases", "looks"),  # named by content; of the dispatcher; by analyst
+        *("accounts", "memberships", "login_sessions", "api_tokens", "login_failures"),
+    }
+)
+
+# Tables whose rows may belong to no campaign; without accounts they do not.
+_OPTIONAL = frozenset(
+    name
+    for name, table in metadata.tables.items()
+    if name in _BY_COLUMN and table.c[_BY_COLUMN[name][0]].nullable
+)
+
+
+def add_access_control(engine: Engine) -> None:
+    """Enforce the present access in every statement of an engine."""
+
+    @event.listens_for(engine, "before_execute", retval=True)
+    def _restrict(
+        connection: Connection,
+        statement: Any,
+        many: Sequence[Mapping[str, Any]],
+        parameters: Mapping[str, Any],
+        _options: Mapping[str, Any],
+    ) -> tuple[Any, Any, Any]:
+        access = _current.get()
+        if isinstance(statement, sa.Insert):
+            campaign = _campaign.get()
+            if campaign is None and access is not None:
+                campaign = access.campaign
+            statement, many, parameters = _insert_campaign(statement, many, parameters, campaign)
+        if access is None or not access.is_restricted:
+            return statement, many, parameters
+        if isinstance(statement, sa.Insert):
+            with using_access(None):
+                _check_insert(connection, statement, list(many) or [parameters], access)
+        elif isinstance(statement, sa.Update | sa.Delete):
+            with using_access(None):
+                _check_change(connection, statement, access)
+            statement = _restrict_change(statement, access.readable)
+        elif isinstance(statement, sa.SelectBase):
+            statement = restrict_select(statement, access.readable)
+        return statement, many, parameters
+
+
+def belongs_to(table: Any, name: str, campaigns: Campaigns) -> sa.ColumnElement[bool] | None:
+    """Return the condition that a row belongs to one of the campaigns; None for every one.
+
+    ``table`` is the table of this name, or an alias of it.
+    """
+    if campaigns is None or name not in _BY_COLUMN:
+        return None
+    column, of = _BY_COLUMN[name]
+    if of == "aircraft":
+        return table.c[column].in_(sorted(campaigns))
+    # An alias, so that the subquery is not correlated with the same table of the statement.
+    parent = metadata.tables[of].alias()
+    condition = belongs_to(parent, of, campaigns)
+    assert condition is not None
+    return table.c[column].in_(sa.select(parent.c.id).where(condition))
+
+
+def find_campaigns(
+    connection: Connection, name: str, ids: Collection[int], campaigns: Campaigns
+) -> dict[int, int | None]:
+    """Return the campaign of each of these records of a table that belongs to the campaigns."""
+    table = metadata.tables[name]
+    column, of = _BY_COLUMN[name]
+    source, campaign = table, table.c[column]
+    if of != "aircraft":
+        parent = metadata.tables[of]
+        source, campaign = table.join(parent, parent.c.id == table.c[column]), parent.c.aircraft_id
+    found: dict[int, int | None] = {}
+    ordered = sorted(ids)
+    for first in range(0, len(ordered), _AT_ONCE):
+        some = table.c.id.in_(ordered[first : first + _AT_ONCE])
+        query = sa.select(table.c.id, campaign).select_from(source).where(some)
+        if campaigns is not None:
+            query = query.where(campaign.in_(sorted(campaigns)))
+        found.update((number, one) for number, one in connection.execute(query))
+    return found
+
+
+def restrict_select(statement: Any, campaigns: Campaigns) -> Any:
+    """Return a statement that reads records of these campaigns only, in every subquery too.
+
+    Rows on the right of an outer join are not restricted: they belong to the row on its left.
+    """
+
+    def visit(select: sa.Select[Any]) -> None:
+        for found in select.get_final_froms():
+            for table, name in _list_tables(found):
+                condition = belongs_to(table, name, campaigns)
+                if condition is not None:
+                    # The statement is a copy, whose conditions may be extended in place.
+                    select._where_criteria += (condition,)
+
+    return visitors.cloned_traverse(statement, {}, {"select": visit})
+
+
+def _list_tables(source: Any) -> Iterator[tuple[Any, str]]:
+    if isinstance(source, sa.Join):
+        yield from _list_tables(source.left)
+        if not source.isouter:
+            yield from _list_tables(source.right)
+    elif isinstance(source, sa.Table):
+        yield source, source.name
+    elif isinstance(source, sa.Alias) and isinstance(source.element, sa.Table):
+        yield source, source.element.name
+
+
+def _restrict_change(statement: Any, campaigns: Campaigns) -> Any:
+    condition = belongs_to(statement.table, statement.table.name, campaigns)
+    return statement if condition is None else statement.where(condition)
+
+
+def _check_change(connection: Connection, statement: Any, access: Access) -> None:
+    """Refuse to change rows that the account may read, but not change."""
+    name = statement.table.name
+    writable = belongs_to(statement.table, name, access.writable)
+    if writable is None:
+        return
+    readable = belongs_to(statement.table, name, access.readable)
+    conditions = [*statement._where_criteria, ~writable]
+    if readable is not None:
+        conditions.append(readable)
+    query = sa.select(sa.literal(1)).select_from(statement.table).where(*conditions).limit(1)
+    if connection.scalar(query) is not None:
+        raise Forbidden("your role in this campaign does not permit this change")
+
+
+def _insert_campaign(
+    statement: Any,
+    many: Sequence[Mapping[str, Any]],
+    parameters: Mapping[str, Any],
+    campaign: int | None,
+) -> tuple[Any, Any, Any]:
+    """Add the campaign to new rows whose records do not name it."""
+    if campaign is None or statement.table.name not in _OPTIONAL:
+        return statement, many, parameters
+    if statement._values is not None:
+        if "aircraft_id" not in _read_values(statement):
+            statement = statement.values(aircraft_id=campaign)
+        return statement, many, parameters
+    added = [{"aircraft_id": campaign, **row} for row in (many or [parameters])]
+    return statement, added, {}
+
+
+def _check_insert(
+    connection: Connection, statement: Any, rows: Sequence[Mapping[str, Any]], access: Access
+) -> None:
+    """Refuse new rows outside the campaigns, or that refer to records outside of them."""
+    table = statement.table
+    name = table.name
+    if statement._values is not None:
+        rows = [{**_read_values(statement), **row} for row in rows]
+    if name == "aircraft":
+        if access.writable is not None:
+            raise Forbidden("new aircraft are added by administrators of all campaigns")
+        return
+    own_column = _BY_COLUMN[name][0] if name in _BY_COLUMN else None
+    for key in table.foreign_keys:
+        parent = key.column.table
+        if parent.name not in _BY_COLUMN:
+            continue
+        column = key.parent.key
+        campaigns = access.writable if column == own_column else access.readable
+        given = {row.get(column) for row in rows}
+        values: set[int] = {value for value in given if value is not None}
+        if None in given and column == own_column and access.writable is not None:
+            raise NoCampaign(
+                f"a new record of {name.replace('_', ' ')} needs a campaign: name it by the "
+                "header X-Flexsid-Campaign, the id of its aircraft"
+            )
+        for condition, error in (
+            (belongs_to(parent, parent.name, access.readable), _Unknown),
+            (belongs_to(parent, parent.name, campaigns), Forbidden),
+        ):
+            if condition is None or not values:
+                continue
+            query = sa.select(parent.c.id).where(parent.c.id.in_(sorted(values)), condition)
+            for missing in sorted(values - set(connection.scalars(query))):
+                if error is Forbidden:
+                    raise Forbidden("your role in this campaign does not permit this change")
+                raise _Unknown(f"there is no {parent.name.replace('_', ' ')} {missing}")
+
+
+def _read_values(statement: Any) -> dict[str, Any]:
+    return {
+        getattr(column, "key", column): getattr(value, "value", value)
+        for column, value in statement._values.items()
+    }

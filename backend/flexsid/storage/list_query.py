@@ -1,0 +1,208 @@
+"""List query: a list that is filtered, sorted, paged and counted, described as data."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from flexsid.errors import BadInput
+from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.tags import key_column
+
+MOST_CHOICES = 500
+"""Largest number of choices counted per filter."""
+
+Conditions = list[sa.ColumnElement[bool]]
+Facet = tuple[sa.ColumnElement[Any], sa.ColumnElement[Any]]
+"""Column of a filter, and of the labels of its choices."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """One choice of a filter, and the number of items that it selects with the other filters."""
+
+    value: str
+    label: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facets:
+    """Number of items that all filters select, and the choices of each filter by its name."""
+
+    total: int
+    choices: dict[str, list[Choice]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListQuery:
+    """One list of the database.
+
+    Parameters
+    ----------
+    source
+        Joined tables.
+    key
+        Id of an item; items of equal value are in the order of their ids.
+    filters
+        Condition of a given value, by name of the filter; None is no filter.
+    switches
+        Conditions if a filter is true, and otherwise.
+    combined
+        Conditions of several filters together.
+    sortable
+        Columns by name of the sort field.
+    ties
+        Columns that sort items of equal value before their ids do.
+    facets
+        Filters whose choices are counted.
+    tags
+        Table of the tags of the items, which the filter ``tag`` selects.
+    """
+
+    source: sa.FromClause
+    key: sa.Column[int]
+    filters: Mapping[str, Callable[[Any], sa.ColumnElement[bool]]]
+    switches: Mapping[str, tuple[sa.ColumnElement[bool], sa.ColumnElement[bool]]]
+    combined: Callable[[Mapping[str, Any]], Conditions] = lambda filters: []
+    sortable: Mapping[str, sa.ColumnElement[Any]]
+    ties: tuple[sa.ColumnElement[Any], ...] = ()
+    facets: Mapping[str, Facet] = field(default_factory=dict)
+    tags: sa.Table | None = None
+
+    @property
+    def sort_fields(self) -> tuple[str, ...]:
+        """Names of the sort fields."""
+        return tuple(sorted(self.sortable))
+
+    def where(self, filters: Mapping[str, Any]) -> Conditions:
+        """Return the conditions of some filters."""
+        given = {
+            name: value.value if isinstance(value, Enum) else value
+            for name, value in filters.items()
+            if value is not None
+        }
+        conditions = [
+            condition(given[name]) for name, condition in self.filters.items() if name in given
+        ]
+        if self.tags is not None and "tag" in given:
+            key = key_column(self.tags)
+            conditions.append(self.key.in_(sa.select(key).where(self.tags.c.tag == given["tag"])))
+        conditions += [
+            on if given.get(name) else otherwise for name, (on, otherwise) in self.switches.items()
+        ]
+        return conditions + self.combined(given)
+
+    def read_page(
+        self,
+        connection: Connection,
+        columns: tuple[sa.ColumnElement[Any], ...],
+        filters: Mapping[str, Any],
+        sort: str,
+        limit: int | None,
+        after: str | None,
+    ) -> Page[sa.RowMapping]:
+        """Read one page of the list.
+
+        Parameters
+        ----------
+        connection
+            A transaction to read in.
+        columns
+            Columns of an item.
+        filters
+            Filters of the list.
+        sort
+            A sort field, with ``-`` in front for falling order; items that lack the value come
+            last.
+        limit
+            Most items to return; None for all.
+        after
+            ``next`` of the page before.
+
+        Raises
+        ------
+        BadInput
+            If the list has no such sort field, or the cursor is not one.
+        """
+        offset = 0 if after is None else read_cursor(after)
+        query = sa.select(*columns).select_from(self.source).where(*self.where(filters))
+        query = query.order_by(*self._order(sort)).offset(offset)
+        if limit is not None:
+            query = query.limit(limit + 1)  # one more item shows that there is a next page
+        rows = list(connection.execute(query).mappings())
+        more = limit is not None and len(rows) > limit
+        return Page(items=rows[:limit], next=str(offset + len(rows) - 1) if more else None)
+
+    def count(self, connection: Connection, filters: Mapping[str, Any]) -> Facets:
+        """Return the number of items, and that of each choice of a filter.
+
+        The choices of a filter are counted without its own selection, with those of the others.
+        """
+        others = self.where({**filters, **dict.fromkeys(self.facets)})
+        found = _count(connection, self.source, others, self.facets, filters)
+        if self.tags is None:
+            return found
+        tagged = self.source.join(self.tags, key_column(self.tags) == self.key)
+        facet = {"tag": (self.tags.c.tag, self.tags.c.tag)}
+        tags = _count(connection, tagged, self.where({**filters, "tag": None}), facet, {})
+        return Facets(total=found.total, choices={**found.choices, **tags.choices})
+
+    def _order(self, sort: str) -> Sequence[sa.ColumnElement[Any]]:
+        name = sort.removeprefix("-")
+        if name not in self.sortable:
+            raise BadInput(
+                f"the list cannot be sorted by {name!r}; expected one of"
+                f" {', '.join(self.sort_fields)}",
+                code="bad-sort",
+            )
+        falling = sort.startswith("-")
+        column = self.sortable[name]
+        directed = [one.desc() if falling else one.asc() for one in (column, self.key)]
+        if column is self.key:
+            return directed[:1]
+        return [column.is_(None), directed[0], *self.ties, directed[1]]
+
+
+def _count(
+    connection: Connection,
+    source: sa.FromClause,
+    conditions: Conditions,
+    facets: Mapping[str, Facet],
+    selected: Mapping[str, Any],
+) -> Facets:
+    """Count by all facets at once, and sum the few hundred combinations that occur."""
+    columns = [column for column, _label in facets.values()]
+    query = (
+        sa.select(*columns, *(sa.func.min(label) for _, label in facets.values()), sa.func.count())
+        .select_from(source)
+        .where(*conditions)
+        .group_by(*columns)
+    )
+    counts: dict[str, Counter[tuple[Any, Any]]] = {name: Counter() for name in facets}
+    total = 0
+    for *row, count in connection.execute(query):
+        values = dict(zip(facets, row, strict=False))
+        labels = row[len(facets) :]
+        unmatched = [name for name in facets if selected.get(name) not in (None, values[name])]
+        total += 0 if unmatched else count
+        for (name, value), label in zip(values.items(), labels, strict=True):
+            if value is not None and unmatched in ([], [name]):
+                counts[name][label, value] += count
+    choices = {name: sorted(found.items())[:MOST_CHOICES] for name, found in counts.items()}
+    return Facets(
+        total=total,
+        choices={
+            name: [
+                Choice(value=str(value), label=str(label), count=count)
+                for (label, value), count in found
+            ]
+            for name, found in choices.items()
+        },
+    )

@@ -1,0 +1,431 @@
+"""Equation error with out-of-band modes as nuisance parameters.
+
+The motion of modes above the band cannot be reconstructed from a few sensors. It follows from
+the motion in the band and the inputs by the equations of these modes, whose derivatives have a
+prior: sensors then need to resolve the motion in the band only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation.equation_error import (
+    MotionNoise,
+    build_regressors,
+    compute_aerodynamic_coefficients,
+    equation_error_rows,
+    shape_regressors,
+)
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
+from flexsid.sysid.estimation.noise import smooth_density
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.reconstruction import (
+    ReconstructedMotion,
+    SensorEquations,
+    solve_sensor_equations,
+)
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
+
+_ITERATIONS = 12  # of the nuisance parameters
+_CONVERGED = 0.1  # largest step of a nuisance parameter, in its standard errors
+_HALVINGS = 6  # of a step that does not reduce the cost
+_LARGEST_STEP = 3.0  # of a nuisance parameter, in standard deviations of its prior
+
+
+@dataclass(frozen=True, slots=True)
+class _OutOfBandMotion:
+    """Motion of out-of-band modes, eta = T r + t, and their response to unit forces."""
+
+    T: Complex[np.ndarray, "n_omega n_o n_i"]
+    t: Complex[np.ndarray, "n_omega n_o"]
+    per_force: Complex[np.ndarray, "n_omega n_o n_o"]
+
+
+def marginal_equation_error(
+    model: AeroelasticModel,
+    outputs: FrequencyData,
+    instruments: Complex[np.ndarray, "n_omega n_y"],
+    inputs: FrequencyData,
+    parameters: Parameters,
+    priors: Mapping[str, tuple[float, float]],
+    n_modes: int,
+    guess: Float[np.ndarray, " n_y"] | None = None,
+) -> tuple[Estimate, ReconstructedMotion]:
+    """Estimate derivatives by equation error with out-of-band modes marginalised.
+
+    Parameters
+    ----------
+    model
+        Condition, inputs, sensors, and all modes: first those in the band.
+    outputs
+        Spectra as recorded. [output unit * s]
+    instruments
+        Recorded over true response. [1]
+    inputs
+        Surface deflections, instrument dynamics removed. [rad s]
+    parameters
+        Free derivatives, the nuisance parameters included.
+    priors
+        Mean and standard deviation of every nuisance parameter.
+    n_modes
+        Number of modes in the band.
+    guess
+        Prior of the sensors' noise, as of ``reconstruct_motion``. [output unit * s]
+
+    Returns
+    -------
+    Estimate, ReconstructedMotion
+        Estimates of all parameters, and the motion of all modes.
+
+    Raises
+    ------
+    BadInput
+        If a parameter other than a derivative is free, an output has no signal, or a spectrum is
+        not finite.
+    NotIdentifiable
+        If the motion in the band is not observable, or regressors are collinear.
+
+    Notes
+    -----
+    With nuisance parameters nu, their modes' rows K_oo eta_o = F_o u - K_oi r_i give
+    eta_o(r_i, u; nu). The sensors' rows become (P_i + P_o T) r_i, and the regressions of the
+    band are those of ``equation_error`` with nu held. nu minimises the residuals of the
+    sensors' redundancy and of the equations together with its prior (Gauss-Newton, the
+    derivatives of the band eliminated). Cov(theta) = Cov(theta | nu) + J Cov(nu) J^T with
+    J = d theta / d nu; Cov(nu) is the sandwich with the observed covariance of the residuals of
+    all equations, which share the error of the motion.
+    Source: variable projection, Golub and Pereyra, SIAM Journal on Numerical Analysis 10 (1973).
+    """
+    z = outputs.pick(model.outputs).values
+    check_signal(z, model.outputs)
+    check_finite(inputs.pick(model.inputs).values, model.inputs)
+    P = instruments[:, :, None] * model.sensors.response(outputs.omega)
+    problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, guess)
+    solution = problem.solve(parameters.start)
+    for _ in range(_ITERATIONS):
+        if problem.is_small(solution):
+            break
+        trial = problem.take_step(solution)
+        if trial is None:
+            break
+        solution = trial
+    return problem.build_estimate(solution), solution.motion
+
+
+@dataclass(frozen=True, slots=True)
+class _MarginalSolution:
+    """Regressions with the nuisance parameters held, and the Gauss-Newton step of these.
+
+    ``theta`` are all parameters, ``slope`` is the change of those of the band with the nuisance
+    parameters; ``plain`` is the covariance of these for white residuals, ``covariance`` that for
+    the observed ones.
+    """
+
+    theta: np.ndarray
+    motion: ReconstructedMotion
+    conditional: Estimate
+    slope: Float[np.ndarray, "n_own n_nu"]
+    step: Float[np.ndarray, " n_nu"]
+    cost: float
+    plain: Float[np.ndarray, "n_nu n_nu"]
+    covariance: Float[np.ndarray, "n_nu n_nu"]
+
+
+class _MarginalProblem:
+    """Equations of one maneuver; constant quantities are computed once."""
+
+    def __init__(
+        self,
+        model: AeroelasticModel,
+        P: Complex[np.ndarray, "n_omega n_y n_r"],
+        z: Complex[np.ndarray, "n_omega n_y"],
+        inputs: FrequencyData,
+        parameters: Parameters,
+        priors: Mapping[str, tuple[float, float]],
+        n_modes: int,
+        guess: Float[np.ndarray, " n_y"] | None,
+    ) -> None:
+        self.model, self.P, self.z, self.inputs = model, P, z, inputs
+        self.parameters, self.guess = parameters, guess
+        first = model.n_rigid
+        self.n_i = first + n_modes
+        self.omega = inputs.omega
+        n = len(model.modes.numbers)
+        column = parameters.columns
+        of_mode = np.where(
+            (column >= first) & (column < first + 2 * n), (column - first) % max(n, 1), -1
+        )
+        is_nuisance = (parameters.rows >= self.n_i) | (of_mode >= n_modes)
+        self.nuisance = np.flatnonzero(is_nuisance)
+        self.own = np.flatnonzero(~is_nuisance)
+        self.of_rows = np.flatnonzero(parameters.rows[self.nuisance] >= self.n_i)
+        mean, std = np.array([priors[parameters.names[k]] for k in self.nuisance]).T
+        self.mean, self.information = mean, std**-2.0
+        self.factors = model.row_factors()
+        self.dynamics = model.known_dynamics(self.omega)
+        self.shape = model.derivative_factors(self.omega)
+        self.u = inputs.pick(model.inputs).values
+
+    def is_small(self, solution: _MarginalSolution) -> bool:
+        """Whether no nuisance parameter would move by more than a part of its standard error."""
+        std = np.sqrt(np.diag(solution.covariance))
+        return bool(np.max(np.abs(solution.step) / std) < _CONVERGED)
+
+    def take_step(self, solution: _MarginalSolution) -> _MarginalSolution | None:
+        """Take the largest part of a step that reduces the cost, None without one.
+
+        The step is limited to the range where the equations are nearly linear.
+        """
+        largest = np.max(np.abs(solution.step) * np.sqrt(self.information))
+        step = solution.step * min(1.0, _LARGEST_STEP / largest)
+        for part in 0.5 ** np.arange(_HALVINGS):
+            theta = solution.theta.copy()
+            theta[self.nuisance] += part * step
+            try:
+                trial = self.solve(theta)
+            except NotIdentifiable:
+                continue  # the motion is not observable there: the step is too long
+            if trial.cost < solution.cost:
+                return trial
+        return None
+
+    def solve(self, theta: np.ndarray) -> _MarginalSolution:
+        """Reconstruct and regress for one value of the nuisance parameters, and expand there."""
+        n_i = self.n_i
+        around = self._compute_out_of_band_motion(theta)
+        of_motion = self.P[:, :, :n_i] + self.P[:, :, n_i:] @ around.T
+        known = np.matmul(self.P[:, :, n_i:], around.t[:, :, None])[:, :, 0]
+        names = self.model.motions[:n_i]
+        equations = SensorEquations(
+            self.omega, of_motion, self.z - known, self.model.outputs, names
+        )
+        inner = solve_sensor_equations(equations, guess=self.guess)
+        motion = _extend_motion(inner, around)
+        held = self._hold_nuisance(theta)
+        conditional, regressions = equation_error_rows(
+            self.model, motion, self.inputs, held, range(n_i)
+        )
+        theta = theta.copy()
+        theta[self.own] = conditional.values
+        X = build_regressors(self.model, motion, self.inputs)
+        residual = compute_aerodynamic_coefficients(self.model, motion)[:, :n_i]
+        values = self.parameters.table(theta).values
+        if self.shape is None:
+            residual = residual - X @ values[:n_i].T
+        else:
+            residual = residual - np.einsum("krw,kw,rw->kr", self.shape[:, :n_i], X, values[:n_i])
+        of_sensors = self._differentiate_sensors(inner, equations, around)
+        K = self._assemble(theta)[0][:, :n_i] / self.factors[:n_i, None]
+        per_variable = self._differentiate_equations(K, inner, equations, around)
+        rows, columns = (
+            places[self.nuisance] for places in (self.parameters.rows, self.parameters.columns)
+        )
+        of_equations = per_variable * shape_regressors(X, self.shape, rows, columns)[:, None]
+        noise = MotionNoise(self.model, motion.with_coloured_errors())
+        common = K @ noise.spread.conj().transpose(0, 2, 1)
+        level = np.sqrt(1.0 if inner.colour is None else inner.colour)[:, None] * inner.noise
+        sensors = (equations.z - np.matmul(of_motion, inner.values[:, :, None])[:, :, 0]) / level
+        gradient, information, scores = self._project_sensors(
+            sensors, of_sensors / level[..., None], X
+        )
+        slope = np.zeros((self.own.size, self.nuisance.size))
+        variance = np.full(residual.shape, np.inf)
+        projected = np.zeros_like(of_equations)
+        for row in range(n_i):
+            fit = regressions.get(row)
+            if fit is None:
+                variance[:, row] = np.mean(np.abs(residual[:, row]) ** 2)
+                projected[:, row] = of_equations[:, row]
+                continue
+            mine = np.flatnonzero(held.rows == row)
+            variance[:, row] = fit.variance
+            Xr = shape_regressors(X, self.shape, row, held.columns[mine])
+            moment = np.real((Xr.conj() / fit.variance[:, None]).T @ of_equations[:, row])
+            slope[mine] = fit.inverse @ moment
+            projected[:, row] = of_equations[:, row] - Xr @ slope[mine]
+        weighted = projected / np.sqrt(variance)[:, :, None]
+        scaled = residual / np.sqrt(variance)
+        flat = weighted.reshape(-1, weighted.shape[-1])
+        information += 2.0 * np.real(flat.conj().T @ flat)
+        gradient += 2.0 * np.real(flat.conj().T @ scaled.ravel())
+        # The error of the motion is part of residuals and regressors alike.
+        conjugate = None if self.shape is None else self.shape.conj()
+        biased = per_variable.conj() * common[:, :, columns] / variance[:, :, None]
+        if conjugate is not None:
+            biased = biased * conjugate[:, None, rows, columns]
+        gradient -= 2.0 * np.real(biased.sum(axis=(0, 1)))
+        for row, fit in regressions.items():
+            mine = np.flatnonzero(held.rows == row)
+            moment = shape_regressors(common[:, row], conjugate, row, held.columns[mine])
+            moment = moment / fit.variance[:, None]
+            gradient += 2.0 * slope[mine].T @ np.real(moment.sum(axis=0))
+        density = smooth_density(scaled, np.zeros(self.omega.size, dtype=int), 1)
+        spread = density.times(weighted).reshape(flat.shape)
+        scores += 2.0 * np.real(flat.conj().T @ spread)
+        total = information + np.diag(self.information)
+        scale = 1.0 / np.sqrt(np.diag(total))
+        inverse = np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale)
+        offset = theta[self.nuisance] - self.mean
+        step = -inverse @ (gradient + self.information * offset)
+        middle = np.diag(self.information) + scores
+        return _MarginalSolution(
+            theta,
+            motion,
+            conditional,
+            slope,
+            step,
+            self._compute_cost(inner, residual, offset),
+            inverse,
+            inverse @ middle @ inverse.T,
+        )
+
+    def _hold_nuisance(self, theta: np.ndarray) -> Parameters:
+        """Return the parameters of the band, with the nuisance parameters held."""
+        return replace(
+            self.parameters,
+            names=tuple(self.parameters.names[k] for k in self.own),
+            start=self.parameters.start[self.own],
+            base=self.parameters.table(theta),
+            rows=self.parameters.rows[self.own],
+            columns=self.parameters.columns[self.own],
+        )
+
+    def _compute_cost(
+        self, inner: ReconstructedMotion, residual: np.ndarray, offset: np.ndarray
+    ) -> float:
+        """Compute the negative log posterior of the nuisance parameters, without constants.
+
+        Notes
+        -----
+        With M frequencies and the variances concentrated out it is M (1 - n_i/n_y) sum ln s_y^2
+        of the sensors' noise, of which the motion takes n_i of n_y degrees of freedom, plus
+        M sum ln of the mean squared residual of every equation, plus the prior.
+        """
+        n_omega, n_y = self.z.shape
+        redundancy = (1.0 - self.n_i / n_y) * np.sum(np.log(inner.noise**2))
+        equations_power = np.sum(np.log(np.mean(np.abs(residual) ** 2, axis=0)))
+        likelihood = n_omega * (redundancy + equations_power)
+        return float(likelihood + 0.5 * self.information @ offset**2)
+
+    def _compute_out_of_band_motion(self, theta: np.ndarray) -> _OutOfBandMotion:
+        n_i = self.n_i
+        K, load = self._assemble(theta)
+        per_force = np.linalg.inv(K[:, n_i:, n_i:])
+        return _OutOfBandMotion(
+            T=-per_force @ K[:, n_i:, :n_i],
+            t=np.matmul(per_force, load[:, n_i:, None])[:, :, 0],
+            per_force=per_force * self.factors[n_i:],
+        )
+
+    def _assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return K(s), with aerodynamics, and the forces of the inputs."""
+        n_r, n_w = self.P.shape[2], self.model.column_factors().size - self.u.shape[1]
+        forces = (
+            self.factors[:, None]
+            * self.parameters.table(theta).values
+            * self.model.column_factors()
+        )
+        if self.shape is not None:
+            forces = forces * self.shape
+        K = self.dynamics - forces[..., :n_r]
+        K[:, :, self.model.n_rigid :] -= 1j * self.omega[:, None, None] * forces[..., n_r:n_w]
+        load = forces[..., n_w:]
+        if self.shape is None:
+            return K, self.u @ load.T
+        return K, np.matmul(load, self.u[:, :, None])[:, :, 0]
+
+    def _differentiate_sensors(
+        self, inner: ReconstructedMotion, equations: SensorEquations, around: _OutOfBandMotion
+    ) -> Complex[np.ndarray, "n_omega n_y n_o"]:
+        """Change of the sensors' residuals per unit coefficient of every out-of-band mode."""
+        moved = self.P[:, :, self.n_i :] @ around.per_force
+        return -(moved - equations.P @ (self._compute_gain(inner, equations) @ moved))
+
+    def _compute_gain(self, inner: ReconstructedMotion, equations: SensorEquations) -> np.ndarray:
+        """Change of the motion in the band per change of the sensors."""
+        weighted = equations.P.conj().transpose(0, 2, 1) / inner.noise**2
+        return inner.covariance @ weighted
+
+    def _project_sensors(
+        self, residual: np.ndarray, per_coefficient: np.ndarray, X: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return gradient, information and score covariance of the sensors' residuals."""
+        k = self.of_rows
+        J = per_coefficient[:, :, self.parameters.rows[self.nuisance[k]] - self.n_i]
+        own = self.nuisance[k]
+        X = shape_regressors(X, self.shape, self.parameters.rows[own], self.parameters.columns[own])
+        J = J * X[:, None]
+        flat = J.reshape(-1, k.size)
+        n = self.nuisance.size
+        information = np.zeros((n, n))
+        information[np.ix_(k, k)] = 2.0 * np.real(flat.conj().T @ flat)
+        gradient = np.zeros(n)
+        gradient[k] = 2.0 * np.real(flat.conj().T @ residual.ravel())
+        return gradient, information, information.copy()
+
+    def _differentiate_equations(
+        self,
+        K: Complex[np.ndarray, "n_omega n_i n_r"],
+        inner: ReconstructedMotion,
+        equations: SensorEquations,
+        around: _OutOfBandMotion,
+    ) -> Complex[np.ndarray, "n_omega n_i n_nu"]:
+        """Change of the residuals of the equations in the band per nuisance parameter.
+
+        Over the variable that the parameter multiplies.
+        """
+        n_i = self.n_i
+        rows = self.parameters.rows[self.nuisance]
+        moved = self.P[:, :, n_i:] @ around.per_force
+        inside = -self._compute_gain(inner, equations) @ moved
+        outside = around.per_force + around.T @ inside
+        per_coefficient = K[:, :, :n_i] @ inside + K[:, :, n_i:] @ outside
+        result = np.zeros((self.omega.size, n_i, self.nuisance.size), dtype=complex)
+        k = self.of_rows
+        result[:, :, k] = per_coefficient[:, :, rows[k] - n_i]
+        direct = np.flatnonzero(rows < n_i)
+        result[:, rows[direct], direct] = -1.0
+        return result
+
+    def build_estimate(self, solution: _MarginalSolution) -> Estimate:
+        """Assemble values and covariances of all parameters."""
+        size = self.parameters.start.size
+        J = np.zeros((size, self.nuisance.size))
+        J[self.own] = solution.slope
+        J[self.nuisance] = np.eye(self.nuisance.size)
+        plain, corrected = (J @ C @ J.T for C in (solution.plain, solution.covariance))
+        own = np.ix_(self.own, self.own)
+        plain[own] += solution.conditional.covariance
+        corrected[own] += solution.conditional.corrected_covariance
+        return replace(
+            solution.conditional,
+            names=self.parameters.names,
+            values=solution.theta,
+            start=self.parameters.start,
+            covariance=plain,
+            corrected_covariance=corrected,
+            outcome=Outcome.CONVERGED,
+            message="Solved by one linear regression per coefficient, with the derivatives of "
+            "out-of-band modes as nuisance parameters.",
+        )
+
+
+def _extend_motion(inner: ReconstructedMotion, around: _OutOfBandMotion) -> ReconstructedMotion:
+    """Add the motion of the out-of-band modes and its covariance."""
+    n_omega, _, n_i = around.T.shape
+    every = np.concatenate([np.broadcast_to(np.eye(n_i), (n_omega, n_i, n_i)), around.T], axis=1)
+    offset = np.concatenate([np.zeros((n_omega, n_i)), around.t], axis=1)
+    values = np.matmul(every, inner.values[:, :, None])[:, :, 0] + offset
+    disagreement = inner.disagreement
+    return replace(
+        inner,
+        values=values,
+        covariance=every @ inner.covariance @ every.conj().transpose(0, 2, 1),
+        disagreement=None if disagreement is None else disagreement @ every.transpose(0, 2, 1),
+    )

@@ -1,0 +1,9 @@
+"""The axes that a model can describe, by name."""
+
+from __future__ import annotations
+
+from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
+
+RIGID_BODIES: dict[str, RigidBody] = {body.axis: body for body in (LONGITUDINAL, LATERAL)}

@@ -1,0 +1,189 @@
+"""Lateral-directional axis: motions beta, p and r, attitude phi, and the rows of its sensors.
+
+Body axes at the c.g.; phi-dot = p + r tan theta0. The yaw angle feeds nothing back and is no
+state.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.errors import BadInput
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
+from flexsid.sysid.model.rigid_body import SPIRAL, Kinematics, RigidBody, stack_factors
+from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
+
+BETA, P, R = range(3)
+
+
+def side_acceleration(condition: FlightCondition, n_modes: int) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of an accelerometer at the c.g. along y, V times the side force Y.
+
+    Notes
+    -----
+    V (beta-dot - sin(alpha0) p + cos(alpha0) r) - g cos(theta0) phi: exact kinematics, without
+    a derivative.
+    """
+    row = np.zeros((4, 3 + n_modes))
+    V, alpha, theta = condition.airspeed, condition.alpha, condition.alpha + condition.gamma
+    row[RATE, BETA] = V
+    row[POSITION, P] = -V * np.sin(alpha)
+    row[POSITION, R] = V * np.cos(alpha)
+    row[INTEGRAL, P] = -GRAVITY * np.cos(theta)
+    row[INTEGRAL, R] = row[INTEGRAL, P] * np.tan(theta)
+    return row
+
+
+def sensor_row(
+    kind: str,
+    axis: str,
+    position: tuple[float, float, float],
+    translation: Float[np.ndarray, "3 n_modes"],
+    rotation: Float[np.ndarray, "3 n_modes"],
+    condition: FlightCondition,
+) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of a sensor: its antisymmetric part, lever arms and local tilt included.
+
+    Parameters
+    ----------
+    kind, axis
+        ``gyro``, ``attitude``, ``vane`` or ``accelerometer``, and x, y or z.
+    position
+        In body axes at the c.g. [m]
+    translation, rotation
+        Shapes of the modes there. [m, rad]
+    condition
+        With trim angles alpha and gamma.
+
+    Raises
+    ------
+    BadInput
+        If the sensor measures no lateral-directional motion.
+
+    Notes
+    -----
+    With g in body axes (-sin theta0, 0, cos theta0), phi and nu the shapes:
+
+    - a_y: specific force at the c.g. + x r-dot - z p-dot + phi_y eta-ddot
+      - g (cos theta0 nu_x + sin theta0 nu_z) eta
+    - a_z: y p-dot + phi_z eta-ddot + g sin theta0 nu_y eta
+    - a_x: -y r-dot + phi_x eta-ddot + g cos theta0 nu_y eta
+    - gyros: p + nu_x eta-dot, r + nu_z eta-dot
+    - bank angle: phi + (nu_x + tan theta0 nu_z) eta
+    - vane: beta + (x r - z p + phi_y eta-dot)/V - (cos alpha0 nu_z - sin alpha0 nu_x) eta
+    """
+    x, y, z = position
+    V, alpha, theta = condition.airspeed, condition.alpha, condition.alpha + condition.gamma
+    cos, sin, tan = np.cos(theta), np.sin(theta), np.tan(theta)
+    nu_x, nu_y, nu_z = rotation
+    if (kind, axis) == ("accelerometer", "y"):
+        row = side_acceleration(condition, rotation.shape[1])
+        row[RATE, R] += x
+        row[RATE, P] -= z
+        row[POSITION, 3:] -= GRAVITY * (cos * nu_x + sin * nu_z)
+        row[ACCELERATION, 3:] += translation[1]
+        return row
+    row = np.zeros((4, 3 + rotation.shape[1]))
+    match kind, axis:
+        case "accelerometer", "z":
+            row[RATE, P] = y
+            row[POSITION, 3:] = GRAVITY * sin * nu_y
+            row[ACCELERATION, 3:] = translation[2]
+        case "accelerometer", "x":
+            row[RATE, R] = -y
+            row[POSITION, 3:] = GRAVITY * cos * nu_y
+            row[ACCELERATION, 3:] = translation[0]
+        case "gyro", "x":
+            row[POSITION, P] = 1.0
+            row[RATE, 3:] = nu_x
+        case "gyro", "z":
+            row[POSITION, R] = 1.0
+            row[RATE, 3:] = nu_z
+        case "attitude", "x":
+            row[INTEGRAL, P], row[INTEGRAL, R] = 1.0, tan
+            row[POSITION, 3:] = nu_x + tan * nu_z
+        case "vane", "z":
+            row[POSITION, BETA] = 1.0
+            row[POSITION, P], row[POSITION, R] = -z / V, x / V
+            row[POSITION, 3:] = np.sin(alpha) * nu_x - np.cos(alpha) * nu_z
+            row[RATE, 3:] = translation[1] / V
+        case _:
+            raise BadInput(
+                f"a {kind} of axis {axis} measures no lateral-directional motion; remove it from "
+                "the outputs",
+                code="axis-not-supported",
+            )
+    return row
+
+
+def _kinematics(condition: FlightCondition, trim: Trim) -> Kinematics:
+    """Known terms of beta-dot, and inertial coupling of p-dot and r-dot by the product Ixz."""
+    V, alpha = trim.airspeed, trim.alpha
+    theta = alpha + condition.gamma
+    product = condition.product_of_inertia
+    inertia = np.eye(3)
+    inertia[P, R] = -product / condition.roll_inertia
+    inertia[R, P] = -product / condition.yaw_inertia
+    coupling = np.zeros((*V.shape, 3, 3))
+    coupling[..., BETA, P] = np.sin(alpha)
+    coupling[..., BETA, R] = -np.cos(alpha)
+    gravity = np.zeros((*V.shape, 3))
+    gravity[..., BETA] = GRAVITY * np.cos(theta) / V
+    attitude_rate = np.zeros((*V.shape, 3))
+    attitude_rate[..., P] = 1.0
+    attitude_rate[..., R] = np.tan(theta)
+    return Kinematics(inertia, coupling, gravity, attitude_rate)
+
+
+def _scale_rows(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, "*n_v 3"]:
+    named = {
+        "span": condition.span,
+        "roll_inertia": condition.roll_inertia,
+        "yaw_inertia": condition.yaw_inertia,
+    }
+    missing = [name for name, value in named.items() if not value > 0.0]
+    if missing:
+        raise BadInput(
+            f"a lateral-directional model needs a positive {' and '.join(missing)} of the "
+            "aircraft; complete its record",
+            code="no-lateral-inertia",
+            key=missing[0],
+        )
+    force = trim.dynamic_pressure * condition.area
+    moment = force * condition.span
+    return stack_factors(
+        force / (condition.mass * trim.airspeed),
+        moment / condition.roll_inertia,
+        moment / condition.yaw_inertia,
+    )
+
+
+def _scale_motions(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, "*n_v 3"]:
+    rate = condition.span / (2.0 * trim.airspeed)
+    return stack_factors(1.0, rate, rate)
+
+
+LATERAL = RigidBody(
+    axis="lateral",
+    symmetry="antisymmetric",
+    motions=("beta", "p", "r"),
+    attitude="phi",
+    coefficients=("CY", "Cl", "Cn"),
+    poles={"DR": ("beta", "r"), "roll": ("p",), SPIRAL: ("phi",)},
+    acts_by_gravity=True,
+    acceleration="lateral",
+    measured=frozenset(
+        {
+            ("gyro", "x"),
+            ("gyro", "z"),
+            ("attitude", "x"),
+            ("vane", "z"),
+            ("accelerometer", "y"),
+        }
+    ),
+    kinematics=_kinematics,
+    scale_rows=_scale_rows,
+    scale_motions=_scale_motions,
+    sensor_row=sensor_row,
+)

@@ -1,0 +1,138 @@
+"""RigidBody: motions, coefficients, known terms and sensors of the rigid body in one axis.
+
+Everything in which the longitudinal and the lateral-directional model differ is one value of
+this class, ``longitudinal.LONGITUDINAL`` or ``lateral.LATERAL``; names of derivatives,
+estimators, reduction, poles and flutter ask it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from flexsid.sysid.model.condition import FlightCondition, Trim
+
+SPIRAL = "spiral"
+"""Name of the slow real pole of bank angle: unstable in many aircraft, and no divergence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematics:
+    """Known terms of E r-dot = forces + N r + g attitude, and attitude-dot = a r.
+
+    Leading dimensions are those of the trim. The first force is divided by mV.
+    """
+
+    inertia: Float[np.ndarray, "n_rigid n_rigid"]
+    coupling: Float[np.ndarray, "*n_v n_rigid n_rigid"]
+    gravity: Float[np.ndarray, "*n_v n_rigid"]
+    attitude_rate: Float[np.ndarray, "*n_v n_rigid"]
+
+
+@dataclass(frozen=True, slots=True)
+class RigidBody:
+    """Rigid-body part of the motion r = [motions..., eta_1..n] in one axis.
+
+    Attributes
+    ----------
+    axis, symmetry
+        Name of the axis; symmetry of its surfaces, modes and parts of pairs of sensors.
+    motions, attitude
+        Motions, first the angle of the flow; the attitude that integrates the others.
+    coefficients
+        Force and moments, one for each motion.
+    poles
+        Names of its poles, and the states that dominate each of them.
+    acts_by_gravity
+        Whether the attitude acts on the motion in level flight.
+    acceleration
+        Name of the specific force at the c.g., V times the force of the first row.
+    measured
+        Kinds and axes of the gyros, attitudes, vanes and accelerometers at the c.g. that
+        measure the motion.
+    kinematics
+        Known terms at a condition and trim.
+    scale_rows
+        Dimensional factors of the coefficients. [1/s, 1/s2...]
+    scale_motions
+        Factors that make the motions nondimensional.
+    sensor_row
+        Row of a sensor of given kind and axis at a position in body axes [m], with
+        translation and rotation of the modes there, shape (3, n_modes).
+    """
+
+    axis: str
+    symmetry: Literal["symmetric", "antisymmetric"]
+    motions: tuple[str, ...]
+    attitude: str
+    coefficients: tuple[str, ...]
+    poles: Mapping[str, tuple[str, ...]]
+    acts_by_gravity: bool
+    acceleration: str
+    measured: frozenset[tuple[str, str]]
+    kinematics: Callable[[FlightCondition, Trim], Kinematics]
+    scale_rows: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
+    scale_motions: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
+    sensor_row: Callable[..., Float[np.ndarray, "4 n_r"]]
+
+    @property
+    def size(self) -> int:
+        """Number of rigid-body motions, and of their coefficients."""
+        return len(self.motions)
+
+    def compute_membership(self, n_rigid: int, n_modes: int) -> Float[np.ndarray, "n_poles n_x"]:
+        """Assign states to poles: 1 where a state belongs to a pole of rigid body or modes.
+
+        States are those of the rigid body, of which the last is the attitude where
+        ``n_rigid`` includes it, eta..., etadot...
+        """
+        states = (*self.motions, self.attitude)[:n_rigid]
+        membership = np.zeros((len(self.poles) + n_modes, n_rigid + 2 * n_modes))
+        for row, own in enumerate(self.poles.values()):
+            membership[row, [k for k, state in enumerate(states) if state in own]] = 1.0
+        membership[len(self.poles) :, n_rigid:] = np.tile(np.eye(n_modes), 2)
+        return membership
+
+    def name_motions(self, modes: tuple[int, ...]) -> tuple[str, ...]:
+        """Return the names of the motions: those of the rigid body, and eta of each mode."""
+        return (*self.motions, *(f"eta{mode}" for mode in modes))
+
+    def row_factors(
+        self,
+        condition: FlightCondition,
+        generalized_mass: Float[np.ndarray, " n_modes"],
+        trim: Trim | None = None,
+    ) -> Float[np.ndarray, "*n_v n_rows"]:
+        """Compute the dimensional factors of the coefficients (Eq. 12).
+
+        The force is divided by mV and so enters the rate of the angle of the flow directly;
+        modes have the chord in both axes. [1/s, 1/s2, 1/s2...]
+        """
+        at = condition.trim if trim is None else trim
+        force = at.dynamic_pressure * condition.area
+        mass = np.asarray(generalized_mass, dtype=float)
+        modal = np.asarray(force * condition.chord)[..., None] / mass
+        return np.concatenate([self.scale_rows(condition, at), modal], axis=-1)
+
+    def column_factors(
+        self, condition: FlightCondition, n_modes: int, n_inputs: int, trim: Trim | None = None
+    ) -> Float[np.ndarray, "*n_v n_w"]:
+        """Compute the factors of the variables: motions, eta, etadot, inputs (Eq. 12)."""
+        at = condition.trim if trim is None else trim
+        rate = np.asarray(condition.chord / (2.0 * at.airspeed))[..., None]
+        columns = [
+            self.scale_motions(condition, at),
+            np.ones((*rate.shape[:-1], n_modes)),
+            np.broadcast_to(rate, (*rate.shape[:-1], n_modes)),
+            np.ones((*rate.shape[:-1], n_inputs)),
+        ]
+        return np.concatenate(columns, axis=-1)
+
+
+def stack_factors(*factors: np.ndarray | float) -> Float[np.ndarray, "*n_v n"]:
+    """Stack factors that may depend on the airspeed along the last axis."""
+    return np.stack(np.broadcast_arrays(*factors), axis=-1)

@@ -1,0 +1,102 @@
+"""Dryden turbulence as the angle of attack, or of sideslip, that it adds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import StrEnum
+
+import numpy as np
+from jaxtyping import Float
+from scipy import signal
+
+from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
+from flexsid.sysid.model.derivatives import DerivativeTable
+
+GUST = "gust"
+"""Name of the input that is the angle of the flow of a gust. [rad]"""
+
+_FOOT, _KNOT = 0.3048, 1852.0 / 3600.0  # [m], [m/s]
+_SCALE_LENGTH = 1000.0 * _FOOT  # L_w at the upper limit of the low-altitude model [m]
+_SHARE_OF_WIND = 0.1  # sigma_w over the wind at 20 ft, low-altitude model
+_LEAD = 8.0  # time constants L_w/V before the first sample: stationary from there on
+
+
+class Turbulence(StrEnum):
+    """Intensity of the turbulence, by the classes of MIL-F-8785C."""
+
+    NONE = "none"
+    LIGHT = "light"
+    MODERATE = "moderate"
+
+
+_WIND_AT_20_FT = {Turbulence.LIGHT: 15.0 * _KNOT, Turbulence.MODERATE: 30.0 * _KNOT}  # [m/s]
+
+
+def generate_gust(
+    intensity: Turbulence,
+    airspeed: float,
+    n_samples: int,
+    rate_hz: float,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, " n_samples"]:
+    """Generate alpha_g = w_g/V of stationary turbulence. [rad]
+
+    Parameters
+    ----------
+    intensity
+        Class of the turbulence; ``none`` gives zeros.
+    airspeed
+        True airspeed. [m/s]
+    n_samples, rate_hz
+        Number and rate of the samples. [1], [Hz]
+    rng
+        Source of the white noise.
+
+    Notes
+    -----
+    Forming filter H(s) = sigma_w sqrt(L/(pi V)) (1 + sqrt(3) L s/V) / (1 + L s/V)^2, by the
+    bilinear transform. Low-altitude model at its upper limit of 1000 ft: L_w = 1000 ft and
+    sigma_w = 0.1 u_20, with u_20 = 15 kn (light) or 30 kn (moderate): 2.5 and 5.1 ft/s. At
+    that height L_v = L_w and sigma_v = sigma_w: lateral gusts have the same spectrum.
+    Source: MIL-F-8785C (1980), sections 3.7.1.2 and 3.7.3; the same values in MIL-HDBK-1797.
+    White noise of intensity sigma^2 L/V through (1 + sqrt(3) T s)/(1 + T s)^2 has the
+    variance sigma^2.
+    """
+    if intensity is Turbulence.NONE:
+        return np.zeros(n_samples)
+    T = _SCALE_LENGTH / airspeed
+    sigma = _SHARE_OF_WIND * _WIND_AT_20_FT[intensity] / airspeed
+    lead = int(np.ceil(_LEAD * T * rate_hz))
+    white = sigma * np.sqrt(T * rate_hz) * rng.standard_normal(lead + n_samples)
+    b, a = signal.bilinear([np.sqrt(3.0) * T, 1.0], [T * T, 2.0 * T, 1.0], rate_hz)
+    return signal.lfilter(b, a, white)[lead:]
+
+
+def add_gust_input(
+    model: AeroelasticModel,
+    derivatives: DerivativeTable,
+    vanes: Float[np.ndarray, " n_y"],
+) -> StateSpace:
+    """Build the state space of an aircraft with a gust, uniform over it, as its last input.
+
+    Parameters
+    ----------
+    model, derivatives
+        The aircraft.
+    vanes
+        What every output measures of the angle of the flow itself: 1 for a vane, 0 for inertial
+        sensors.
+
+    Notes
+    -----
+    A gust acts as the angle of the flow does, without the motion of the aircraft: its derivatives
+    are those in alpha (beta in the lateral-directional axis).
+    """
+    inputs = (*model.inputs, GUST)
+    values = np.hstack([derivatives.values, derivatives.values[:, :1]])
+    plant = replace(model, inputs=inputs).state_space(
+        replace(derivatives, inputs=inputs, values=values)
+    )
+    D = plant.D.copy()
+    D[:, -1] += vanes
+    return replace(plant, D=D)

@@ -1,0 +1,197 @@
+"""Roots and flutter of derivatives with a frequency shape, by the p-k method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.interpolate import CubicSpline
+
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
+from flexsid.sysid.aerodynamics.normal_washes import Reference
+from flexsid.sysid.aerodynamics.pk_flutter import ModalSystem, build_free_system
+from flexsid.sysid.model.derivatives import coefficients, variables
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.stability.speeds import Aeroelastic
+
+_STEP = 1e-5  # of k and airspeed, in central differences
+
+
+def build_shaped_system(aircraft: Aeroelastic) -> ModalSystem:
+    """Build heave, pitch and modes with the air forces theta S(k), in SI units.
+
+    Parameters
+    ----------
+    aircraft
+        With a frequency shape.
+
+    Raises
+    ------
+    BadInput
+        If the derivatives or the frequency shape are not of the longitudinal axis.
+    NotIdentifiable
+        If a derivative is no number.
+    """
+    assert aircraft.shape is not None
+    table = aircraft.derivatives
+    for body in (table.body, aircraft.shape.body):
+        if body.axis != LONGITUDINAL.axis:
+            raise BadInput(
+                f"the roots of {body.axis} motion over airspeed are not computed with a frequency "
+                "shape; select runs without one",
+                code="axis-not-supported",
+            )
+    if not np.isfinite(table.values).all():
+        raise NotIdentifiable("the model has a derivative that is not finite; select other runs")
+    c, modes = aircraft.condition, aircraft.modes
+    shape = aircraft.shape.select(table.modes, table.inputs)
+    C = UnsteadyCoefficients(
+        shape.k,
+        coefficients(table.modes, table.body),
+        variables(table.modes, table.inputs, table.body),
+        shape.factors * table.values,
+    )
+    reference = Reference(c.area, c.chord, c.chord, np.zeros(3))
+    system = build_free_system(
+        C, reference, (c.mass, c.pitch_inertia), modes.mass, modes.omega, modes.zeta
+    )
+    # Thrust follows the body: it acts on heave by the angle of attack, theta - hdot/V.
+    forward = c.thrust * np.cos(c.alpha)
+    system.damping[0, 0] = forward / c.airspeed
+    system.stiffness[0, 1] = -forward
+    return system
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShapedRoots:
+    """One root at each airspeed, with what its slopes need.
+
+    ``left`` and ``right`` are the vectors for which F v = 0 and w^H F = 0, of the p-k matrix F(p).
+    """
+
+    system: ModalSystem
+    airspeed: Float[np.ndarray, " n"]
+    roots: Complex[np.ndarray, " n"]
+    density: float
+
+    def evaluate(
+        self, k: Float[np.ndarray, " n"], airspeed: Float[np.ndarray, " n"]
+    ) -> Complex[np.ndarray, "n n_q n_q"]:
+        """Evaluate F = M p^2 + D p + K - qbar (Re Q + p b/V Im Q/k) at the roots."""
+        s, p = self.system, self.roots[:, None, None]
+        Q = CubicSpline(s.k, s.forces, axis=0)(np.minimum(k, s.k[-1]))
+        pressure = (0.5 * self.density * airspeed**2)[:, None, None]
+        rate = (s.b / airspeed / k)[:, None, None]
+        air = pressure * (np.real(Q) + p * rate * np.imag(Q))
+        return s.mass * p**2 + s.damping * p + s.stiffness - air
+
+    def reduced_frequency(self) -> Float[np.ndarray, " n"]:
+        """Reduced frequency of each root."""
+        return np.imag(self.roots) * self.system.b / self.airspeed
+
+    def decompose(
+        self,
+    ) -> tuple[Complex[np.ndarray, "n n_q"], Complex[np.ndarray, "n n_q"]]:
+        """Return left and right null vectors of F."""
+        U, _, Vh = np.linalg.svd(self.evaluate(self.reduced_frequency(), self.airspeed))
+        return U[:, :, -1], Vh[:, -1].conj()
+
+    def differentiate(self) -> tuple[Complex[np.ndarray, "n n_q n_q"], ...]:
+        """Differentiate F by p with k held, by k, and by the airspeed."""
+        s, k, V = self.system, self.reduced_frequency(), self.airspeed
+        Q = CubicSpline(s.k, s.forces, axis=0)(np.minimum(k, s.k[-1]))
+        rate = (0.5 * self.density * V * s.b / k)[:, None, None]
+        by_p = 2.0 * s.mass * self.roots[:, None, None] + s.damping - rate * np.imag(Q)
+        by_k = (self.evaluate(k * (1 + _STEP), V) - self.evaluate(k * (1 - _STEP), V)) / (
+            2.0 * _STEP * k[:, None, None]
+        )
+        by_V = (self.evaluate(k, V * (1 + _STEP)) - self.evaluate(k, V * (1 - _STEP))) / (
+            2.0 * _STEP * V[:, None, None]
+        )
+        return by_p, by_k, by_V
+
+
+def compute_shaped_participation(found: ShapedRoots) -> Float[np.ndarray, "n_motions n"]:
+    """Compute the share of the short period and of each mode in every root.
+
+    The parts of w^H (dF/dp) v, as left times right eigenvector elsewhere.
+    """
+    left, right = found.decompose()
+    by_p = found.differentiate()[0]
+    part = np.abs(left.conj() * (by_p @ right[:, :, None])[:, :, 0]).T
+    n_rigid = LONGITUDINAL.size  # heave and pitch
+    share = np.vstack([part[:n_rigid].sum(axis=0), part[n_rigid:]])
+    return share / share.sum(axis=0)
+
+
+def _load_by_derivative(
+    found: ShapedRoots,
+    aircraft: Aeroelastic,
+    left: Complex[np.ndarray, "n n_q"],
+    right: Complex[np.ndarray, "n n_q"],
+) -> Complex[np.ndarray, "n n_rows n_w"]:
+    """Compute w^H (dF/dc) v of every derivative of the table."""
+    assert aircraft.shape is not None
+    table, b, V = aircraft.derivatives, found.system.b, found.airspeed
+    k = found.reduced_frequency()
+    shape = aircraft.shape.select(table.modes, table.inputs)
+    s = shape.at(np.minimum(k, shape.k[-1]))
+    rate, ik = (found.roots * b / V / k)[:, None], 1j * k[:, None]
+
+    def respond(forces: Complex[np.ndarray, "n n_rows"], motion: int) -> np.ndarray:
+        return (np.real(forces) + rate * np.imag(forces)) * right[:, motion, None]
+
+    load = np.zeros(s.shape, dtype=complex)  # inputs have no part in a root
+    load[:, :, 0] = respond(-ik / b * s[:, :, 0], 0) + respond(s[:, :, 0], 1)
+    load[:, :, 1] = respond(ik * s[:, :, 1], 1)
+    n = len(table.modes)
+    for mode in range(n):
+        load[:, :, 2 + mode] = respond(s[:, :, 2 + mode], 2 + mode)
+        load[:, :, 2 + n + mode] = respond(ik * s[:, :, 2 + n + mode], 2 + mode)
+    condition = aircraft.condition
+    force = np.full(s.shape[1], condition.area * condition.chord)
+    force[0] = -condition.area
+    pressure = 0.5 * found.density * V**2
+    return -(pressure[:, None] * left.conj() * force)[:, :, None] * load
+
+
+def compute_shaped_slopes(
+    found: ShapedRoots, aircraft: Aeroelastic, rows: np.ndarray, columns: np.ndarray
+) -> tuple[
+    Complex[np.ndarray, "n n_theta"], Complex[np.ndarray, " n"], Complex[np.ndarray, "n n_modes"]
+]:
+    """Differentiate roots by derivatives, by airspeed, and by squared frequencies of modes.
+
+    Notes
+    -----
+    From w^H dF v = 0 with dF = F_p dp + F_k b/V d(Im p) + F_k (-k/V) dV + F_V dV + F_theta dtheta,
+    two real equations in the real and imaginary part of dp.
+    """
+    left, right = found.decompose()
+
+    def project(F: np.ndarray) -> np.ndarray:
+        return (left.conj()[:, None] @ F @ right[:, :, None])[:, 0, 0]
+
+    by_p, by_k, by_V = (project(F) for F in found.differentiate())
+    k, V, b = found.reduced_frequency(), found.airspeed, found.system.b
+    through = by_k * b / V
+    equation = np.stack(
+        [
+            np.stack([np.real(by_p), np.real(1j * by_p + through)], axis=-1),
+            np.stack([np.imag(by_p), np.imag(1j * by_p + through)], axis=-1),
+        ],
+        axis=-2,
+    )
+
+    def solve(right_side: Complex[np.ndarray, "n m"]) -> Complex[np.ndarray, "n m"]:
+        both = np.stack([np.real(right_side), np.imag(right_side)], axis=-2)
+        moved = np.linalg.solve(equation, -both)
+        return moved[:, 0] + 1j * moved[:, 1]
+
+    by_theta = _load_by_derivative(found, aircraft, left, right)[:, rows, columns]
+    mass = np.diag(found.system.mass)[2:]
+    by_stiffness = left.conj()[:, 2:] * mass * right[:, 2:]
+    by_speed = (by_V - by_k * k / V)[:, None]
+    return solve(by_theta), solve(by_speed)[:, 0], solve(by_stiffness)

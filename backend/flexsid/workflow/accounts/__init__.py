@@ -1,0 +1,1 @@
+"""Accounts of a team: names, passwords, memberships, sessions and tokens."""

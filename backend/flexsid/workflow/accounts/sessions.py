@@ -1,0 +1,242 @@
+"""Sessions of browsers and tokens of scripts: opaque secrets, stored as hashes, that expire."""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+
+import sqlalchemy as sa
+
+from flexsid.errors import BadInput, FlexsidError, UnknownRecord
+from flexsid.records.account import Account, ApiToken, LoginSession, Role
+from flexsid.storage.store import Store
+from flexsid.storage.tables import accounts, login_failures, login_sessions, memberships
+from flexsid.workflow.accounts.accounts import (
+    LONGEST_PASSWORD,
+    find_account,
+    find_role,
+    get_hasher,
+    hash_secret,
+    list_roles,
+)
+
+SESSION_HOURS = 12
+LONGEST_TOKEN_DAYS = 366
+TOKEN_PREFIX = "flexsid_"
+_MOST_FAILURES = {"name": 5, "address": 30}
+_LONGEST_WAIT_S = 900.0
+
+
+class NotLoggedIn(FlexsidError):
+    """The request has no valid session or token."""
+
+    code = "not-logged-in"
+
+
+class WrongPassword(FlexsidError):
+    """The name or the password is wrong; which of them is not stated."""
+
+    code = "wrong-password"
+
+
+class TooManyAttempts(FlexsidError):
+    """Too many failed log-ins; ``wait_s`` is the remaining wait. [s]"""
+
+    code = "too-many-attempts"
+
+    def __init__(self, wait_s: int) -> None:
+        super().__init__(f"too many failed log-ins; wait {wait_s} s", wait_s=wait_s)
+        self.wait_s = wait_s
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who is logged in, and the role in each campaign (None: in every campaign)."""
+
+    account: Account
+    roles: dict[int | None, Role]
+    expires_at: datetime | None = None
+    is_token: bool = False
+
+
+def log_in(store: Store, name: str, password: str, address: str) -> str:
+    """Check a password; return the secret of a new session.
+
+    Raises
+    ------
+    WrongPassword
+        If name or password is wrong.
+    TooManyAttempts
+        After repeated failures, of the name or from the address.
+    """
+    subjects = {"name": f"name {name.casefold()[:150]}", "address": f"address {address}"}
+    _refuse_repeated_failures(store, subjects)
+    try:
+        account = find_account(store, name)
+    except UnknownRecord:
+        account = None
+    stored = None if account is None else account.password_hash
+    # A wrong name takes as long as a wrong password.
+    hasher = get_hasher()
+    is_right = hasher.verify(password[:LONGEST_PASSWORD], stored or _dummy_hash())
+    if account is None or stored is None or not is_right or account.disabled_at is not None:
+        _count_failure(store, subjects)
+        raise WrongPassword("name or password is wrong")
+    with store.database.transaction() as connection:
+        connection.execute(
+            sa.delete(login_failures).where(login_failures.c.subject == subjects["name"])
+        )
+    return begin_session(store, account, address)
+
+
+def begin_session(store: Store, account: Account, address: str) -> str:
+    """Begin a session of an account; return its secret, and delete expired sessions."""
+    secret = secrets.token_urlsafe(32)
+    now = datetime.now(UTC)
+    with store.database.transaction() as connection:
+        connection.execute(sa.delete(login_sessions).where(login_sessions.c.expires_at < now))
+        store.login_sessions.add(
+            LoginSession(
+                account_id=account.id or 0,
+                secret_hash=hash_secret(secret),
+                address=address,
+                expires_at=now + timedelta(hours=SESSION_HOURS),
+            )
+        )
+    return secret
+
+
+def end_session(store: Store, secret: str) -> None:
+    """End a session."""
+    for session in store.login_sessions.find(secret_hash=hash_secret(secret)):
+        store.login_sessions.delete(session.id or 0)
+
+
+def find_session(store: Store, secret: str) -> Identity | None:
+    """Return who a session belongs to; None if it is unknown or has expired."""
+    # One statement, as every request asks.
+    columns = (login_sessions.c.expires_at, memberships.c.aircraft_id, memberships.c.role)
+    own = memberships.c.account_id == login_sessions.c.account_id
+    query = (
+        sa.select(accounts.c.id, accounts.c.name, accounts.c.skeleton, *columns)
+        .select_from(login_sessions.join(accounts).outerjoin(memberships, own))
+        .where(
+            login_sessions.c.secret_hash == hash_secret(secret),
+            login_sessions.c.expires_at > datetime.now(UTC),
+            accounts.c.disabled_at.is_(None),
+        )
+    )
+    with store.database.reading() as connection:
+        rows = connection.execute(query).all()
+    if not rows:
+        return None
+    account = Account(id=rows[0].id, name=rows[0].name, skeleton=rows[0].skeleton)
+    roles = {row.aircraft_id: Role(row.role) for row in rows if row.role is not None}
+    return Identity(account, roles, rows[0].expires_at)
+
+
+def find_identity(store: Store, name: str) -> Identity | None:
+    """Return the account of a name that the organisation has verified; None without account."""
+    try:
+        account = find_account(store, name)
+    except UnknownRecord:
+        return None
+    if account.disabled_at is not None:
+        return None
+    return Identity(account, list_roles(store, account))
+
+
+def add_token(
+    store: Store,
+    identity: Identity,
+    name: str,
+    role: Role,
+    days: int,
+    aircraft_id: int | None = None,
+) -> tuple[ApiToken, str]:
+    """Add a token; return it and its secret, which is not stored.
+
+    Raises
+    ------
+    BadInput
+        If the token would be valid longer than a year.
+    """
+    if not 1 <= days <= LONGEST_TOKEN_DAYS:
+        raise BadInput(f"a token is valid for 1 to {LONGEST_TOKEN_DAYS} days, not {days}")
+    if aircraft_id is not None and find_role(identity.roles, aircraft_id) is None:
+        raise UnknownRecord(f"there is no aircraft {aircraft_id}")
+    secret = TOKEN_PREFIX + secrets.token_urlsafe(32)
+    token = store.api_tokens.add(
+        ApiToken(
+            account_id=identity.account.id or 0,
+            name=name,
+            secret_hash=hash_secret(secret),
+            role=role,
+            aircraft_id=aircraft_id,
+            expires_at=datetime.now(UTC) + timedelta(days=days),
+        )
+    )
+    return token, secret
+
+
+def find_token(store: Store, secret: str) -> Identity | None:
+    """Return who a token acts as, with its limited roles; None if unknown or expired."""
+    now = datetime.now(UTC)
+    found = store.api_tokens.find(secret_hash=hash_secret(secret))
+    if not found or found[0].expires_at <= now:
+        return None
+    token = found[0]
+    account = store.accounts.get(token.account_id)
+    if account.disabled_at is not None:
+        return None
+    if token.used_at is None or now - token.used_at > timedelta(hours=1):
+        store.api_tokens.replace(replace(token, used_at=now))
+    roles: dict[int | None, Role] = list_roles(store, account)
+    if token.aircraft_id is not None:
+        own = find_role(roles, token.aircraft_id)
+        roles = {} if own is None else {token.aircraft_id: own}
+    limited = {key: min(role, token.role, key=lambda one: one.rank) for key, role in roles.items()}
+    return Identity(account, limited, token.expires_at, is_token=True)
+
+
+_hashed: list[str] = []
+
+
+def _dummy_hash() -> str:
+    if not _hashed:
+        _hashed.append(get_hasher().hash(secrets.token_urlsafe(16)))
+    return _hashed[0]
+
+
+def _refuse_repeated_failures(store: Store, subjects: dict[str, str]) -> None:
+    """Refuse a log-in while a subject waits: 1, 2, 4 ... s after the permitted failures."""
+    query = sa.select(login_failures).where(login_failures.c.subject.in_(subjects.values()))
+    now = datetime.now(UTC)
+    with store.database.reading() as connection:
+        for row in connection.execute(query):
+            beyond = row.failures - _MOST_FAILURES[row.subject.partition(" ")[0]]
+            if beyond < 0:
+                continue
+            wait_s = min(2.0 ** min(beyond, 20), _LONGEST_WAIT_S)
+            left_s = wait_s - (now - row.last_at).total_seconds()
+            if left_s > 0:
+                raise TooManyAttempts(max(1, round(left_s)))
+
+
+def _count_failure(store: Store, subjects: dict[str, str]) -> None:
+    now = datetime.now(UTC)
+    table = login_failures
+    with store.database.transaction() as connection:
+        store.database.lock_writers(connection)
+        outdated = now - timedelta(days=1)
+        connection.execute(sa.delete(table).where(table.c.last_at < outdated))
+        for subject in subjects.values():
+            counted = connection.execute(
+                sa.update(table)
+                .where(table.c.subject == subject)
+                .values(failures=table.c.failures + 1, last_at=now)
+            )
+            if not counted.rowcount:
+                row = {"subject": subject, "failures": 1, "last_at": now}
+                connection.execute(sa.insert(table).values(row))

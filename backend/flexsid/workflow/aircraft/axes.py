@@ -1,0 +1,199 @@
+"""Validity of the model of an axis for maneuvers, surfaces and sensors.
+
+The longitudinal model describes the symmetric motion, the lateral-directional one the
+antisymmetric motion. Motion of the other axis can be fitted well (roll rate and pitch rate are
+both first-order lags) but gives invalid estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import (
+    Aircraft,
+    Sensor,
+    SensorKind,
+    find_contradicting_axis,
+    get_symmetry,
+)
+from flexsid.records.maneuver import GROUND, Maneuver
+from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.preparation.symmetry import Part, mirror_sign, parity
+
+_OFF_PLANE_M = 1e-3
+"""Distance from the plane of symmetry beyond which a sensor measures both motions."""
+
+_QUANTITIES = {
+    (SensorKind.GYRO, "x"): "roll rate p",
+    (SensorKind.GYRO, "y"): "pitch rate q",
+    (SensorKind.GYRO, "z"): "yaw rate r",
+    (SensorKind.ATTITUDE, "x"): "bank angle phi",
+    (SensorKind.ATTITUDE, "y"): "pitch angle theta",
+    (SensorKind.ATTITUDE, "z"): "heading psi",
+    (SensorKind.VANE, "y"): "angle of attack alpha",
+    (SensorKind.VANE, "z"): "sideslip beta",
+}
+"""Measured quantity of sensors of rigid-body motion."""
+
+
+class AxisNotSupported(BadInput):
+    """Maneuver, surface or sensor of another axis than the model's."""
+
+    code = "axis-not-supported"
+
+
+def find_body(axis: str) -> RigidBody:
+    """Find the rigid body of an axis; that of a ground record is the longitudinal one.
+
+    Raises
+    ------
+    AxisNotSupported
+        If no model describes the axis.
+    """
+    body = LONGITUDINAL if axis == GROUND else RIGID_BODIES.get(axis)
+    if body is None:
+        raise AxisNotSupported(
+            f"no model describes the axis '{axis}'; known are {', '.join(RIGID_BODIES)}", axis=axis
+        )
+    return body
+
+
+def require_axis(body: RigidBody, maneuvers: Iterable[Maneuver]) -> None:
+    """Refuse maneuvers of another axis than the model structure; ground records have no airspeed.
+
+    Raises
+    ------
+    AxisNotSupported
+        If the axis is another one.
+    """
+    for maneuver in maneuvers:
+        if find_body(maneuver.axis) != body:
+            raise AxisNotSupported(
+                f"maneuver {maneuver.id} '{maneuver.label}' is {maneuver.axis}, and the model is "
+                f'{body.axis}; give the model structure axis = "{maneuver.axis}", or select '
+                f"{body.axis} maneuvers",
+                maneuver_id=maneuver.id,
+                axis=maneuver.axis,
+            )
+
+
+def list_axis_surfaces(
+    aircraft: Aircraft, body: RigidBody, names: Iterable[str] | None = None
+) -> tuple[str, ...]:
+    """List the surfaces, all by default, that excite an axis: single ones excite both."""
+    known = (surface.name for surface in aircraft.surfaces) if names is None else names
+    return tuple(n for n in known if get_symmetry(aircraft, n) in (body.symmetry, "single"))
+
+
+def require_axis_inputs(aircraft: Aircraft, inputs: Iterable[str], body: RigidBody) -> None:
+    """Refuse surfaces that do not excite the axis.
+
+    Raises
+    ------
+    AxisNotSupported
+        If a surface has the other symmetry.
+    """
+    other = find_other(body)
+    for name in inputs:
+        if get_symmetry(aircraft, name) == other.symmetry:
+            raise AxisNotSupported(
+                f"'{name}' of {aircraft.name} is {other.symmetry} and excites the {other.axis} "
+                f"motion; a {body.axis} model has {body.symmetry} surfaces. Remove it from the "
+                f"inputs, or, if '{name}' moves {body.symmetry}ally, give it symmetry = "
+                f'"{body.symmetry}" in the aircraft record',
+                channel=name,
+                axis=other.axis,
+            )
+
+
+def find_other(body: RigidBody) -> RigidBody:
+    """Return the rigid body of the other axis."""
+    return LATERAL if body == LONGITUDINAL else LONGITUDINAL
+
+
+def is_axis_sensor(sensor: Sensor, body: RigidBody) -> bool:
+    """Whether the model of an axis can use a sensor."""
+    if find_contradicting_axis(sensor) is not None:
+        return False
+    everywhere = sensor.kind in (SensorKind.ACCELEROMETER, SensorKind.STRAIN)
+    return everywhere or (sensor.kind.value, sensor.axis) in body.measured
+
+
+def require_axis_output(name: str, terms: Sequence[tuple[Sensor, float]], body: RigidBody) -> None:
+    """Refuse an output of sensors of the other axis, or a combination that cancels the motion.
+
+    Raises
+    ------
+    AxisNotSupported
+        If the output does not measure the motion of the axis.
+    """
+    part, other = classify_part(terms), find_other(body)
+    if part == other.symmetry:
+        left, right = (sensor.name for sensor, _ in terms)
+        raise AxisNotSupported(
+            f"'{name}' is the {part} part of {left} and {right}, in which {body.symmetry} motion "
+            f"cancels; use the {body.symmetry} part in a {body.axis} model",
+            channel=name,
+            axis=other.axis,
+        )
+    for sensor, _ in terms:
+        named = find_contradicting_axis(sensor)
+        if named is not None:
+            raise AxisNotSupported(
+                f"'{sensor.name}' is recorded as a {sensor.kind.value} of axis {sensor.axis}, but "
+                f"its name indicates {named}; correct the aircraft record, or remove it from the "
+                "outputs",
+                channel=sensor.name,
+                axis=named,
+            )
+        if not is_axis_sensor(sensor, body):
+            quantity = _QUANTITIES.get((sensor.kind, sensor.axis), "no motion of this model")
+            own = [
+                named
+                for (kind, axis), named in _QUANTITIES.items()
+                if kind is sensor.kind and (kind.value, axis) in body.measured
+            ]
+            raise AxisNotSupported(
+                f"'{sensor.name}' is a {sensor.kind.value} of axis {sensor.axis}: it measures "
+                f"{quantity}, not {' or '.join(own)}. Remove it from the outputs of a "
+                f"{body.axis} model",
+                channel=sensor.name,
+                axis=sensor.axis,
+            )
+
+
+def classify_part(terms: Sequence[tuple[Sensor, float]]) -> Part | None:
+    """Classify the part of the motion that a left and right pair measures; None for no pair."""
+    (first, _), *_ = terms
+    return parity(
+        (weight, 1.0 if sensor is first else mirror_sign(sensor.kind.value, sensor.axis))
+        for sensor, weight in terms
+    )
+
+
+def reads_own_motion_only(terms: Sequence[tuple[Sensor, float]], body: RigidBody) -> bool:
+    """Whether an output is free of the motion of the other axis.
+
+    A sensor in the plane of symmetry measures the antisymmetric motion if mirroring reverses its
+    sign, else the symmetric one; the other motion cancels in the parts of a pair off the plane.
+    """
+    if len(terms) > 1:
+        return classify_part(terms) == body.symmetry
+    ((sensor, _),) = terms
+    turned = mirror_sign(sensor.kind.value, sensor.axis) < 0.0
+    off_plane = sensor.kind is SensorKind.STRAIN or abs(sensor.location_m[1]) > _OFF_PLANE_M
+    return turned == (body == LATERAL) and not off_plane
+
+
+def list_opposed_surfaces(
+    maneuver: Maneuver, aircraft: Aircraft, inputs: Iterable[str]
+) -> tuple[str, ...]:
+    """List the surfaces, of these and of those excited, that excite the other axis."""
+    body = find_body(maneuver.axis)
+    excited = () if maneuver.excitation is None else maneuver.excitation.harmonics
+    moved = dict.fromkeys((*inputs, *excited))
+    return tuple(name for name in moved if get_symmetry(aircraft, name) != body.symmetry)

@@ -1,0 +1,409 @@
+"""Predictions computed from a planform: derivatives by reduced frequency from a doublet lattice."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.importers.nastran.aero import read_aero_deck
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, UnsteadyPrediction
+from flexsid.records.run import Progress
+from flexsid.storage.store import Store
+from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
+from flexsid.sysid.aerodynamics.coefficients import (
+    REDUCED_FREQUENCIES,
+    UnsteadyCoefficients,
+    compute_loadings,
+)
+from flexsid.sysid.aerodynamics.influence import MAX_BOXES, Symmetry
+from flexsid.sysid.aerodynamics.normal_washes import (
+    BoxShapes,
+    ControlSurface,
+    Reference,
+    place_surface,
+)
+from flexsid.sysid.aerodynamics.splines import SplinedSurface, interpolate_shapes, select_nodes
+from flexsid.sysid.model.derivatives import list_derivative_names, variables
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.units import factor
+from flexsid.workflow.aircraft.axes import require_axis_inputs
+from flexsid.workflow.aircraft.derivative_predictions import select_by_id
+from flexsid.workflow.modal_data.modal_tables import (
+    TO_STRUCTURE,
+    find_modal_tables,
+    interpolate_shape,
+    open_modes,
+    read_nodes,
+)
+
+KIND = "doublet lattice"
+
+_MOST_MODES = 8  # lowest symmetric ones, unless modes are named
+_MOST_FUELS = 17
+_LARGEST_DIVISION = 200
+_COARSE_SHARE = 0.05  # of the work: the coarser mesh of the spread
+
+_SPREAD = {"alpha": 0.15, "q": 0.15, "eta": 0.15, "etadot": 0.25}
+_SPREAD_OF_SURFACES = 0.20
+"""Standard deviations relative to the value, beside that of the mesh (design notes of the project:
+lattices and flight differ by so much for thickness, gaps and viscosity)."""
+_SMALL = 0.05  # of the largest derivative of its row: such an entry has a spread of that size
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanformPanel:
+    """A trapezium of the right half in structural axes (X aft, Y right, Z up). [m]
+
+    ``left`` and ``right`` are leading edges, left to right as seen from behind; divisions are even.
+    """
+
+    left: tuple[float, float, float]
+    left_chord: float
+    right: tuple[float, float, float]
+    right_chord: float
+    chordwise: int = 8
+    spanwise: int = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanformSurface:
+    """A surface by Y of its ends [m] and its hinge line as fraction of the chord."""
+
+    name: str
+    span: tuple[float, float]
+    hinge: float = 0.75
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictionRequest:
+    """Planform, modes, Mach number and reduced frequencies of a prediction to compute.
+
+    Panels are given, or CAERO1 entries of a Nastran ``deck`` in ``deck_unit``. ``modes`` are the
+    lowest symmetric ones by default. ``reference_k`` is the reduced frequency of the tabulated
+    derivatives: 0, or that of the mode that flutters; never an average over the band.
+    """
+
+    aircraft_id: int
+    source: str
+    panels: tuple[PlanformPanel, ...] = ()
+    surfaces: tuple[PlanformSurface, ...] = ()
+    deck: str = ""
+    deck_unit: str = "m"
+    modal_table_id: int | None = None
+    modes: tuple[int, ...] = ()
+    mach: float = 0.0
+    reference_k: float = 0.0
+    highest_k: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class PredictionTask:
+    """Numbers of a prediction for a worker without a database; shapes are per fuel weight."""
+
+    request: PredictionRequest
+    panels: tuple[Panel, ...]
+    modal_table_id: int | None
+    modes: tuple[int, ...]
+    fuel: tuple[float, ...]
+    references: tuple[Reference, ...]
+    nodes: np.ndarray
+    shapes: np.ndarray  # (fuel, modes, nodes, 6), structural axes
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedPrediction:
+    """A prediction before it is stored: complex coefficients and standard deviations."""
+
+    task: PredictionTask
+    names: tuple[str, ...]
+    k: np.ndarray
+    coefficients: np.ndarray  # (fuel, k, names)
+    values: np.ndarray  # (fuel, names)
+    std_errors: np.ndarray
+    n_boxes: int
+    surfaces: tuple[str, ...]
+
+
+def prepare_prediction(store: Store, request: PredictionRequest) -> PredictionTask:
+    """Read what a prediction needs.
+
+    Raises
+    ------
+    BadInput
+        If the planform, a surface or a mode is not valid, or the modal table has no nodes.
+    Conflict
+        If the aircraft has a prediction of that name.
+    """
+    aircraft = store.aircraft.get(request.aircraft_id)
+    check_prediction(store, request)
+    panels = _read_panels(request)
+    tables = store.modal_tables.find(aircraft_id=request.aircraft_id)
+    if request.modal_table_id is not None:
+        modal = select_by_id(tables, request.modal_table_id, "modal table", code="wrong-table")
+    else:
+        modal = find_modal_tables(store, request.aircraft_id, None, None)[0]
+    modes = open_modes(store, modal)
+    nodes = read_nodes(store, modes.table)
+    numbers = (
+        request.modes
+        or tuple(
+            number
+            for number, symmetric in zip(modes.table.numbers, modes.table.symmetric, strict=True)
+            if symmetric
+        )[:_MOST_MODES]
+    )
+    for number in numbers:
+        if number not in modes.table.numbers:
+            raise BadInput(
+                f"mode {number} is not in modal table '{modes.table.name}'", code="unknown-mode"
+            )
+        if not modes.table.symmetric[modes.table.numbers.index(number)]:
+            raise BadInput(
+                f"mode {number} is antisymmetric, and derivatives of lateral motion are not "
+                "computed from a planform; select symmetric modes",
+                code="axis-not-supported",
+                mode=number,
+            )
+    fuel = modes.table.fuel
+    if len(fuel) > _MOST_FUELS:
+        raise BadInput(f"{len(fuel)} fuel weights; expected at most {_MOST_FUELS}")
+    indices = [modes.table.numbers.index(number) for number in numbers]
+    shapes = np.array(
+        [[interpolate_shape(store, modes, mode, f) for mode in indices] for f in fuel]
+    )
+    shapes = shapes.reshape(len(fuel), len(numbers), len(nodes), 6) * TO_STRUCTURE
+    references = tuple(_build_reference(aircraft, f) for f in fuel)
+    return PredictionTask(
+        request, panels, modal.id, numbers, tuple(fuel), references, nodes, shapes
+    )
+
+
+def check_prediction(store: Store, request: PredictionRequest) -> None:
+    """Refuse a request that cannot be computed, before it is queued.
+
+    Raises
+    ------
+    BadInput
+        If the planform or a number is not valid.
+    Conflict
+        If the aircraft has a prediction of that name.
+    """
+    aircraft = store.aircraft.get(request.aircraft_id)
+    if store.predictions.find(aircraft_id=request.aircraft_id, source=request.source):
+        raise Conflict(
+            f"Prediction '{request.source}' is there already; give this one another name.",
+            code="already-exists",
+        )
+    if not 0.0 <= request.mach < 0.9:
+        raise BadInput(
+            f"the Mach number is {request.mach:g}; a lattice is valid from 0 to 0.9",
+            code="bad-mach",
+        )
+    if not 0.1 <= request.highest_k <= 4.0 or not 0.0 <= request.reference_k <= request.highest_k:
+        raise BadInput(
+            "the highest k must be from 0.1 to 4, and the reference k at most as high",
+            code="bad-frequency",
+        )
+    known = [surface.name for surface in aircraft.surfaces]
+    for surface in request.surfaces:
+        if surface.name not in known:
+            raise BadInput(
+                f"'{surface.name}' is not a surface of {aircraft.name}; surfaces are "
+                f"{', '.join(known) or 'none'}",
+                code="unknown-input",
+            )
+    require_axis_inputs(aircraft, [surface.name for surface in request.surfaces], LONGITUDINAL)
+    boxes = mesh_panels(_read_panels(request))
+    for surface in request.surfaces:
+        place_surface(boxes, surface.name, surface.span, surface.hinge)
+
+
+def compute_prediction(
+    task: PredictionTask, report: Callable[[Progress], None]
+) -> ComputedPrediction:
+    """Compute C(k) of all fuel weights, and the spread of the derivatives.
+
+    Notes
+    -----
+    The spread adds in squares: 15 to 25 % of each derivative (at least of 5 % of the largest of
+    its row), and the difference from a mesh with half the divisions along the chord.
+    """
+    request = task.request
+
+    def show(begin: float, share: float, message: str) -> Callable[[float], None]:
+        return lambda part: report(Progress(fraction=begin + share * part, message=message))
+
+    k = REDUCED_FREQUENCIES[request.highest_k > REDUCED_FREQUENCIES]
+    k = np.append(k, request.highest_k)
+    boxes = mesh_panels(task.panels)
+    message = f"Influence of {len(boxes)} boxes"
+    surfaces, found = _compute(task, boxes, k, show(0.0, 1.0 - _COARSE_SHARE, message))
+    coarse_panels = [_halve_chordwise(panel) for panel in task.panels]
+    near = np.unique([0.0, request.reference_k, max(request.reference_k, 0.1)])
+    message = "Coarser mesh for the spread"
+    progress = show(1.0 - _COARSE_SHARE, _COARSE_SHARE, message)
+    _, coarse = _compute(task, mesh_panels(coarse_panels), near, progress)
+    # The lattice numbers modes from 1.
+    inputs = tuple(surface.name for surface in request.surfaces)
+    names = list_derivative_names(task.modes, inputs)
+    values = np.array([np.real(C.at(request.reference_k)) for C in found])
+    place = int(np.searchsorted(near, request.reference_k))
+    mesh = values - np.array([np.real(C.values[place]) for C in coarse])
+    columns = variables(task.modes, inputs)
+    relative = [_SPREAD.get(c.rstrip("0123456789"), _SPREAD_OF_SURFACES) for c in columns]
+    # Of rates and angles apart: they are of different size.
+    size = np.maximum(np.abs(values), _SMALL * np.abs(values).max(axis=2, keepdims=True))
+    std = np.hypot(size * np.array(relative), mesh)
+    n_fuel = len(task.fuel)
+    return ComputedPrediction(
+        task,
+        names,
+        k,
+        np.array([C.values for C in found]).reshape(n_fuel, k.size, -1),
+        values.reshape(n_fuel, -1),
+        std.reshape(n_fuel, -1),
+        len(boxes),
+        tuple(
+            f"{s.name}: hinge {s.hinge_fraction:.3f}, Y {s.span_range[0]:.3f} to "
+            f"{s.span_range[1]:.3f} m"
+            for s in surfaces
+        ),
+    )
+
+
+def store_computed_prediction(store: Store, found: ComputedPrediction) -> DerivativePrediction:
+    """Store a computed prediction beside imported ones.
+
+    Raises
+    ------
+    Conflict
+        If a prediction of that name was stored meanwhile.
+    """
+    task, request = found.task, found.task.request
+    check_prediction(store, request)
+    geometry = repr((request.panels, request.deck, request.deck_unit, request.surfaces))
+    return store.predictions.add(
+        DerivativePrediction(
+            aircraft_id=request.aircraft_id,
+            source=request.source,
+            kind=KIND,
+            fuel=task.fuel,
+            names=found.names,
+            values=store.arrays.put(found.values),
+            std_errors=store.arrays.put(found.std_errors),
+            note=f"computed: {found.n_boxes} boxes on the right half, Mach {request.mach:g}, "
+            f"derivatives at k = {request.reference_k:g}; no thickness, no drag",
+            unsteady=UnsteadyPrediction(
+                k=tuple(found.k.tolist()),
+                reference_k=request.reference_k,
+                coefficients=store.arrays.put(found.coefficients),
+                mach=request.mach,
+                n_boxes=found.n_boxes,
+                geometry=hashlib.sha256(geometry.encode()).hexdigest(),
+                modal_table_id=task.modal_table_id,
+                surfaces=found.surfaces,
+            ),
+        )
+    )
+
+
+def _read_panels(request: PredictionRequest) -> tuple[Panel, ...]:
+    if bool(request.panels) == bool(request.deck):
+        raise BadInput("give either panels or a Nastran deck", code="no-panels")
+    if request.deck:
+        length = factor(request.deck_unit, "length")
+        every = read_aero_deck([request.deck]).panels.values()
+        panels = tuple(
+            replace(
+                panel,
+                left=length * panel.left,
+                right=length * panel.right,
+                left_chord=length * panel.left_chord,
+                right_chord=length * panel.right_chord,
+            )
+            for panel in every
+            if max(panel.left[1], panel.right[1]) > 0.0  # the left half is the mirror image
+        )
+    else:
+        panels = tuple(
+            Panel(
+                np.array(one.left),
+                one.left_chord,
+                np.array(one.right),
+                one.right_chord,
+                np.linspace(0.0, 1.0, one.chordwise + 1),
+                np.linspace(0.0, 1.0, one.spanwise + 1),
+            )
+            for one in request.panels
+            if _check_divisions(one)
+        )
+    n_boxes = sum((p.chordwise.size - 1) * (p.spanwise.size - 1) for p in panels)
+    if n_boxes > MAX_BOXES:
+        raise BadInput(
+            f"{n_boxes} boxes are more than {MAX_BOXES}; divide the panels less finely",
+            code="too-many-boxes",
+        )
+    for number, panel in enumerate(panels, start=1):
+        if min(panel.left[1], panel.right[1]) < -1e-9:
+            raise BadInput(
+                f"panel {number} crosses the plane of symmetry; give the right half",
+                code="bad-panel",
+            )
+    return panels
+
+
+def _check_divisions(panel: PlanformPanel) -> bool:
+    for count in (panel.chordwise, panel.spanwise):
+        if not 1 <= count <= _LARGEST_DIVISION:
+            raise BadInput(
+                f"a panel is divided into {count}; expected 1 to {_LARGEST_DIVISION}",
+                code="bad-panel",
+            )
+    return True
+
+
+def _halve_chordwise(panel: Panel) -> Panel:
+    edges = panel.chordwise
+    return replace(panel, chordwise=edges[::2] if edges.size % 2 and edges.size > 2 else edges)
+
+
+def _build_reference(aircraft: Aircraft, fuel: float) -> Reference:
+    geometry, mass = aircraft.geometry, aircraft.mass
+    x, z = (float(np.interp(fuel, mass.fuel, values)) for values in (mass.x_cg_m, mass.z_cg_m))
+    cg = np.array([x, 0.0, z])
+    return Reference(geometry.area_m2, geometry.chord_m, geometry.span_m, cg)
+
+
+def _compute(
+    task: PredictionTask, boxes: Boxes, k: np.ndarray, report: Callable[[float], None]
+) -> tuple[list[ControlSurface], list[UnsteadyCoefficients]]:
+    planes = select_nodes(boxes, task.nodes) if task.modes else []
+    loadings = []
+    for shapes, reference in zip(task.shapes, task.references, strict=True):
+        own = BoxShapes(*(np.zeros((0, len(boxes))) for _ in range(3)))
+        if task.modes:
+            own = interpolate_shapes(
+                boxes,
+                [
+                    SplinedSurface(
+                        inside, task.nodes[nodes], shapes[:, nodes, :3], shapes[:, nodes, 3:]
+                    )
+                    for inside, nodes in planes
+                ],
+            )
+        loadings.append((own, reference))
+    surfaces = [place_surface(boxes, s.name, s.span, s.hinge) for s in task.request.surfaces]
+    found = compute_loadings(
+        boxes,
+        loadings,
+        surfaces,
+        mach=task.request.mach,
+        symmetry=Symmetry.SYMMETRIC,
+        k=k,
+        report_progress=report,
+    )
+    return surfaces, found

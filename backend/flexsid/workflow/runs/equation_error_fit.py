@@ -1,0 +1,121 @@
+"""Equation-error estimate of a task: reconstructed motion, and one regression per maneuver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation.equation_error import equation_error
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.fusion import fuse_estimates
+from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.workflow.measurements.recording import MeasuredSpectra
+from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
+
+_MAX_SCALE_STD = 0.005  # standard deviation of the sensors' scale factors that raises a warning
+
+
+@dataclass(frozen=True, slots=True)
+class EquationErrorFit:
+    """Estimate by equation error; ``out_of_band`` are the modes reconstructed in any maneuver."""
+
+    estimate: Estimate
+    out_of_band: tuple[int, ...]
+    warnings: tuple[str, ...]
+
+
+def fit_equation_error(
+    task: EstimationTask, parameters: Parameters, spread: float = PRIOR_SPREAD
+) -> EquationErrorFit:
+    """Estimate all maneuvers by equation error, retained modes with a prior of this spread."""
+    labels = [data.label for data in task.maneuvers]
+    estimates, warnings = [], []
+    if task.nuisance is None:
+        out_of_band: dict[int, None] = {}
+        for data in task.maneuvers:
+            motion, added = reconstruct_with_out_of_band_modes(data)
+            out_of_band |= dict.fromkeys(added)
+            warnings += warn_of_sensor_noise(data, motion)
+            estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
+        fused = fuse_estimates(estimates, labels)
+        return EquationErrorFit(fused, tuple(out_of_band), tuple(warnings))
+    # Every maneuver has its share of the prior, so that the fused estimate has all of it.
+    priors = {
+        name: (mean, std * np.sqrt(len(task.maneuvers)))
+        for name, (mean, std) in task.nuisance.list_priors(task.nuisance_names, spread).items()
+    }
+    for data in task.maneuvers:
+        spectra = data.measured
+        estimate, motion = marginal_equation_error(
+            data.model,
+            spectra.outputs,
+            spectra.instruments,
+            spectra.inputs,
+            parameters,
+            priors,
+            len(task.structure.modes),
+            spectra.output_noise,
+        )
+        warnings += warn_of_sensor_noise(data, motion)
+        estimates.append(estimate)
+    fused = replace(fuse_estimates(estimates, labels), nuisance=frozenset(task.nuisance_names))
+    return EquationErrorFit(fused, (), tuple(warnings))
+
+
+def reconstruct_with_out_of_band_modes(
+    data: ManeuverData,
+) -> tuple[ReconstructedMotion, tuple[int, ...]]:
+    """Reconstruct the model's modes with as many out-of-band modes as the sensors resolve.
+
+    An out-of-band mode reduces redundancy: where the noise of a sensor is then not
+    identifiable from the others, its noise would be attributed to motion.
+    """
+    own = len(data.model.modes.numbers)
+    spectra = data.measured
+    for count in range(len(data.extended_model.modes.numbers), own, -1):
+        model = data.extended_model.with_modes(count)
+        try:
+            motion = _reconstruct(model, spectra)
+        except NotIdentifiable:
+            continue
+        if not motion.assumed:
+            return motion.select_motions(model.n_rigid + own), model.modes.numbers[own:]
+    return _reconstruct(data.model, spectra), ()
+
+
+def _reconstruct(model: AeroelasticModel, spectra: MeasuredSpectra) -> ReconstructedMotion:
+    return reconstruct_motion(
+        model, spectra.outputs, spectra.instruments, guess=spectra.output_noise
+    )
+
+
+def warn_of_sensor_noise(data: ManeuverData, motion: ReconstructedMotion) -> list[str]:
+    """Warn of assumed sensor noise and of inconsistent scale factors of a maneuver."""
+    warnings = []
+    if motion.assumed:
+        known = np.isfinite(data.measured.output_noise).all()
+        source = (
+            "in the ratio that the aircraft record gives"
+            if known
+            else "as the same fraction of every sensor's signal, because the aircraft record does "
+            "not give it (noise_std)"
+        )
+        warnings.append(
+            f"{data.label}: {len(motion.noise)} outputs are too few to estimate the noise of "
+            f"{', '.join(motion.assumed)}. It was assumed {source}; the standard errors include a "
+            "factor of two in it and may exceed small derivatives. Add sensors as outputs, or "
+            "compare with OE."
+        )
+    if motion.scale_std > _MAX_SCALE_STD:
+        warnings.append(
+            f"{data.label}: the sensors disagree on the motion as if their scale factors were "
+            f"wrong by {100.0 * motion.scale_std:.1f} % (standard deviation); the standard errors "
+            "include it. Check their calibration and delays, and whether a mode is missing."
+        )
+    return warnings

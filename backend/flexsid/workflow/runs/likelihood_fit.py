@@ -1,0 +1,249 @@
+"""Output-error and frequency-response-error fits of a task by maximum likelihood."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexsid.errors import Cancelled
+from flexsid.records.run import Method, Progress
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
+from flexsid.sysid.estimation.leakage import correct_leakage, join_histories
+from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.signals import FrequencyData
+from flexsid.workflow.runs.estimation_task import (
+    EstimationTask,
+    Report,
+    compute_poles,
+    select_moved_poles,
+)
+from flexsid.workflow.runs.starting_values import collect_starting_points
+
+_PROGRESS_BEFORE_REFITS = 0.9  # progress when fits from perturbed starts or new priors remain
+_PROGRESS_BEFORE_LEAKAGE = 0.95  # progress when the leakage correction and weighting remain
+PROGRESS_BEFORE_WEIGHTING = 0.97
+"""Progress when the fit weighted with the noise spectrum and the tests of the model remain."""
+
+_PERTURBED_STARTS = 3
+_PERTURBATION = 0.3  # of a start value, relative to it
+_SAME_COST = 1e-3  # optima whose costs differ by less are the same
+
+
+def build_experiments(task: EstimationTask) -> list[Experiment]:
+    """Build one OE or FRE experiment for each maneuver."""
+    several = len(task.maneuvers) > 1
+    result = []
+    for data in task.maneuvers:
+        name = data.label if several else task.method.value
+        spectra = data.measured
+        if task.method is Method.OE:
+            result.append(
+                output_error(
+                    data.model,
+                    spectra.inputs,
+                    spectra.outputs,
+                    spectra.instruments,
+                    name,
+                    spectra.record_ends_s,
+                    spectra.window_s,
+                )
+            )
+        else:
+            through = np.ones_like(spectra.instruments)
+            source = output_error(
+                data.model,
+                spectra.inputs,
+                spectra.true_outputs(),
+                through,
+                name,
+                window_s=spectra.window_s,
+            )
+            experiment = frequency_response_error(data.model, spectra.responses(), name, source)
+            if several:
+                groups = tuple(f"{name} {group}" for group in experiment.group_names)
+                experiment = replace(experiment, group_names=groups)
+            result.append(experiment)
+    return result
+
+
+def compute_interpolation_bias(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    theta: np.ndarray,
+) -> float:
+    """Compute the bias of frequency responses by interpolation between harmonics of one input.
+
+    Returns
+    -------
+    float
+        Largest of any output and input: rms over its harmonics, in standard deviations of the
+        response.
+
+    Notes
+    -----
+    The modelled outputs of the recorded inputs pass through the estimation of responses as the
+    measured ones do; what is estimated is compared with the modelled responses.
+    """
+    largest = 0.0
+    for data, experiment in zip(task.maneuvers, experiments, strict=True):
+        if experiment.source is None:
+            continue
+        spectra = data.measured
+        outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
+        found = spectra.responses(FrequencyData(spectra.omega, outputs, spectra.outputs.names))
+        modelled = FrequencyDomainModel(experiment, parameters).respond(theta).outputs
+        for number, (name, measured) in enumerate(spectra.responses().items()):
+            if measured.std is not None and measured.omega.size:
+                bias = found[name].values[..., 0] - modelled[experiment.group == number]
+                relative = np.abs(bias) / np.maximum(measured.std[..., 0], 1e-300)
+                largest = max(largest, float(np.sqrt(np.mean(relative**2, axis=0)).max()))
+    return largest
+
+
+def build_fit_settings(task: EstimationTask, spread: float = PRIOR_SPREAD) -> FitSettings:
+    """Build the settings of the likelihood maximisation of a task."""
+    settings = task.settings
+    return FitSettings(
+        max_iterations=settings.max_iterations,
+        noise=settings.noise,
+        priors=task.list_priors(spread),
+    )
+
+
+def maximize_from_starts(
+    task: EstimationTask, experiments: list[Experiment], report: Report
+) -> tuple[Parameters, str, Estimate]:
+    """Maximise the likelihood from every start and return the best optimum.
+
+    Perturbed starts follow where no start converged.
+    """
+    candidates = collect_starting_points(task, report)
+    settings = build_fit_settings(task)
+    limit = settings.max_iterations
+
+    def attempt(
+        name: str, parameters: Parameters, share: float
+    ) -> tuple[Parameters, str, Estimate]:
+        def report_iteration(iteration: int, cost: float) -> None:
+            report(
+                Progress(
+                    iteration=iteration,
+                    cost=cost,
+                    fraction=share + (1.0 - share) * iteration / limit / len(candidates),
+                    message=f"Iteration {iteration} from {name}",
+                )
+            )
+
+        estimate = maximize(experiments, parameters, settings, report_iteration)
+        if estimate.outcome is Outcome.CANCELLED:
+            raise Cancelled(estimate.message)
+        return parameters, name, replace(estimate, nuisance=frozenset(task.nuisance_names))
+
+    ends = [
+        attempt(name, parameters, number / len(candidates))
+        for number, (name, parameters) in enumerate(candidates.items())
+    ]
+    best = _select_best(task, ends)
+    for seed in range(_PERTURBED_STARTS):
+        if best[2].outcome in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION):
+            break
+        parameters, name, _ = best
+        factors = 1.0 + _PERTURBATION * np.random.default_rng(seed).uniform(
+            -1, 1, parameters.start.size
+        )
+        perturbed = replace(parameters, start=parameters.start * factors)
+        name = f"{name.split(', perturbed')[0]}, perturbed"
+        best = _select_best(task, [best, attempt(name, perturbed, _PROGRESS_BEFORE_REFITS)])
+    return best
+
+
+def _select_best(
+    task: EstimationTask, ends: list[tuple[Parameters, str, Estimate]]
+) -> tuple[Parameters, str, Estimate]:
+    """Select the optimum of largest likelihood among those with fewest poles moved into the band.
+
+    Of optima of equal likelihood, the first that converged.
+    """
+    moved = [len(select_moved_poles(task, compute_poles(task, end[0], end[2]))) for end in ends]
+    ends = [end for end, n in zip(ends, moved, strict=True) if n == min(moved)]
+    lowest = min(end[2].steps[-1].cost for end in ends)
+    same = [end for end in ends if end[2].steps[-1].cost < lowest + _SAME_COST]
+    return min(same, key=lambda end: end[2].outcome is not Outcome.CONVERGED)
+
+
+def refit_with_spread(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    spread: float,
+    report: Report,
+) -> Estimate:
+    """Fit again from an estimate with another spread of the nuisance prior.
+
+    Raises
+    ------
+    Cancelled
+        If ``report`` cancels the run.
+    """
+    begun = estimate.steps[-1].iteration
+
+    def report_iteration(iteration: int, cost: float) -> None:
+        report(
+            Progress(
+                iteration=begun + iteration,
+                cost=cost,
+                fraction=_PROGRESS_BEFORE_REFITS,
+                message=f"Iteration {begun + iteration} with a prior spread of {spread:.2g}",
+            )
+        )
+
+    again = maximize(
+        experiments,
+        replace(parameters, start=estimate.values),
+        build_fit_settings(task, spread),
+        report_iteration,
+    )
+    if again.outcome is Outcome.CANCELLED:
+        raise Cancelled(again.message)
+    return replace(join_histories(estimate, again), nuisance=estimate.nuisance)
+
+
+def refit_with_leakage_correction(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    report: Report,
+    spread: float,
+) -> tuple[list[Experiment], Estimate]:
+    """Correct for leakage and fit again until both converge.
+
+    Raises
+    ------
+    Cancelled
+        If ``report`` cancels the run.
+    """
+
+    def report_iteration(iteration: int, cost: float) -> None:
+        message = f"Iteration {iteration}, correcting leakage"
+        report(
+            Progress(
+                iteration=iteration, cost=cost, fraction=_PROGRESS_BEFORE_LEAKAGE, message=message
+            )
+        )
+
+    corrected, again = correct_leakage(
+        experiments, parameters, estimate, build_fit_settings(task, spread), report_iteration
+    )
+    if again.outcome is Outcome.CANCELLED:
+        raise Cancelled(again.message)
+    return corrected, replace(again, nuisance=estimate.nuisance)

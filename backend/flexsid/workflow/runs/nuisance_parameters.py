@@ -1,0 +1,75 @@
+"""Nuisance parameters of an estimation: the spread of their prior, and their marginalisation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, compute_noise_share, estimate_spread
+from flexsid.workflow.runs.estimation_task import EstimationTask
+
+_SPREAD_ROUNDS = 3
+_SPREAD_CONVERGED = 0.1  # relative change of the spread of the nuisance prior
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedRetainedModes:
+    """Retained modes of an estimation: estimate of all parameters, their priors and its spread."""
+
+    modes: tuple[int, ...]
+    spread: float
+    estimate: Estimate
+    priors: dict[str, tuple[float, float]]
+    noise_share: dict[str, float]
+
+
+def refit_until_consistent(
+    task: EstimationTask, estimate: Estimate, refit: Callable[[Estimate, float], Estimate]
+) -> tuple[float, Estimate]:
+    """Estimate the spread of the nuisance prior and fit again, until it is consistent.
+
+    Parameters
+    ----------
+    task, estimate
+        Task, and its estimate with the spread ``PRIOR_SPREAD``.
+    refit
+        Fits again, from an estimate, with a spread.
+
+    Returns
+    -------
+    spread, estimate
+        ``PRIOR_SPREAD`` and the estimate unchanged where the task has no nuisance parameters.
+    """
+    spread = PRIOR_SPREAD
+    if task.nuisance is None:
+        return spread, estimate
+    for _ in range(_SPREAD_ROUNDS):
+        if not estimate.outcome.is_optimum:
+            break
+        spread, before = estimate_spread(estimate, task.nuisance), spread
+        if abs(np.log(spread / before)) < _SPREAD_CONVERGED:
+            break
+        estimate = refit(estimate, spread)
+    return spread, estimate
+
+
+def marginalise(
+    task: EstimationTask, estimate: Estimate, spread: float, overlap: float
+) -> ComputedRetainedModes | None:
+    """Return the retained modes with the estimate of all parameters; None without them.
+
+    The variances of the estimate are multiplied by ``overlap`` already.
+    """
+    if task.nuisance is None:
+        return None
+    reported = [name for name in estimate.names if name not in estimate.nuisance]
+    estimate = estimate.select([*reported, *task.nuisance_names])
+    priors = task.list_priors(spread)
+    share = compute_noise_share(estimate, priors, overlap)
+    std = dict(zip(estimate.names, estimate.std_errors, strict=True))
+    for name in share.keys() & task.modal_std.keys():
+        share[name] /= 1.0 + (task.modal_std[name] / std[name]) ** 2
+    return ComputedRetainedModes(task.retained, spread, estimate, priors, share)

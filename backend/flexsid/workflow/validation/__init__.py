@@ -1,0 +1,1 @@
+"""Validation of identified models by data that they were not fitted to."""

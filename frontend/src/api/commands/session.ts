@@ -1,0 +1,50 @@
+/** Log-in, log-out, invitations and API tokens. */
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, body } from "../client";
+import { sessionQuery } from "../queries";
+import type { TokenRequest } from "../types";
+
+export function useLogIn() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: { name: string; password: string }) =>
+      body(api.POST("/api/v1/session", { body: request })),
+    onSuccess: (session) => {
+      cache.setQueryData(sessionQuery.queryKey, session);
+    },
+  });
+}
+
+export function useLogOut() {
+  return useMutation({
+    mutationFn: () => body(api.DELETE("/api/v1/session")),
+    // Nothing of the account stays in the memory of the page.
+    onSettled: () => {
+      window.location.assign("/");
+    },
+  });
+}
+
+export function useAcceptInvitation() {
+  return useMutation({
+    mutationFn: (request: { code: string; password: string }) =>
+      body(api.POST("/api/v1/invitations", { body: request })),
+  });
+}
+
+export function useCreateToken() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: TokenRequest) => body(api.POST("/api/v1/tokens", { body: request })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["tokens"] }),
+  });
+}
+
+export function useDeleteToken() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.DELETE("/api/v1/tokens/{token_id}", { params: { path: { token_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["tokens"] }),
+  });
+}

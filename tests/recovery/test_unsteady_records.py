@@ -1,0 +1,167 @@
+"""Maneuvers flown with unsteady air forces, and the lattice's shape on their geometry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from file_imports import import_maneuver
+from scipy.interpolate import CubicSpline
+
+from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.flex28 import INPUTS
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+)
+from flexsid.storage.store import Store
+from flexsid.sysid.aerodynamics.boxes import Boxes
+from flexsid.sysid.aerodynamics.coefficients import compute_coefficients
+from flexsid.sysid.aerodynamics.influence import Symmetry
+from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference, place_surface
+from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
+from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_crossing_error
+from flexsid.sysid.stability.flutter import track_roots
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.runs.estimation import compute_run, prepare
+from flexsid.workflow.runs.estimation_task import EstimationTask
+
+PROJECT = Path(__file__).parents[2]
+DATA = PROJECT.parent / "shared" / "data" / "flex28_unsteady"
+pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="FLEX-28U is not beside the project")
+
+MODES = (7, 9)
+REFERENCE_K = 0.15
+SURFACES = {
+    "bf": (0.267, 2.44),
+    "wf1": (3.0, 5.75),
+    "wf2": (5.75, 8.5),
+    "wf3": (8.5, 11.25),
+    "wf4": (11.25, 14.0),
+}
+
+
+@pytest.fixture(scope="module")
+def own_lattice() -> tuple[FrequencyShape, DerivativeTable]:
+    """C(k) of the project's lattice on the boxes of the data set."""
+    truth = dict(np.load(DATA / "flex28_unsteady.npz"))
+    fuel = 2
+    boxes = Boxes(truth["box_corners"], np.zeros(320, int), np.repeat(np.arange(40), 8))
+    d, turn, load = (truth[n][fuel].astype(float) for n in ("d_control", "rot_control", "d_load"))
+    N = boxes.normal
+    slope = turn[..., 2] * N[:, 1] - turn[..., 1] * N[:, 2]
+    shapes = BoxShapes((d * N).sum(axis=2), slope, (load * N).sum(axis=2)).select((0, 1))
+    cg = np.array([truth["xcg"][fuel], 0.0, truth["zcg"][fuel]])
+    found = compute_coefficients(
+        boxes,
+        shapes,
+        [place_surface(boxes, name, span, 0.75) for name, span in SURFACES.items()],
+        Reference(float(truth["S"]), float(truth["cbar"]), 28.0, cg),
+        mach=0.1,
+        symmetry=Symmetry.SYMMETRIC,
+        k=truth["k"][: int(np.searchsorted(truth["k"], 1.3)) + 1],
+    )
+    names = list_derivative_names(MODES, INPUTS)
+    predicted = dict(zip(names, found.values.reshape(found.k.size, -1).T, strict=True))
+    at = np.real(CubicSpline(found.k, found.values, axis=0)(REFERENCE_K))
+    shape = build_frequency_shape(MODES, INPUTS, found.k, predicted, REFERENCE_K)
+    return shape, DerivativeTable(MODES, INPUTS, at)
+
+
+def load_task(store: Store, name: str, method: Method) -> EstimationTask:
+    add_aircraft(store)
+    mapping = PROJECT / "examples" / "flex28" / "record.toml"
+    maneuver = import_maneuver(store, [DATA / "records" / f"{name}.npz"], mapping)
+    assert maneuver.id is not None
+    request = EstimationRun(
+        maneuver_id=maneuver.id,
+        method=method,
+        structure=Structure(modes=MODES, fixed={}),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    return prepare(store, request)
+
+
+def shape_task(
+    task: EstimationTask, shape: FrequencyShape, start: DerivativeTable
+) -> EstimationTask:
+    maneuvers = tuple(
+        replace(
+            one,
+            model=replace(one.model, shape=shape),
+            extended_model=replace(
+                one.extended_model, shape=shape.select(one.extended_model.modes.numbers, INPUTS)
+            ),
+        )
+        for one in task.maneuver_tasks
+    )
+    return replace(
+        task,
+        maneuver_tasks=maneuvers,
+        starts={"prediction": start},
+        predicted=start,
+        try_equation_error=False,
+        residualized=None,
+    )
+
+
+def predict(task: EstimationTask, found: ComputedRun) -> tuple[float, float]:
+    """Flutter speed of the estimate and its standard error. [m/s]"""
+    model, estimate = task.model, found.estimate
+    names = list_derivative_names(MODES, INPUTS)
+    assert estimate.names == names
+    table = DerivativeTable(MODES, INPUTS, estimate.values.reshape(4, -1))
+    aircraft = Aeroelastic(model.condition, model.modes, table, model.shape)
+    crossing = track_roots(aircraft, np.linspace(40.0, 90.0, 26)).flutter
+    assert crossing is not None
+    rows, columns = np.divmod(np.arange(len(names)), table.values.shape[1])
+    uncertain = UncertainDerivatives(rows, columns, estimate.corrected_covariance)
+    return crossing.airspeed, estimate_crossing_error(aircraft, crossing, uncertain)
+
+
+@pytest.mark.parametrize(
+    ("name", "percent"),
+    [("065Vf_n2_fta506", 1.5), ("080Vf_n2_fta506", 1.0), ("095Vf_n2_fta506", 1.0)],
+)
+def test_flutter_and_factors_from_one_maneuver(store: Store, own_lattice, name: str, percent):
+    shape, start = own_lattice
+    record = np.load(DATA / "records" / f"{name}.npz")
+    task = shape_task(load_task(store, name, Method.OE), shape, start)
+    found = compute_run(task, lambda progress: None)
+    assert found.adequacy.state is AdequacyState.CONSISTENT
+    factors = found.estimate.values / start.values.ravel()
+    errors = found.estimate.std_errors / np.abs(start.values.ravel())
+    within = np.abs(factors - record["true_factors"].ravel()) < 2.0 * errors
+    assert within.mean() >= 0.93
+    flutter = float(record["true_flutter_speed_ft_s"]) * 0.3048
+    speed, std = predict(task, found)
+    assert speed == pytest.approx(flutter, rel=percent / 100.0)
+    assert abs(speed - flutter) < 2.0 * std
+
+
+@pytest.mark.parametrize("method", [Method.FRE, Method.EE])
+def test_other_estimators_find_the_factors(store: Store, own_lattice, method: Method):
+    shape, start = own_lattice
+    name = "065Vf_n2_fta506"
+    record = np.load(DATA / "records" / f"{name}.npz")
+    found = compute_run(
+        shape_task(load_task(store, name, method), shape, start), lambda progress: None
+    )
+    factors = found.estimate.values / start.values.ravel()
+    errors = found.estimate.std_errors / np.abs(start.values.ravel())
+    within = np.abs(factors - record["true_factors"].ravel()) < 2.0 * errors
+    assert within.mean() >= 0.9
+    assert np.median(errors) < 0.02
+
+
+def test_a_quasi_steady_model_of_these_records_is_suspect(store: Store):
+    found = compute_run(load_task(store, "065Vf_n2_fta506", Method.OE), lambda progress: None)
+    assert found.adequacy.state is AdequacyState.SUSPECT

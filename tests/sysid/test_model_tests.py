@@ -1,0 +1,162 @@
+"""Tests of a fit for remaining model error: false alarms and power against Monte Carlo."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import Case
+
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.model_tests import Hypothesis, ModelTest, compute_model_tests
+from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+
+FREQUENCIES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty harmonics each
+LEVEL = 0.03
+
+
+def excite() -> np.ndarray:
+    """Multisine of five inputs, whose surfaces also move at the harmonics of the others."""
+    rng = np.random.default_rng(1)
+    u = np.zeros((FREQUENCIES.size, 5), dtype=complex)
+    turns = np.exp(2j * np.pi * rng.uniform(size=FREQUENCIES.size))
+    u[np.arange(FREQUENCIES.size), np.arange(FREQUENCIES.size) % 5] = turns
+    return u @ (np.eye(5) + 0.1 * rng.normal(size=(5, 5)))
+
+
+def measure(
+    case: Case, seed: int, fitted: Case, change: Callable[[np.ndarray], None] | None = None
+) -> Experiment:
+    """Record the response of one aircraft with noise, to fit the model of another."""
+    rng = np.random.default_rng(1000 + seed)
+    u = excite()
+    z = (case.model.response(case.truth, FREQUENCIES) @ u[:, :, None])[:, :, 0]
+    level = LEVEL * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
+    if change is not None:
+        change(z)
+    z = z + level * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape)) / np.sqrt(2.0)
+    return fitted.experiment(u, z, FREQUENCIES)
+
+
+def fit_and_test(
+    experiment: Experiment,
+    parameters: Parameters,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[ModelTest, ...]:
+    estimate = maximize([experiment], parameters, FitSettings(priors=priors))
+    return compute_model_tests([experiment], parameters, estimate.values, priors)
+
+
+@pytest.mark.parametrize(
+    ("fits", "low", "high"),
+    [(80, 0.0, 0.1), pytest.param(400, 0.03, 0.07, marks=pytest.mark.long)],
+)
+def test_a_correct_model_is_rejected_in_five_percent_of_fits(make_case, fits, low, high):
+    case = make_case(1, n_outputs=10)
+    rejected = [
+        fit_and_test(measure(case, seed, case), case.free())[0].rejects for seed in range(fits)
+    ]
+    assert low <= np.mean(rejected) <= high, f"{np.mean(rejected):.3f}"
+
+
+def test_priors_are_no_model_error(make_case):
+    """Priors about means that miss the truth by their standard deviation."""
+    case = make_case(1, n_outputs=10)
+    truth = case.truth.named()
+    rejected = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        spread = {name: 0.1 * abs(value) for name, value in truth.items() if "eta7" in name}
+        priors = {n: (truth[n] + std * rng.normal(), std) for n, std in spread.items()}
+        tests = fit_and_test(measure(case, seed, case), case.free(), priors)
+        rejected.append(tests[0].rejects)
+    assert np.mean(rejected) <= 0.125, f"{np.mean(rejected):.3f}"
+
+
+def test_a_delay_of_10_ms_in_one_sensor_is_found(make_case):
+    case = make_case(3, n_outputs=12)
+    for seed in range(12):
+        output = seed % 12
+
+        def delay(z: np.ndarray, output: int = output) -> None:
+            z[:, output] *= np.exp(-0.01j * FREQUENCIES)
+
+        found = fit_and_test(measure(case, seed, case, delay), case.free())
+        name = case.model.outputs[output]
+        one = next(t for t in found if (t.hypothesis, t.subject) == (Hypothesis.OUTPUT_DELAY, name))
+        assert one.rejects
+        assert one.estimate == pytest.approx(0.01, rel=0.3)
+
+
+def test_a_sensor_scale_of_3_percent_is_found(make_case):
+    case = make_case(3, n_outputs=12)
+    found = []
+    for seed in range(12):
+        output = seed % 12
+
+        def scale(z: np.ndarray, output: int = output) -> None:
+            z[:, output] *= 1.03
+
+        tests = fit_and_test(measure(case, seed, case, scale), case.free())
+        found.append(tests[0].rejects)
+    assert np.mean(found) >= 0.95
+
+
+def test_an_omitted_mode_is_found(make_case):
+    true, fitted = make_case(4), make_case(3)
+    u = measure(true, 0, fitted)
+    for seed in range(3):
+        found = fit_and_test(measure(true, seed, fitted), fitted.free())
+        assert found[0].rejects
+        assert found[0].hypothesis is Hypothesis.RESIDUAL_RESPONSE
+    estimate = maximize([u], fitted.free())
+    tests = compute_model_tests([u], fitted.free(), estimate.values, extended_models=[true.model])
+    mode = next(t for t in tests if t.hypothesis is Hypothesis.FURTHER_MODE)
+    assert mode.rejects
+    assert mode.subject == f"mode {true.model.modes.numbers[-1]}"
+
+
+def test_a_wrongly_held_derivative_is_found_with_its_size(make_case):
+    case = make_case(1, n_outputs=10)
+    truth = case.truth.named()["Cm_q"]
+    parameters = select_parameters(
+        case.truth, None, case.model.outputs, fixed={"Cm_q": 1.3 * truth}
+    )
+    held = next(
+        t
+        for t in fit_and_test(measure(case, 0, case), parameters)
+        if t.hypothesis is Hypothesis.DERIVATIVE
+    )
+    assert held.subject == "Cm_q"
+    assert held.rejects
+    assert held.estimate == pytest.approx(-0.3 * truth, rel=0.2)
+
+
+def test_a_lag_of_the_forces_and_a_delay_of_an_input_are_found(make_case):
+    """Surfaces that act late, alone and together with all other forces."""
+    case = make_case(1, n_outputs=10)
+    u = excite()
+    late = u.copy()
+    late[:, 1] *= np.exp(-0.005j * FREQUENCIES)
+    z = (case.model.response(case.truth, FREQUENCIES) @ late[:, :, None])[:, :, 0]
+    rng = np.random.default_rng(0)
+    level = 0.01 * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
+    z += level * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape))
+    tests = fit_and_test(case.experiment(u, z, FREQUENCIES), case.free())
+    found = {(t.hypothesis, t.subject): t for t in tests}
+    one = found[Hypothesis.INPUT_DELAY, case.model.inputs[1]]
+    assert one.rejects
+    assert one.estimate == pytest.approx(0.005, rel=0.3)
+
+
+def test_free_quantities_and_too_few_frequencies_are_not_tested(make_case):
+    case = make_case(1, n_outputs=10)
+    name = case.model.outputs[0]
+    parameters = case.free((f"delay_{name}",))
+    tests = fit_and_test(measure(case, 0, case), parameters)
+    assert (Hypothesis.OUTPUT_DELAY, name) not in {(t.hypothesis, t.subject) for t in tests}
+    u, z = case.spectra(0, FREQUENCIES[:15])
+    few = case.experiment(u, z, FREQUENCIES[:15])
+    assert compute_model_tests([few], case.free(), case.truth.values.ravel()) == ()

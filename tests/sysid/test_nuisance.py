@@ -1,0 +1,120 @@
+"""Prior of the derivatives of out-of-band modes, and its spread."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
+from flexsid.sysid.estimation.nuisance import (
+    NuisancePrior,
+    build_nuisance_prior,
+    compute_noise_share,
+    estimate_spread,
+)
+from flexsid.sysid.model.derivatives import list_derivative_names
+
+MODES, INPUTS = (7, 9, 11), ("bf", "wf")
+NAMES = list_derivative_names(MODES, INPUTS)
+
+
+def predict(seed: int = 0) -> dict[str, float]:
+    sizes = np.random.default_rng(seed).normal(size=len(NAMES))
+    return dict(zip(NAMES, sizes.tolist(), strict=True))
+
+
+def build_estimate(values: np.ndarray, std: float, nuisance: frozenset[str]) -> Estimate:
+    covariance = np.diag(np.full(values.size, std**2))
+    return Estimate(
+        NAMES, values, values, covariance, covariance, (), (), Outcome.CONVERGED, "", nuisance
+    )
+
+
+def get_prior_std(prior: NuisancePrior, spread: float) -> dict[str, float]:
+    return {name: std for name, (_, std) in prior.list_priors(NAMES, spread).items()}
+
+
+def test_prior_of_predicted_derivatives_is_relative_to_their_size():
+    predicted = predict()
+    prior = build_nuisance_prior(MODES, INPUTS, predicted)
+    std = get_prior_std(prior, 0.2)
+    row = [abs(predicted[name]) for name in NAMES if name.startswith("Cm_")]
+    for name in NAMES:
+        if name.startswith("Cm_"):
+            assert std[name] == pytest.approx(0.2 * max(abs(predicted[name]), np.median(row)))
+        assert prior.list_priors((name,), 0.2)[name][0] == predicted[name]
+
+
+def test_prior_of_a_mode_without_prediction_is_centred_at_zero_with_a_similar_size():
+    predicted = {n: 2.0 for n in NAMES if "11" not in n}
+    prior = build_nuisance_prior(MODES, INPUTS, predicted)
+    for name in ("CQ11_alpha", "CZ_eta11", "CQ11_etadot11"):
+        mean, std = prior.list_priors((name,), 0.1)[name]
+        assert mean == 0.0
+        # The median of |x| of a normal x is 0.6745 standard deviations
+        assert std == pytest.approx(2.0 / 0.6745)  # whatever the spread of predictions is
+
+
+@pytest.mark.parametrize("spread", [0.1, 0.3, 0.6])
+def test_spread_is_found_from_the_modes_in_the_band(spread: float):
+    predicted = predict(1)
+    prior = build_nuisance_prior(MODES, INPUTS, predicted)
+    nuisance = frozenset(n for n in NAMES if "11" in n)
+    rng = np.random.default_rng(2)
+    found = []
+    for _ in range(20):
+        truth = prior.mean.values.ravel() + spread * prior.size.ravel() * rng.normal(
+            size=len(NAMES)
+        )
+        values = truth + 0.02 * rng.normal(size=len(NAMES))
+        found.append(estimate_spread(build_estimate(values, 0.02, nuisance), prior))
+    # The upper standard deviation of the posterior: above the truth, by less than half of it.
+    assert spread < np.mean(found) < 1.5 * spread
+
+
+def test_errors_of_the_modal_table_do_not_increase_the_spread():
+    prior = build_nuisance_prior(MODES, INPUTS, predict(1))
+    place = NAMES.index("CQ9_eta9")
+    modal_std = np.zeros(prior.size.shape)
+    modal_std.ravel()[place] = 5.0 * prior.size.ravel()[place]
+    values = prior.mean.values.ravel().copy()
+    values[place] += 5.0 * prior.size.ravel()[place]
+    estimate = build_estimate(values, 0.02, frozenset(n for n in NAMES if "11" in n))
+    known = replace(prior, modal_std=modal_std)
+    assert estimate_spread(estimate, known) < 0.3 < estimate_spread(estimate, prior)
+    assert known.list_priors(("CQ9_eta9",), 0.1)["CQ9_eta9"][1] > modal_std.max()
+
+
+def test_spread_does_not_use_nuisance_parameters_or_missing_errors():
+    prior = build_nuisance_prior(MODES, INPUTS, predict(3))
+    far = prior.mean.values.ravel() + 5.0 * prior.size.ravel()
+    every = build_estimate(far, 0.1, frozenset(NAMES))
+    unknown = build_estimate(far, np.nan, frozenset())
+    assert estimate_spread(every, prior) == estimate_spread(unknown, prior) == 0.3
+
+
+def test_noise_share_is_that_of_a_linear_model():
+    rng = np.random.default_rng(4)
+    H = rng.normal(size=(40, 3))
+    priors = {"c": (0.0, 0.05)}
+    information = H.T @ H + np.diag([0.0, 0.0, 0.05**-2.0])
+    covariance = np.linalg.inv(information)
+    of_noise = covariance @ H.T @ H @ covariance
+    estimate = Estimate(
+        ("a", "b", "c"),
+        np.zeros(3),
+        np.zeros(3),
+        covariance,
+        covariance,
+        (),
+        (),
+        Outcome.CONVERGED,
+        "",
+        frozenset({"c"}),
+    )
+    share = compute_noise_share(estimate, priors)
+    assert list(share) == ["a", "b"]
+    for k, name in enumerate(share):
+        assert share[name] == pytest.approx(of_noise[k, k] / covariance[k, k])

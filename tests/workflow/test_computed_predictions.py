@@ -1,0 +1,121 @@
+"""Predictions computed from a planform: job, storage, and runs with their frequency shape."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.cli.predictions import read_planform
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.flights import fly
+from flexsid.errors import BadInput, Conflict
+from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.kinds import PREDICTION, RUN
+from flexsid.records.aircraft import DerivativePrediction
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import (
+    Aerodynamics,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+    RunState,
+)
+from flexsid.storage.store import Store
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.workflow.aircraft.derivative_predictions import load_frequency_shape
+from flexsid.workflow.modal_data.computed_predictions import (
+    PlanformSurface,
+    PredictionRequest,
+    check_prediction,
+)
+from flexsid.workflow.runs.estimation import prepare
+
+PLANFORM = Path(__file__).parents[2] / "examples" / "flex28" / "planform.toml"
+
+
+def request(store: Store) -> PredictionRequest:
+    """The planform of the examples with fewer boxes and two modes."""
+    aircraft = add_aircraft(store)
+    whole = read_planform(PLANFORM)
+    panels = tuple(replace(p, chordwise=4, spanwise=min(p.spanwise, 12)) for p in whole.panels)
+    return replace(whole, aircraft_id=aircraft.id or 0, panels=panels, modes=(7, 9), highest_k=1.5)
+
+
+def compute(store: Store) -> DerivativePrediction:
+    job = execute_request(store, PREDICTION, request(store), lambda progress: None)
+    assert job.error is None
+    return store.predictions.get((job.result or {})["prediction_id"])
+
+
+def test_a_planform_gives_a_prediction_beside_imported_ones(store: Store):
+    found = compute(store)
+    assert found.unsteady is not None
+    assert found.kind == "doublet lattice"
+    assert "Mach 0.1" in found.note
+    values = np.asarray(store.arrays.get(found.values))
+    errors = np.asarray(store.arrays.get(found.std_errors or ""))
+    assert (errors > 0.05 * np.abs(values)).all()
+    truth = load_truth().derivatives_at(0.5, 2).named()
+    half = dict(zip(found.names, values[found.fuel.index(0.5)], strict=True))
+    # The lattice at k = 0.15 with half the boxes against that of the demonstration at k = 0.
+    for name in ("CZ_alpha", "Cm_alpha", "CZ_q", "Cm_q", "CZ_wf3s", "CQ7_alpha"):
+        assert half[name] == pytest.approx(truth[name], rel=0.25), name
+    shape = load_frequency_shape(store, found, 0.5, (7, 9), ("wf3s",), LONGITUDINAL)
+    assert shape.reference_k == 0.15
+    assert np.allclose(np.real(shape.at(np.array([0.15]))), 1.0)
+    with pytest.raises(Conflict, match="another name"):
+        check_prediction(store, request(store))
+
+
+def test_impossible_planforms_are_refused_by_name(store: Store):
+    good = request(store)
+    surface = PlanformSurface(name="rudder", span=(1.0, 2.0))
+    for bad, code in (
+        (replace(good, panels=()), "no-panels"),
+        (replace(good, surfaces=(surface,)), "unknown-input"),
+        (
+            replace(good, surfaces=(replace(surface, name="wf1s", span=(8.0, 9.0)),)),
+            "empty-surface",
+        ),
+        (replace(good, mach=0.95), "bad-mach"),
+        (replace(good, reference_k=2.0), "bad-frequency"),
+        (replace(good, panels=(replace(good.panels[0], left_chord=np.nan),)), "bad-panel"),
+        (replace(good, panels=(replace(good.panels[0], spanwise=0),)), "bad-panel"),
+    ):
+        with pytest.raises(BadInput) as refused:
+            check_prediction(store, bad)
+        assert refused.value.code == code
+
+
+def test_a_run_estimates_derivatives_with_the_shape_of_the_prediction(store: Store):
+    prediction = compute(store)
+    aircraft = store.aircraft.find()[0]
+    flight = store.flights.find(aircraft_id=aircraft.id) or [
+        store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    ]
+    flown = fly(airspeed_ratio=0.65, fuel=0.5, fta=503, modes_in_truth=2, seed=5)
+    maneuver = add_maneuver(store, flown, flight[0].id or 0)
+    asked = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.EE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(
+            aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED
+        ),
+    )
+    task = prepare(store, asked)
+    assert task.prediction_id == prediction.id
+    assert task.model.shape is not None
+    assert task.model.shape.unshaped == ()
+    done = execute_run(store, asked, RUN, lambda progress: None)
+    assert done.state is RunState.SUCCEEDED, done.error
+    imported = next(p for p in store.predictions.find() if p.unsteady is None)
+    with pytest.raises(BadInput) as refused:
+        prepare(store, replace(asked, prediction_id=imported.id))
+    assert refused.value.code == "no-frequency-shape"

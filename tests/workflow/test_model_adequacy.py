@@ -1,0 +1,92 @@
+"""Model adequacy of runs, from the fit to lists and comparisons."""
+
+from __future__ import annotations
+
+import numpy as np
+import sqlalchemy as sa
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kinds import RUN
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings, Start
+from flexsid.storage.store import Store
+from flexsid.storage.tables import runs
+from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.workflow.comparison.derivative_comparison import compare
+from flexsid.workflow.runs.estimation import compute_run, prepare
+
+
+def estimate(store: Store, method: Method, modes: tuple[int, ...]) -> EstimationRun:
+    run = EstimationRun(
+        maneuver_id=1,
+        method=method,
+        structure=Structure(modes=modes, fixed={}),
+        settings=RunSettings(start=Start.PREDICTION),
+    )
+    done = execute_run(store, run, RUN, lambda _: None)
+    assert done.result is not None
+    assert done.id is not None
+    return done
+
+
+def test_a_correct_model_is_consistent_and_one_without_a_mode_suspect(flown_url: str):
+    """The aircraft of the record has the modes 7 and 9."""
+    store = Store.open(flown_url)
+    correct, wrong = (estimate(store, Method.OE, modes) for modes in ((7, 9), (7,)))
+    assert correct.result is not None
+    assert wrong.result is not None
+    assert correct.result.adequacy.state is AdequacyState.CONSISTENT
+    assert not any(test.rejects for test in correct.result.adequacy.tests)
+    adequacy = wrong.result.adequacy
+    assert adequacy.state is AdequacyState.SUSPECT
+    assert adequacy.tests[0].meaning in adequacy.reason
+    tested = {(test.hypothesis, test.subject) for test in adequacy.tests if test.rejects}
+    assert ("further mode", "mode 9") in tested
+    items = {item.id: item for item in store.run_page().items}
+    assert items[correct.id or 0].adequacy is AdequacyState.CONSISTENT
+    assert items[wrong.id or 0].adequacy is AdequacyState.SUSPECT
+    sources = compare(store, [correct.id or 0, wrong.id or 0], []).sources
+    assert [source.adequacy for source in sources] == ["consistent", "suspect"]
+    store.close()
+
+
+def test_turbulence_near_flutter_is_reported_and_counted(store: Store):
+    """Feedback correlates the surfaces with the turbulence: the estimate is biased."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=0.95, seed=104, modes_in_truth=2, turbulence=Turbulence("light"))
+    run = EstimationRun(
+        maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    found = compute_run(prepare(store, run), lambda _: None)
+    assert found.adequacy.state is AdequacyState.SUSPECT
+    assert "turbulence" in found.adequacy.reason
+    assert found.adequacy.reason in found.warnings
+    truth = flown.truth.named()
+    deviation = found.estimate.values - np.array([truth[n] for n in found.estimate.names])
+    assert np.mean(np.abs(deviation) < 2.0 * found.estimate.std_errors) > 0.9
+
+
+def test_equation_error_and_runs_of_earlier_releases_are_not_tested(flown_url: str):
+    store = Store.open(flown_url)
+    result = store.runs.get(1).result
+    assert result is not None
+    assert result.adequacy.state is AdequacyState.NOT_TESTED
+    assert result.adequacy.reason.startswith("Equation error")
+    with store.database.transaction() as connection:
+        stored = connection.execute(sa.select(runs.c.result).where(runs.c.id == 1)).scalar_one()
+        earlier = {name: value for name, value in stored.items() if name != "adequacy"}
+        connection.execute(sa.update(runs).where(runs.c.id == 1).values(result=earlier))
+    result = store.runs.get(1).result
+    assert result is not None
+    assert result.adequacy.state is AdequacyState.NOT_TESTED
+    assert "release" in result.adequacy.reason
+    (item,) = store.run_page().items
+    assert item.adequacy is AdequacyState.NOT_TESTED
+    store.close()
