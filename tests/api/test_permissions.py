@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,6 +12,7 @@ from urllib.parse import urlencode
 import numpy as np
 import pytest
 import sqlalchemy as sa
+from anyio.from_thread import start_blocking_portal
 from fastapi import Request
 from fastapi.testclient import TestClient
 from tests.api.accounts import API, SAME_ORIGIN, Member, add_member
@@ -43,9 +43,6 @@ from flexsid.storage.store import Store
 from flexsid.workflow.accounts import accounts
 
 Operation = tuple[str, str, dict[str, Any]]
-
-# What earlier tests of the process left open is collected during these long ones.
-pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 
 
 @pytest.fixture
@@ -240,7 +237,9 @@ def test_every_route_decides_as_the_table_states(
             await check("outside", operation, outside.secret, expected)
             await check("everywhere", operation, everywhere.secret, None)
 
-    asyncio.run(check_all())
+    # In a thread of its own: a browser test before this one leaves its event loop in this thread.
+    with start_blocking_portal() as portal:
+        portal.call(check_all)
     monkeypatch.undo()
     assert not wrong, f"{len(wrong)}:\n" + "\n".join(wrong)
 

@@ -59,11 +59,18 @@ from flexsid.workflow.runs.software_versions import read_versions
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
 _MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
 _BIASED = (
-    "Feedback in turbulence correlates the inputs with the noise: the fit weighted with the noise "
-    "spectrum of the record {}, so that values can be biased; the standard errors include the "
-    "change by the weights. Repeat the maneuver in still air or at a lower airspeed, or with a "
-    "larger amplitude."
+    "The fit weighted with the noise spectrum of the record {change}, so that values can be biased: "
+    "{cause}. The standard errors include the change by the weights. {remedy}"
 )
+_TURBULENCE = {
+    "cause": "feedback in turbulence correlates the inputs with the noise",
+    "remedy": "Repeat the maneuver in still air or at a lower airspeed, or with a larger amplitude.",
+}
+_MODEL_ERROR = {
+    "cause": "the residuals contain the model error that the tests of the run show, or feedback in "
+    "turbulence correlates the inputs with the noise",
+    "remedy": "Correct first what the tests indicate.",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,17 +225,19 @@ def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:
     adequacy = assess_model_adequacy(task, corrected, parameters, weighted, spread)
     noise, values = weighted.noise, weighted.values
     change = compute_weighting_change(estimate, weighted) if values is not estimate.values else 0.0
-    if adequacy.state is AdequacyState.SUSPECT and weighted.values is not estimate.values:
+    is_suspect = adequacy.state is AdequacyState.SUSPECT
+    if is_suspect and values is not estimate.values:
         # Residuals that are model error are no noise: weighted with them, a fit follows the
         # frequencies and outputs where the model is least wrong.
         weighted = replace(estimate, noise=describe_common_noise(corrected, settings))
     converged = noise is None or noise.converged
     if change > _MOST_CHANGE or not converged:
         found = f"moved the results by {change:.2g} standard errors"
-        reason = _BIASED.format(found if converged else f"did not converge and {found}")
+        found = found if converged else f"did not converge and {found}"
+        reason = _BIASED.format(change=found, **(_MODEL_ERROR if is_suspect else _TURBULENCE))
         weighted = widen_by_change(weighted, values - estimate.values)
         warnings = (*warnings, reason)
-        if adequacy.state is not AdequacyState.SUSPECT:
+        if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
     return _Fit(parameters, weighted, spread, start, warnings, adequacy)
 
