@@ -59,12 +59,13 @@ from flexsid.workflow.runs.software_versions import read_versions
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
 _MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
 _BIASED = (
-    "The fit weighted with the noise spectrum of the record {change}, so that values can be biased: "
-    "{cause}. The standard errors include the change by the weights. {remedy}"
+    "The fit weighted with the noise spectrum of the record {change}, so that values can be "
+    "biased: {cause}. The standard errors include the change by the weights. {remedy}"
 )
 _TURBULENCE = {
     "cause": "feedback in turbulence correlates the inputs with the noise",
-    "remedy": "Repeat the maneuver in still air or at a lower airspeed, or with a larger amplitude.",
+    "remedy": "Repeat the maneuver in still air or at a lower airspeed, or with a larger "
+    "amplitude.",
 }
 _MODEL_ERROR = {
     "cause": "the residuals contain the model error that the tests of the run show, or feedback in "
