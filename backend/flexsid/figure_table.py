@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite, nan
 from typing import Annotated, Any, get_type_hints
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
+from flexsid.errors import BadInput
 from flexsid.figures.bode import View, draw_bode
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
 from flexsid.figures.derivatives import draw_derivatives
@@ -22,6 +24,7 @@ from flexsid.figures.excitation import (
 from flexsid.figures.fit import draw_fit
 from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
 from flexsid.figures.forest import draw_forest
+from flexsid.figures.global_model import draw_coverage, draw_slice
 from flexsid.figures.ground_test import draw_ground_test
 from flexsid.figures.iterations import draw_iterations
 from flexsid.figures.loops import draw_loops
@@ -52,10 +55,13 @@ from flexsid.jobs.kinds import (
     CROSS_PREDICTION,
     CROSS_VALIDATION,
     FLUTTER,
+    GLOBAL_MODEL,
     PREDICTED_ACCURACY,
 )
 from flexsid.records.comparison import Against
+from flexsid.records.decision import LimitedQuantity
 from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, FlutterRoots
+from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
 from flexsid.records.validation import CrossPredictionMatrix, Partition
 from flexsid.records.views import DesignedExcitation, ExpectedResponse, FitPlot, Residuals
@@ -68,6 +74,8 @@ from flexsid.workflow.excitation.excitation_designs import sample_design
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes
+from flexsid.workflow.global_model.estimates import GlobalModelQuery
+from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
 from flexsid.workflow.measurements.reconstruction import reconstruct
 from flexsid.workflow.modal_data.ground_vibration_test import (
@@ -130,6 +138,32 @@ def _read_counts(text: str) -> tuple[int, ...]:
     return tuple(counts[:_MOST_COUNTS])
 
 
+def _read_variables(text: str) -> tuple[LimitedQuantity, ...]:
+    known = [quantity.value for quantity in LimitedQuantity]
+    found = _read_names(text)
+    for name in found:
+        if name not in known:
+            raise BadInput(
+                f"variables: '{name}' is unknown; expected {', '.join(known)}",
+                code="unknown-variable",
+            )
+    return tuple(map(LimitedQuantity, found))
+
+
+def _read_condition(text: str | None) -> tuple[float, ...]:
+    found = _read_names(text)
+    try:
+        numbers = tuple(map(float, found))
+    except ValueError:
+        numbers = (nan,)
+    if not all(map(isfinite, numbers)):
+        raise BadInput(
+            f"condition: '{text}'; expected numbers in SI, separated by commas",
+            code="bad-condition",
+        )
+    return numbers
+
+
 _NAMES = AfterValidator(_read_names)
 _IDS = AfterValidator(_read_ids)
 _RUN_ID = AfterValidator(lambda text: split_ids(text, "run_id"))
@@ -139,6 +173,7 @@ _Reference = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
 _Ids = Annotated[str | None, _IDS, Field(description="Ids separated by commas.")]
 _RunIds = Annotated[str, _IDS, Field(description="Ids separated by commas.")]
 _Names = Annotated[str | None, _NAMES, Field(description="Names separated by commas.")]
+_Variables = Annotated[str, AfterValidator(_read_variables)]
 _Derivative = Annotated[str, Field(max_length=64, description="Derivative, e.g. Cm_alpha.")]
 _Fuel = Annotated[float, Field(ge=0.0, le=1.0, description="Fuel fraction.")]
 _Number = Annotated[float | None, Field(allow_inf_nan=False)]
@@ -189,6 +224,20 @@ class FlutterParameters(Parameters):
         description="Modes not modelled by the runs: with predicted dynamics, or residualised.",
     )
     trend: bool = Field(False, description="Linear trend of the derivatives with dynamic pressure.")
+
+
+class GlobalModelParameters(Parameters):
+    """Runs, variables and prediction of a global aerodynamic model."""
+
+    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
+    variables: _Variables = Field(
+        "dynamic_pressure_pa,fuel_fraction",
+        description="Variables of the envelope, separated by commas: dynamic_pressure_pa, "
+        "fuel_fraction, airspeed_m_s, airspeed_ratio or alpha_rad.",
+    )
+    prediction_id: _Reference = Field(
+        None, description="Prediction that is compared, and the mean where that predicts better."
+    )
 
 
 class CrossPredictionParameters(Parameters):
@@ -364,6 +413,18 @@ class _ClosedLoop(FlutterParameters):
     controller_id: _Id
 
 
+class _GlobalSlice(GlobalModelParameters):
+    name: _Derivative
+    along: LimitedQuantity | None = Field(
+        None, description="Variable of the abscissa; by default the first."
+    )
+    condition: Annotated[_Text, AfterValidator(_read_condition)] = Field(
+        None,
+        description="Value of every variable in SI, separated by commas, where the others are "
+        "held; by default the mean of the runs.",
+    )
+
+
 class _Search(Parameters):
     search_id: _Id
     name: _Text = Field(
@@ -462,6 +523,21 @@ def _get_roots(store: Store, along: Along = Along.AIRSPEED, **query: Any) -> Flu
 def _get_closed_loop(store: Store, controller_id: int, **query: Any) -> ClosedLoop:
     request = ClosedLoopQuery(flutter=FlutterQuery(**query), controller_id=controller_id)
     return get_result(store, CLOSED_LOOP, request)
+
+
+def _slice_global_model(
+    store: Store,
+    name: str,
+    along: LimitedQuantity | None,
+    condition: tuple[float, ...],
+    **query: Any,
+) -> DerivativeSlice:
+    found = get_result(store, GLOBAL_MODEL, GlobalModelQuery(**query))
+    return slice_derivative(found, name, along, condition)
+
+
+def _compute_coverage(store: Store, **query: Any) -> EnvelopeCoverage:
+    return compute_coverage(get_result(store, GLOBAL_MODEL, GlobalModelQuery(**query)))
 
 
 def _get_cross_predictions(store: Store, **query: Any) -> CrossPredictionMatrix:
@@ -582,6 +658,10 @@ _KINDS = (
         "Draw the predicted flutter speed by run, and by classical flutter prediction methods."),
     FigureKind("flutter-map", FlutterParameters, _get_flutter_map, draw_flutter_map,
         "Draw the flutter speed over fuel and altitude."),
+    FigureKind("global-slice", _GlobalSlice, _slice_global_model, draw_slice,
+        "Draw one derivative of a global model along one variable with ±2 standard errors."),
+    FigureKind("global-coverage", GlobalModelParameters, _compute_coverage, draw_coverage,
+        "Draw the relative standard error of a global model over the envelope, and its runs."),
     FigureKind("closed-loop-margins", _ClosedLoop, _get_closed_loop, draw_closed_loop_margins,
         "Draw the stability margins of the loop of every surface over airspeed."),
     FigureKind("closed-loop-roots", _ClosedLoop, _get_closed_loop, draw_closed_loop_roots,

@@ -270,6 +270,109 @@ _AUDIT_EVENT = {
     "created_at": "2026-11-22T18:00:00Z",
     "id": 1,
 }
+_GLOBAL_MODEL = {
+    "sentence": "44 derivatives from 39 runs of 12 flights. Predicted by the other flights, "
+    "95 % of the estimates are within 2σ (rms 1.01). Excluded as outlying: run 17.",
+    "aircraft_id": 1,
+    "modes": [7, 9],
+    "variables": [
+        {"quantity": "dynamic_pressure_pa", "lowest": 310.0, "highest": 890.0},
+        {"quantity": "fuel_fraction", "lowest": 0.1, "highest": 0.9},
+    ],
+    "centre": [604.0, 0.52],
+    "n_maneuvers": 40,
+    "n_flights": 12,
+    "prediction_id": None,
+    "uses_prediction": False,
+    "derivatives": [
+        {
+            "name": "Cm_alpha",
+            "label": "Cmα",
+            "unit": "1",
+            "n_runs": 39,
+            "value": -0.252,
+            "std_error": 0.0021,
+            "scatter": 0.0034,
+            "modal_std": 0.0,
+            "slopes": [
+                {
+                    "quantity": "dynamic_pressure_pa",
+                    "slope": 2.1e-5,
+                    "std_error": 4.0e-6,
+                    "probability": 1.2e-5,
+                    "is_drift": True,
+                }
+            ],
+        }
+    ],
+    "scores": [
+        {
+            "uses_prediction": False,
+            "degree": 1,
+            "log_density": -1.31,
+            "rms": 1.01,
+            "share_inside": 0.95,
+            "is_selected": True,
+        }
+    ],
+    "outliers": [
+        {
+            "run_id": 17,
+            "label": "FTA 506, 0.71 Vf",
+            "sentence": "OE run 17 (FTA 506, 0.71 Vf) differs from the prediction by all "
+            "other runs: Cm_wf4s +24.1σ, CZ_wf4s +19.7σ, CQ7_wf4s -12.0σ. A factor of "
+            "-1.01 ± 0.04 on all derivatives of wf4s explains 97 % of the deviation: check the "
+            "sign of wf4s.",
+            "chi_square": 1204.0,
+            "n_derivatives": 44,
+            "probability": 1e-12,
+            "factor": -1.01,
+            "factor_std": 0.02,
+        }
+    ],
+    "runs": [
+        {
+            "run_id": 1,
+            "maneuver_id": 1,
+            "label": "FTA 506, 0.56 Vf",
+            "method": "OE",
+            "condition": [402.0, 0.5],
+            "is_outlying": False,
+        }
+    ],
+    "next_condition": {"condition": [890.0, 0.9], "reduction": 0.08},
+    "omitted": [],
+}
+_GLOBAL_MODEL_JOB = {
+    "id": 61,
+    "kind": "global-model",
+    "title": "40 runs",
+    "run_id": None,
+    "maneuver_id": None,
+    "method": None,
+    "request": {
+        "run_ids": [1, 2, 3, 4],
+        "variables": ["dynamic_pressure_pa", "fuel_fraction"],
+        "prediction_id": None,
+    },
+    "result_id": None,
+    "state": "queued",
+    "attempt": 0,
+    "priority": 0,
+    "position": 1,
+    "after_job_id": None,
+    "progress": None,
+    "error": None,
+    "worker": None,
+    "author": "Ann Analyst",
+    "created_at": "2026-11-22T18:00:00Z",
+    "started_at": None,
+    "finished_at": None,
+}
+_GLOBAL_FIGURE = {
+    "data": [{"type": "scatter", "mode": "lines", "x": [310.0], "y": [-0.25]}],
+    "layout": {},
+}
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     "save_updated_table": {
@@ -289,6 +392,11 @@ _NOT_RECORDED: dict[str, Any] = {
         "notes": ["SW1B: 2.31 Hz of the GVT (2.43 Hz before)"],
         "id": 3,
     },
+    "get_global_model": _GLOBAL_MODEL,
+    "get_global_model_job": {"job": None},
+    "request_global_model": _GLOBAL_MODEL_JOB,
+    "draw_global_slice": _GLOBAL_FIGURE,
+    "draw_global_coverage": _GLOBAL_FIGURE,
     "get_session": _SESSION,
     "log_in": _SESSION,
     "list_audit_events": {"items": [_AUDIT_EVENT], "next": None},

@@ -64,6 +64,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("export_design", "list_controllers", "get_controller", "get_flutter_job", "get_flutter"),
         *("get_closed_loop_job", "get_closed_loop", "get_cross_predictions_job"),
         *("get_cross_predictions", "get_cross_validation_job", "get_cross_validation"),
+        *("get_global_model_job", "get_global_model"),
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
     ),
     Permission.ANALYST: (
@@ -83,7 +84,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("upload_controller", "delete_controller", "request_flutter", "request_closed_loop"),
         *("request_cross_predictions", "request_cross_validation", "request_predicted_accuracy"),
         *("request_input_comparison", "request_amplitudes", "compute_prediction"),
-        *("save_updated_table",),
+        *("save_updated_table", "request_global_model"),
     ),
     Permission.REVIEWER: ("vote_on_decision",),
     Permission.ADMIN: ("change_review_rules", "list_audit_events"),

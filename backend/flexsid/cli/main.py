@@ -120,6 +120,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_multisine_options(add("import-multisine", "excitation:import_multisine", summary))
 
     _add_flutter_options(add("flutter", "flutter:predict", "predict the flutter speed from runs"))
+    summary = "fit derivatives over the envelope to all runs, and name outlying runs"
+    _add_global_model_options(add("global-model", "global_model:fit_global_model", summary))
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
     _add_validation_options(add("validate", "validation:validate", summary))
     return parser
@@ -253,6 +255,25 @@ def _add_flutter_options(command: argparse.ArgumentParser) -> None:
         help="included from the prediction, or static response only",
     )
     option("--next", type=float, metavar="M/S", help="airspeed of the next test point")
+
+
+def _add_global_model_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("runs", metavar="RUN,RUN", help="ids of succeeded runs of one model structure")
+    option(
+        "--variables",
+        nargs="+",
+        default=("dynamic_pressure_pa", "fuel_fraction"),
+        choices=(
+            "dynamic_pressure_pa",
+            "fuel_fraction",
+            "airspeed_m_s",
+            "airspeed_ratio",
+            "alpha_rad",
+        ),
+        help="variables of the envelope; default: dynamic pressure and fuel",
+    )
+    option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
 
 
 def _add_validation_options(command: argparse.ArgumentParser) -> None:

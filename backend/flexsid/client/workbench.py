@@ -317,6 +317,21 @@ class Workbench:
         runs = list(run_ids)
         return self._compute("closed-loop", run_ids=runs, controller_id=controller_id, **query)
 
+    def global_model(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
+        """Return the derivatives of all runs over the envelope, with the outlying runs.
+
+        ``numbers("global-slice", run_ids=..., name="Cm_alpha")`` returns a slice of it.
+
+        Parameters
+        ----------
+        run_ids
+            Runs that succeeded, of one model structure.
+        **query
+            ``variables``, e.g. ``["dynamic_pressure_pa", "fuel_fraction"]``, and
+            ``prediction_id``.
+        """
+        return self._compute("global-models", run_ids=list(run_ids), **query)
+
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:

@@ -10,6 +10,7 @@ from flexsid.jobs.kind import Kind, Kinds
 from flexsid.jobs.worker import Report
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flutter import ClosedLoop, FlutterResult
+from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.validation import CrossPredictionMatrix, CrossValidation
@@ -45,6 +46,12 @@ from flexsid.workflow.flutter.closed_loop import (
 )
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, compute_flutter
 from flexsid.workflow.flutter.flutter_models import fuse_runs, identify_query
+from flexsid.workflow.global_model.computation import compute_global_model
+from flexsid.workflow.global_model.estimates import (
+    GlobalModelQuery,
+    identify_global_model,
+    prepare_global_model,
+)
 from flexsid.workflow.modal_data.computed_predictions import (
     ComputedPrediction,
     PredictionRequest,
@@ -306,6 +313,16 @@ CLOSED_LOOP = Kind(
     result=ClosedLoop,
     identify=_identify_closed_loop,
 )
+GLOBAL_MODEL = Kind(
+    name="global-model",
+    label="Global model",
+    request=GlobalModelQuery,
+    prepare=lambda store, job, query: prepare_global_model(store, query),
+    compute=compute_global_model,
+    save=_save_result,
+    result=GlobalModelResult,
+    identify=identify_global_model,
+)
 CROSS_PREDICTION = Kind(
     name="cross-prediction",
     label="Cross-prediction",
@@ -386,6 +403,7 @@ KINDS: Kinds = {
         SIMULATION,
         FLUTTER,
         CLOSED_LOOP,
+        GLOBAL_MODEL,
         CROSS_PREDICTION,
         CROSS_VALIDATION,
         PREDICTED_ACCURACY,

@@ -55,7 +55,7 @@ def _decode(kind: Any, content: Any) -> Any:
     if is_dataclass(kind):
         hints = get_type_hints(kind)
         return cast(Any, kind)(**{name: _decode(hints[name], v) for name, v in content.items()})
-    if kind is np.ndarray:
+    if getattr(kind, "array_type", kind) is np.ndarray:  # with or without a shape
         raw = base64.b64decode(content["data"])
         return np.frombuffer(raw, content["dtype"]).reshape(content["shape"])
     if origin is tuple:

@@ -16,16 +16,21 @@ from flexsid.workflow.model_structures.model_structures import get_version
 _ALL = (-inf, inf)
 
 
-def is_in_range(maneuver: Maneuver, limits: Limits) -> bool:
-    """Whether a maneuver is in a range; an unknown quantity is in no limits."""
+def read_quantities(maneuver: Maneuver) -> dict[LimitedQuantity, float | None]:
+    """Read the flight condition of a maneuver; None where it is unknown."""
     condition = maneuver.condition
-    values: dict[LimitedQuantity, float | None] = {
+    return {
         LimitedQuantity.DYNAMIC_PRESSURE: condition.dynamic_pressure_pa,
         LimitedQuantity.FUEL: condition.fuel_fraction,
         LimitedQuantity.AIRSPEED: condition.airspeed_m_s,
         LimitedQuantity.AIRSPEED_RATIO: maneuver.airspeed_ratio,
         LimitedQuantity.ALPHA: condition.alpha_rad,
     }
+
+
+def is_in_range(maneuver: Maneuver, limits: Limits) -> bool:
+    """Whether a maneuver is in a range; an unknown quantity is in no limits."""
+    values = read_quantities(maneuver)
     for quantity, (low, high) in limits.items():
         value = values[quantity]
         if value is None or not low <= value <= high:

@@ -1,0 +1,43 @@
+"""Command ``flexsid global-model``: derivatives over the envelope from all runs."""
+
+from __future__ import annotations
+
+import argparse
+
+from flexsid.cli.arguments import parse_list
+from flexsid.cli.database import open_store
+from flexsid.cli.output import print_result
+from flexsid.cli.runs import report_progress
+from flexsid.jobs.inline import execute_request
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import GLOBAL_MODEL
+from flexsid.records.decision import LimitedQuantity
+from flexsid.records.global_model import GlobalModelSummary
+from flexsid.settings import Settings
+from flexsid.workflow.global_model.estimates import GlobalModelQuery
+
+
+def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the derivatives at the centre of the envelope, their drift, and outlying runs."""
+    query = GlobalModelQuery(
+        run_ids=parse_list(arguments.runs, int, "RUNS"),
+        variables=tuple(map(LimitedQuantity, arguments.variables)),
+        prediction_id=arguments.prediction,
+    )
+    with open_store(settings) as store:
+        execute_request(store, GLOBAL_MODEL, query, report_progress)
+        summary = get_result(store, GLOBAL_MODEL, query).summary
+    print_result(_format(summary), summary, as_json=arguments.json)
+    return 0
+
+
+def _format(summary: GlobalModelSummary) -> list[str]:
+    lines = [summary.sentence, *(one.sentence for one in summary.outliers)]
+    lines.append(f"  {'derivative':<16}{'value':>12}{'σ':>11}{'scatter':>11}  drift with")
+    for one in summary.derivatives:
+        drifts = ", ".join(slope.quantity.value for slope in one.slopes if slope.is_drift)
+        lines.append(
+            f"  {one.name:<16}{one.value:>12.5g}{one.std_error:>11.2g}{one.scatter:>11.2g}  "
+            f"{drifts or '–'}"
+        )
+    return lines

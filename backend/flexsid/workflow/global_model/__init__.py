@@ -1,0 +1,1 @@
+"""Global aerodynamic model of a campaign: collection of estimates, fit, slices and tables."""
