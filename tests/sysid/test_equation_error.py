@@ -1,4 +1,4 @@
-"""Equation error: reconstruction, bias of noisy regressors, batches and streams."""
+"""Equation error: reconstruction, bias of noisy regressors, batches."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ from flexsid.sysid.estimation.batch_regression import regress_many
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.fusion import apply_priors, fuse_estimates
-from flexsid.sysid.estimation.real_time import RealTimeEquationError, RecursiveTransform
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
 
 def spectra(case, u, z):
@@ -140,47 +138,6 @@ def test_a_few_frequencies_of_little_known_motion_do_not_spoil_the_others():
         found.append(regress(X, z, ("CZ_a", "CZ_b"), errors).values)
     # 96 good frequencies of unit variance in X and z: 1 / sqrt(2 * 2 * 96)
     assert np.std(found, axis=0) == pytest.approx([0.051, 0.051], rel=0.2)
-
-
-def test_recursive_transform_ends_at_the_batch_one():
-    rng = np.random.default_rng(7)
-    samples = rng.normal(size=(12_001, 3))
-    omega = np.array([1.0, 7.7, 31.0])
-    running = RecursiveTransform(omega, 200.0, 3, start_s=-2.0)
-    for sample in samples:
-        running.update(sample)
-    batch = finite_fourier_transform(samples, 200.0, omega, -2.0)
-    assert np.abs(running.values - batch).max() < 1e-9 * np.abs(batch).max()
-
-
-def test_stream_gives_what_the_record_gives(make_case):
-    case = make_case(1)
-    rng = np.random.default_rng(8)
-    rate, n = 100.0, 1200
-    omega = 2.0 * np.pi * np.arange(6, 66) / (n / rate)
-    u = 0.01 * (rng.normal(size=(omega.size, 5)) + 1j * rng.normal(size=(omega.size, 5)))
-    y = (case.model.response(case.truth, omega) @ u[:, :, None])[:, :, 0]
-
-    def in_time(values):
-        full = np.zeros((n // 2 + 1, values.shape[1]), dtype=complex)
-        full[6:66] = values * rate
-        return np.fft.irfft(full, n=n, axis=0)
-
-    parameters = case.free()
-    noise = 0.01 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0))
-    stream = RealTimeEquationError(
-        case.model,
-        parameters,
-        omega,
-        rate,
-        np.ones(u.shape, dtype=complex),
-        np.ones(y.shape, dtype=complex),
-        noise,
-    )
-    for inputs, outputs in zip(in_time(u), in_time(y), strict=True):
-        stream.update(inputs, outputs)
-    estimate = stream.estimate()
-    assert np.allclose(estimate.values, case.truth.values.ravel(), rtol=1e-5, atol=1e-8)
 
 
 def test_fusion_and_priors_weigh_by_information(make_case):

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.elimination import Elimination
+from flexsid.sysid.estimation.end_states import STATE, FreeMotion, compute_free_motion
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.parameters import Parameters
 
@@ -25,7 +26,8 @@ class ModelResponse:
     """Response of the model at every frequency for one theta.
 
     ``sensors`` are the outputs per motion; ``delayed`` the factor of delays and scale factors
-    on each output, None without them.
+    on each output, None without them. ``motion`` is the response to the inputs; the outputs
+    include the ``free`` motion from end states, None without them.
     """
 
     motion: Complex[np.ndarray, "n_omega n_r"]
@@ -33,18 +35,21 @@ class ModelResponse:
     unit_motion: Complex[np.ndarray, "n_omega n_r n_r"]
     sensors: Complex[np.ndarray, "n_omega n_y n_r"]
     delayed: Complex[np.ndarray, "n_omega n_y"] | None
+    free: FreeMotion | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Sensitivity:
     """Sensitivity in its factored form: forces G, variables w, and single outputs' own.
 
+    ``ends`` are the outputs per end state, None without them; they are the last parameters.
     Frequency is the last axis where sums over it are products of contiguous rows.
     """
 
     forces: Complex[np.ndarray, "n_omega n_y n_r"]
     variables: Complex[np.ndarray, "n_w n_omega"]
     own: Complex[np.ndarray, "n_own n_omega"]
+    ends: Complex[np.ndarray, "n_omega n_y n_ends"] | None = None
 
 
 class FrequencyDomainModel:
@@ -59,7 +64,7 @@ class FrequencyDomainModel:
     own_outputs
         Output of every parameter that affects one output only.
     order
-        Indices in theta of these two kinds, one after the other.
+        Indices in theta of these two kinds and of the end states, one after the other.
     """
 
     def __init__(self, experiment: Experiment, parameters: Parameters) -> None:
@@ -82,7 +87,8 @@ class FrequencyDomainModel:
         self._shapes = [(k, e) for k, e in extras if e.kind == "shape"]
         self._delays = [(k, e.output) for k, e in extras if e.kind == "delay"]
         self._scales = [(k, e.output) for k, e in extras if e.kind == "scale"]
-        own = [(k, e) for k, e in extras if e.kind not in ("omega", "zeta")]
+        own = [(k, e) for k, e in extras if e.kind not in ("omega", "zeta", STATE)]
+        self._ends = tuple((k, e) for k, e in extras if e.kind == STATE)
         self.own_outputs = np.array([e.output for _, e in own], dtype=int)
         self.pair_rows = np.array(
             [*parameters.rows.tolist(), *(self.n_rigid + e.mode for _, e in self._modal)], dtype=int
@@ -95,7 +101,8 @@ class FrequencyDomainModel:
         self.pair_columns = np.append(variable, added).astype(int)
         known = self._factors[parameters.rows, parameters.columns]
         self.scale = np.append(known, np.ones(len(self._modal)))
-        self.order = np.array([*range(first), *(k for k, _ in self._modal), *(k for k, _ in own)])
+        ordered = [*self._modal, *own, *self._ends]
+        self.order = np.array([*range(first), *(k for k, _ in ordered)])
         self._own = own
         # Reserved once: new memory takes as long to obtain as to fill.
         self._forces = np.empty(self.sensors.shape, dtype=complex)
@@ -125,10 +132,24 @@ class FrequencyDomainModel:
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
         sensors = self._scale_shapes(theta) if self._shapes else self.sensors
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
+        free = self._compute_free_motion(theta) if self._ends else None
+        if free is not None:
+            outputs += free.outputs @ self._pick_end_states(theta)
         delayed = self._compute_delay_factors(theta) if self._delays or self._scales else None
         if delayed is not None:
             outputs *= delayed
-        return ModelResponse(motion, outputs, unit_motion, sensors, delayed)
+        return ModelResponse(motion, outputs, unit_motion, sensors, delayed, free)
+
+    def _compute_free_motion(self, theta: Float[np.ndarray, " n_theta"]) -> FreeMotion:
+        """Compute the free motion per end state, as the instruments record it."""
+        one = self.experiment
+        extras = [extra for _, extra in self._ends]
+        table = self.parameters.table(theta)
+        free = compute_free_motion(one.model, table, one.omega, one.edges_s, extras)
+        return FreeMotion(one.instruments[:, :, None] * free.outputs, free.variables)
+
+    def _pick_end_states(self, theta: Float[np.ndarray, " n_theta"]) -> np.ndarray:
+        return theta[[k for k, _ in self._ends]]
 
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
@@ -145,13 +166,18 @@ class FrequencyDomainModel:
         variables[:n_r] = motion
         np.multiply(self.s, motion[self.n_rigid :], out=variables[n_r:n_x])
         variables[n_x:n_w] = self._inputs
+        if response.free is not None:
+            # The forces of a part of a record are those of its own motion, the free one included.
+            variables[:n_x] += (response.free.variables @ self._pick_end_states(theta)).T
         if self.factors is not None:
             of_rows = variables[:first_modal].reshape(n_r, n_w, -1)
             np.multiply(self.factors.transpose(1, 2, 0), variables[:n_w].copy(), out=of_rows)
         for column, (k, extra) in enumerate(self._modal, start=first_modal):
             change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
             variables[column] = -change * response.motion[:, self.n_rigid + extra.mode]
-        return Sensitivity(forces, variables, self._compute_own_sensitivity(theta, response))
+        own = self._compute_own_sensitivity(theta, response)
+        ends = None if response.free is None else response.free.outputs
+        return Sensitivity(forces, variables, own, ends)
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
         """Expand all sensitivities, where the Kronecker form is not applicable."""
@@ -259,5 +285,8 @@ def expand_sensitivity(
     J[:, :, model.order[:n_pairs]] = (
         G[:, :, model.pair_rows] * (w[:, model.pair_columns] * model.scale)[:, None, :]
     )
-    J[:, model.own_outputs, model.order[n_pairs:]] = sensitivity.own.T
+    n_single = n_pairs + model.own_outputs.size
+    J[:, model.own_outputs, model.order[n_pairs:n_single]] = sensitivity.own.T
+    if sensitivity.ends is not None:
+        J[:, :, model.order[n_single:]] = sensitivity.ends
     return J

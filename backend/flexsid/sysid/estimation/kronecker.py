@@ -89,6 +89,9 @@ class NormalForm:
             weighted_residuals = weights.times(residuals[:, :, None])[:, :, 0]
             E = sensitivity.own.conj()
             g = np.append(g, np.real(np.einsum("ek,ke->e", E, weighted_residuals[:, own])))
+        if sensitivity.ends is not None:
+            pull = weights.times(residuals[:, :, None]).conj()
+            g = np.append(g, np.real(np.sum(pull * sensitivity.ends, axis=(0, 1))))
         return g if self._in_order else g[np.argsort(model.order)]
 
     def matrix(
@@ -101,7 +104,7 @@ class NormalForm:
         np.conjugate(weighted, out=weighted)
         A = np.matmul(weighted.transpose(0, 2, 1), G).reshape(G.shape[0], -1)
         p, own = model.pair_rows.size, model.own_outputs
-        N = np.empty((p + own.size,) * 2)
+        N = np.empty((model.order.size,) * 2)
         if self._is_shaped:
             np.multiply(self._sum_by_rows(A.T, w), self._scales, out=N[:p, :p])
         else:
@@ -115,10 +118,34 @@ class NormalForm:
             np.multiply(weighted.transpose(1, 2, 0)[own], E[:, None, :], out=loads)
             cross = _multiply_real(loads.reshape(-1, w.shape[1]), w)
             cross = cross.reshape(own.size, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
-            np.multiply(cross, model.scale, out=N[p:, :p])
-            N[:p, p:] = N[p:, :p].T
-            N[p:, p:] = _multiply_own(E, own, weights)
+            last = p + own.size
+            np.multiply(cross, model.scale, out=N[p:last, :p])
+            N[:p, p:last] = N[p:last, :p].T
+            N[p:last, p:last] = _multiply_own(E, own, weights)
+        if sensitivity.ends is not None:
+            self._append_ends(N, sensitivity.ends, w, weighted, weights)
         return self._reorder(N)
+
+    def _append_ends(
+        self,
+        N: Float[np.ndarray, "n_theta n_theta"],
+        ends: Complex[np.ndarray, "n_omega n_y n_ends"],
+        w: Complex[np.ndarray, "n_w n_omega"],
+        weighted: Complex[np.ndarray, "n_omega n_y n_r"],
+        weights: SpectralMatrix,
+    ) -> None:
+        """Fill the last rows and columns, of end states; fits with them have no own columns.
+
+        ``weighted`` is the conjugate of W G.
+        """
+        model, n_ends = self._factored, ends.shape[2]
+        loads = np.matmul(weighted.transpose(0, 2, 1), ends).transpose(2, 1, 0)
+        cross = _multiply_real(np.ascontiguousarray(loads).reshape(-1, w.shape[1]), w)
+        cross = cross.reshape(n_ends, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
+        N[-n_ends:, :-n_ends] = cross * model.scale
+        N[:-n_ends, -n_ends:] = N[-n_ends:, :-n_ends].T
+        flat, other = (a.reshape(-1, n_ends) for a in (ends, weights.times(ends)))
+        N[-n_ends:, -n_ends:] = np.real(flat.conj().T @ other)
 
     def _sum_by_rows(
         self, A: Complex[np.ndarray, "n_r2 n_omega"], w: Complex[np.ndarray, "n_w n_omega"]
@@ -160,8 +187,12 @@ class NormalForm:
             part[model.order[:n_pairs]] = picked.T
             if own.size:
                 E = sensitivity.own[:, lines]
-                part[model.order[n_pairs:], own] = np.real(
+                part[model.order[n_pairs : n_pairs + own.size], own] = np.real(
                     np.einsum("ek,ek->e", E.conj(), pull[own][:, lines])
+                )
+            if sensitivity.ends is not None:
+                part[model.order[n_pairs + own.size :]] = np.real(
+                    np.einsum("kye,yk->ey", sensitivity.ends[lines].conj(), pull[:, lines])
                 )
         return parts
 
@@ -189,7 +220,13 @@ class NormalForm:
             picked = spread[:, model.pair_rows, model.pair_columns]
             cross[model.order[:n_pairs]] = picked.transpose(1, 0, 2) * model.scale[:, None, None]
             single = sensitivity.own[:, lines] @ nu
-            cross[model.order[n_pairs:]] = whitener[:, own].T[:, :, None] * single[:, None, :]
+            n_single = n_pairs + own.size
+            cross[model.order[n_pairs:n_single]] = (
+                whitener[:, own].T[:, :, None] * single[:, None, :]
+            )
+            if sensitivity.ends is not None:
+                whitened = np.matmul(whitener, sensitivity.ends[lines])
+                cross[model.order[n_single:]] = np.einsum("kye,kz->eyz", whitened, nu)
             half = 0.5 * (cross + cross.conj().transpose(0, 2, 1))
             parts.append(half.reshape(model.order.size, -1).view(float))
         return parts

@@ -149,7 +149,7 @@ def build_leakage_columns(
         model.parameters.table(theta),
         experiment.omega,
         experiment.edges_s,
-        _compute_delays(experiment.instruments, experiment.omega),
+        compute_delays(experiment.instruments, experiment.omega),
     )
     E *= experiment.instruments[:, :, None]
     return E if response.delayed is None else E * response.delayed[:, :, None]
@@ -251,7 +251,7 @@ def join_histories(before: Estimate, again: Estimate) -> Estimate:
     return replace(again, start=before.start, steps=steps, message=message)
 
 
-def _compute_delays(
+def compute_delays(
     instruments: Complex[np.ndarray, "n_omega n_y"], omega: Float[np.ndarray, " n_omega"]
 ) -> Float[np.ndarray, " n_y"]:
     """Compute the delay of every output's instruments from the slope of their phase. [s]"""

@@ -37,8 +37,11 @@ def compute_leave_one_out_residuals(
     Source: the jackknife of Bell and McCaffrey's cluster-robust covariances, a cluster being
     one frequency. All outputs of a frequency depend on the few forces f = Theta w, so that
     with B = G^H W G and Q the covariance of f the change of f due to the frequency itself is
-    Q (I - B Q)^-1 G^H W nu. Parameters of single outputs, as delays, are taken as known.
+    Q (I - B Q)^-1 G^H W nu. Parameters of single outputs, as delays, and end
+    states are taken as known.
     """
+    if sensitivity.ends is not None:
+        inverse = _hold_last(inverse, sensitivity.ends.shape[2])
     G = sensitivity.forces
     weighted = weights.times(G).conj().transpose(0, 2, 1)
     B = _as_real(weighted @ G)
@@ -49,6 +52,15 @@ def compute_leave_one_out_residuals(
     f = Q @ np.linalg.solve(np.eye(n) - _LARGEST_LEVERAGE * (B @ Q), b[:, :, None])
     moved = f[:, : n // 2, 0] + 1j * f[:, n // 2 :, 0]
     return residuals + np.matmul(G, moved[:, :, None])[:, :, 0]
+
+
+def _hold_last(
+    inverse: Float[np.ndarray, "n_theta n_theta"], count: int
+) -> Float[np.ndarray, "n n"]:
+    """Return the inverse for known last parameters; the leverage of the others is below one."""
+    cross, own = inverse[:-count, -count:], inverse[-count:, -count:]
+    held = inverse[:-count, :-count] - cross @ np.linalg.lstsq(own, cross.T, rcond=1e-13)[0]
+    return 0.5 * (held + held.T)
 
 
 def _force_covariance(
