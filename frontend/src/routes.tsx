@@ -21,6 +21,7 @@ import {
   importView,
   flightView,
   flutterView,
+  globalModelView,
   searchView,
   glossaryView,
   jobsView,
@@ -193,6 +194,13 @@ const validation = createRoute({
   component: page(() => import("./pages/ValidationPage"), "ValidationPage"),
 });
 
+const globalModel = createRoute({
+  getParentRoute: () => root,
+  path: "/global-model",
+  validateSearch: globalModelView,
+  component: page(() => import("./pages/GlobalModelPage"), "GlobalModelPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -301,6 +309,7 @@ export const router = createRouter({
     compare,
     flutter,
     closedLoop,
+    globalModel,
     validation,
     search,
     modalData,

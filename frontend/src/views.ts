@@ -28,6 +28,7 @@ export interface MenuPage {
     | "/compare"
     | "/flutter"
     | "/closed-loop"
+    | "/global-model"
     | "/decisions"
     | "/jobs"
     | "/glossary";
@@ -93,6 +94,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
     pages: [
       { to: "/flutter", label: "Flutter", key: "f" },
       { to: "/closed-loop", label: "Closed loop", key: "l" },
+      { to: "/global-model", label: "Global model", key: "b" },
     ],
   },
   {
@@ -377,6 +379,26 @@ export const validationView = view((search) => ({
   folds: integer(search.folds),
 }));
 export type ValidationView = ReturnType<typeof validationView>;
+
+export const VARIABLES = [
+  "dynamic_pressure_pa",
+  "fuel_fraction",
+  "airspeed_m_s",
+  "airspeed_ratio",
+  "alpha_rad",
+] as const;
+
+export const globalModelView = view((search) => ({
+  runs: integers(search.runs),
+  /** Variables of the envelope, where not dynamic pressure and fuel. */
+  variables: words(search.variables)?.flatMap((word) => oneOf(word, VARIABLES) ?? []),
+  prediction: integer(search.prediction),
+  /** Slice: derivative, variable, and SI values at which the others are held. */
+  derivative: text(search.derivative),
+  along: oneOf(search.along, VARIABLES),
+  condition: words(search.condition)?.flatMap((word) => number(word) ?? []),
+}));
+export type GlobalModelView = ReturnType<typeof globalModelView>;
 
 export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
 

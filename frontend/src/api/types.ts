@@ -84,6 +84,7 @@ export type ExpectedSummary = Received<"ExpectedSummary">;
 export type ComparedInput = Received<"ComparedInput">;
 export type InputComparison = Received<"InputComparison">;
 export type ClosedLoopStability = Received<"ClosedLoopStability">;
+export type GlobalModelSummary = Received<"GlobalModelSummary">;
 export type CrossPredictionMatrix = Received<"CrossPredictionMatrix">;
 export type CrossValidationSummary = Received<"CrossValidationSummary">;
 export type ValidatedOutput = Received<"ValidatedOutput">;

@@ -4,7 +4,7 @@ import { useCancelJob, useRetryJob } from "../api/commands";
 import { isOver, type Job } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
 import { oneOf } from "../lib/urlState";
-import { PARTITIONS } from "../views";
+import { PARTITIONS, VARIABLES } from "../views";
 import { DataTable, type Column } from "./DataTable";
 import { stateText } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
@@ -96,6 +96,7 @@ const KINDS: Record<string, string> = {
   "preflight-simulation": "Pre-flight simulation",
   "flutter-prediction": "Flutter prediction",
   "closed-loop": "Closed loop",
+  "global-model": "Global model",
   "cross-prediction": "Cross-prediction",
   "cross-validation": "Cross-validation",
   "predicted-accuracy": "Predicted accuracy",
@@ -168,6 +169,22 @@ function JobSubject({ job }: { job: Job }) {
           search={{
             ...flutterSearch(request.flutter as Record<string, unknown>),
             controller: id("controller_id"),
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "global-model":
+      return (
+        <Link
+          to="/global-model"
+          search={{
+            runs: request.run_ids as number[],
+            variables: (request.variables as string[]).flatMap(
+              (one) => oneOf(one, VARIABLES) ?? [],
+            ),
+            prediction: readNumber(request, "prediction_id"),
           }}
           className="link"
         >

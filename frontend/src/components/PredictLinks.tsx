@@ -1,6 +1,6 @@
 import { ButtonLink } from "./ButtonLink";
 
-/** To the flutter prediction and the closed loop of runs. */
+/** To the flutter prediction, closed loop and global model of runs. */
 export function PredictLinks({ runs }: { runs: number[] }) {
   if (runs.length === 0) return null;
   return (
@@ -11,6 +11,11 @@ export function PredictLinks({ runs }: { runs: number[] }) {
       <ButtonLink variant="default" to="/closed-loop" search={{ runs }}>
         Closed loop
       </ButtonLink>
+      {runs.length > 3 && (
+        <ButtonLink variant="default" to="/global-model" search={{ runs }}>
+          Global model
+        </ButtonLink>
+      )}
     </>
   );
 }

@@ -3,6 +3,7 @@ export * from "./aircraft";
 export * from "./designs";
 export * from "./flights";
 export * from "./flutter";
+export * from "./globalModel";
 export * from "./jobs";
 export * from "./maneuvers";
 export * from "./modes";
