@@ -22,8 +22,9 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
 from flexsid.sysid.aerodynamics.normal_washes import Reference
 
-MAX_ITERATIONS = 60
+MAX_ITERATIONS = 30
 TOLERANCE = 1e-10  # of the size of a root
+LONGEST_STEP = 0.3  # of the size of a root: longer Newton steps leave the neighbourhood
 SAME_ROOT = 1e-6
 AXIS_TOLERANCE = 1e-6  # of the size of a root: larger real parts are jumps between roots
 STEADY_K = 1e-4  # below, Im Q/k is its limit at k = 0
@@ -153,76 +154,115 @@ class _Roots:
 
 
 class _Pencil:
-    """State matrices of a system at an airspeed and a reduced frequency."""
+    """F(p) = p^2 + M^-1 (D p + K - qbar (Re Q + p b/V Im Q/k)) of a system, at any airspeeds."""
 
     def __init__(self, system: ModalSystem, density: float) -> None:
         self.system, self._density = system, density
         M = system.mass
         self._spline = CubicSpline(system.k, np.linalg.solve(M, system.forces), axis=0)
-        self._limit = np.imag(self._spline(0.0, 1))
+        self._slope = self._spline.derivative()
+        self._limit = np.imag(self._slope(0.0))
         self._stiffness = np.linalg.solve(M, system.stiffness)
         self._damping = np.linalg.solve(M, system.damping)
 
-    def matrices(
-        self, airspeed: float, k: Float[np.ndarray, " n_k"]
-    ) -> Float[np.ndarray, "n_k m m"]:
+    def build_matrices(
+        self, airspeed: Float[np.ndarray, " n"], k: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "n m m"]:
+        """State matrices at given reduced frequencies."""
         Q = self._spline(np.minimum(k, self.system.k[-1]))
-        lag = np.where(
-            (k > STEADY_K)[:, None, None],
-            Q.imag / np.maximum(k, STEADY_K)[:, None, None],
-            self._limit,
-        )
-        pressure = 0.5 * self._density * airspeed**2
+        steady = (k <= STEADY_K)[:, None, None]
+        lag = np.where(steady, self._limit, Q.imag / np.maximum(k, STEADY_K)[:, None, None])
+        pressure = (0.5 * self._density * airspeed**2)[:, None, None]
+        rate = (self.system.b / airspeed)[:, None, None]
         n = self.system.mass.shape[0]
         A = np.zeros((k.size, 2 * n, 2 * n))
         A[:, :n, n:] = np.eye(n)
         A[:, n:, :n] = pressure * Q.real - self._stiffness
-        A[:, n:, n:] = pressure * self.system.b / airspeed * lag - self._damping
+        A[:, n:, n:] = pressure * rate * lag - self._damping
         return A
 
-    def decompose(self, airspeed: float, k: Float[np.ndarray, " n_k"]) -> tuple:
-        return np.linalg.eig(self.matrices(airspeed, k))
+    def expand(
+        self, airspeed: Float[np.ndarray, " n"], p: Complex[np.ndarray, " n"]
+    ) -> tuple[Complex[np.ndarray, "n n_q n_q"], ...]:
+        """F at its own k, its derivative by p with k held, and that by Im p through k."""
+        rate = self.system.b / airspeed
+        k = np.imag(p) * rate
+        highest = self.system.k[-1]
+        Q = self._spline(np.minimum(k, highest))
+        slope = self._slope(np.minimum(k, highest)) * (k <= highest)[:, None, None]
+        pressure = (0.5 * self._density * airspeed**2)[:, None, None]
+        p, k, rate = p[:, None, None], k[:, None, None], rate[:, None, None]
+        lag = Q.imag / k
+        eye = np.eye(self.system.mass.shape[0])
+        F = p**2 * eye + p * self._damping + self._stiffness
+        F -= pressure * (Q.real + p * rate * lag)
+        by_p = 2.0 * p * eye + self._damping - pressure * rate * lag
+        by_k = -pressure * (slope.real + p * rate * (slope.imag - lag) / k)
+        return F, by_p, by_k * rate
 
-    def iterate(self, airspeed: float, start: complex) -> tuple[complex, np.ndarray] | None:
-        """Find the root near a start: the eigenvalue whose k is that of its matrix."""
-        p = start
-        for step in range(MAX_ITERATIONS):
-            k = abs(p.imag) * self.system.b / airspeed
-            if k < SLOWEST_K:
-                return None
-            values, vectors = self.decompose(airspeed, np.array([k]))
-            nearest = int(np.argmin(np.abs(values[0] - p)))
-            found = complex(values[0, nearest])
-            if abs(found - p) <= TOLERANCE * abs(found):
-                return found, vectors[0, :, nearest]
-            p = found if step < MAX_ITERATIONS // 3 else 0.5 * (found + p)
-        return None
+    def iterate(
+        self, airspeed: Float[np.ndarray, " n"], start: Complex[np.ndarray, " n"]
+    ) -> tuple[Complex[np.ndarray, " n"], Complex[np.ndarray, "n m"]]:
+        """Find the root near each start, and its unit state vector; NaN where there is none.
 
-    def find_all(self, airspeed: float, near: Sequence[complex] = ()) -> _Roots:
-        """Find all oscillatory roots: starts are eigenvalues whose k is that of their matrix."""
-        k = self.system.k
-        values = self.decompose(airspeed, k)[0]
-        own = values.imag * self.system.b / airspeed
-        below = np.concatenate([[0.0], k[:-1]])[:, None]
-        above = np.concatenate([k[1:], [k[-1]]])[:, None]
-        starts = [*near, *values[(own >= below) & (own <= above) & (own > SLOWEST_K)].tolist()]
-        roots: list[complex] = []
-        vectors: list[np.ndarray] = []
-        for start in starts:
-            # Neighbouring matrices give the same root many times over.
-            if any(abs(start - root) < SAME_ROOT * abs(root) for root in roots):
-                continue
-            found = self.iterate(airspeed, start)
-            if found is None or any(abs(found[0] - r) < SAME_ROOT * abs(r) for r in roots):
-                continue
-            roots.append(found[0])
-            vectors.append(found[1])
-        order = np.argsort(np.imag(roots)) if roots else []
-        m = 2 * self.system.mass.shape[0]
-        return _Roots(
-            np.array([roots[i] for i in order], dtype=complex),
-            np.array([vectors[i] for i in order], dtype=complex).reshape(-1, m),
+        Newton's method on u^H F v = 0 with the singular vectors of the smallest singular value of
+        F; as k depends on Im p alone, two real equations.
+        """
+        p, n = start.astype(complex), self.system.mass.shape[0]
+        roots = np.full(p.size, np.nan + 0j)
+        vectors = np.full((p.size, n), np.nan + 0j)
+        at = np.arange(p.size)
+        for _ in range(MAX_ITERATIONS):
+            at = at[np.imag(p[at]) * self.system.b > SLOWEST_K * airspeed[at]]  # NaN fails too
+            if not at.size:
+                break
+            F, by_p, by_omega = self.expand(airspeed[at], p[at])
+            U, size, Vh = np.linalg.svd(F)
+            left, right = U[:, :, -1].conj(), Vh[:, -1].conj()
+            one, two = (
+                (left[:, None] @ matrix @ right[:, :, None])[:, 0, 0] for matrix in (by_p, by_omega)
+            )
+            two = two + 1j * one
+            with np.errstate(divide="ignore", invalid="ignore"):
+                part = size[:, -1] / np.imag(one.conj() * two)
+                step = part * (1j * np.imag(one) - np.imag(two))
+                step *= np.minimum(1.0, LONGEST_STEP * np.abs(p[at]) / np.abs(step))
+            step[size[:, -1] == 0.0] = 0.0
+            p[at] += step
+            done = np.abs(step) <= TOLERANCE * np.abs(p[at])
+            roots[at[done]], vectors[at[done]] = p[at[done]], right[done]
+            at = at[~done]
+        states = np.full((p.size, 2 * n), np.nan + 0j)
+        known = np.isfinite(roots)
+        states[known, :n], states[known, n:] = (
+            vectors[known],
+            roots[known, None] * vectors[known],
         )
+        states[known] /= np.linalg.norm(states[known], axis=1, keepdims=True)
+        return roots, states
+
+    def find_all(self, airspeed: Float[np.ndarray, " n_v"]) -> list[_Roots]:
+        """Find all oscillatory roots: starts are eigenvalues whose k is that of their matrix."""
+        k, n_v = self.system.k, airspeed.size
+        V, below, above = (
+            np.repeat(airspeed, k.size),
+            np.tile(np.concatenate([[0.0], k[:-1]]), n_v)[:, None],
+            np.tile(np.concatenate([k[1:], [k[-1]]]), n_v)[:, None],
+        )
+        values = np.linalg.eigvals(self.build_matrices(V, np.tile(k, n_v)))
+        own = values.imag * self.system.b / V[:, None]
+        place, column = np.nonzero((own >= below) & (own <= above) & (own > SLOWEST_K))
+        roots, vectors = self.iterate(V[place], values[place, column])
+        found = []
+        for index in range(n_v):
+            at = np.flatnonzero((place // k.size == index) & np.isfinite(roots))
+            at = at[np.argsort(np.imag(roots[at]))]
+            values = roots[at]
+            # Neighbouring matrices are starts of the same root.
+            same = np.abs(values[:, None] - values) < SAME_ROOT * np.abs(values)
+            at = at[~np.tril(same, -1).any(axis=1)]
+            found.append(_Roots(roots[at], vectors[at]))
+        return found
 
 
 def track_pk_roots(
@@ -255,38 +295,81 @@ def track_pk_roots(
     V = np.asarray(airspeed, dtype=float)
     if V.size == 0 or V[0] <= 0.0 or not (np.diff(V) > 0.0).all():
         raise BadInput("airspeeds must be positive and rise", code="bad-airspeed")
+    pencil = _build_pencil(system, density)
+    table = _join_roots(pencil.find_all(V))
+    found = [_refine(pencil, V, table, column, at) for column, at in _find_entries(table)]
+    return PkRoots(V, table, tuple(sorted(found, key=lambda crossing: crossing.airspeed)))
+
+
+def track_pk_systems(
+    systems: Sequence[ModalSystem],
+    along: Float[np.ndarray, " n_systems"],
+    airspeed: float,
+    density: float,
+) -> PkRoots:
+    """Track the oscillatory roots of systems along a parameter, such as fuel, at one airspeed.
+
+    Parameters
+    ----------
+    systems
+        In consistent units, one for each value of the parameter.
+    along
+        Rising values; they take the place of the airspeeds of the result. Crossings are linear
+        between them.
+    airspeed, density
+        Common to all.
+
+    Raises
+    ------
+    NotIdentifiable
+        If a matrix is not finite.
+    """
+    V = np.array([airspeed])
+    table = _join_roots([_build_pencil(one, density).find_all(V)[0] for one in systems])
+    found = []
+    for column, at in _find_entries(table):
+        before, after = table[at, column], table[at + 1, column]
+        share = float(before.real / (before.real - after.real))
+        omega = float((1.0 - share) * before.imag + share * after.imag)
+        place = float((1.0 - share) * along[at] + share * along[at + 1])
+        found.append(PkCrossing(place, omega, omega * systems[at].b / airspeed, column))
+    return PkRoots(along, table, tuple(sorted(found, key=lambda crossing: crossing.airspeed)))
+
+
+def _build_pencil(system: ModalSystem, density: float) -> _Pencil:
     parts = (system.mass, system.damping, system.stiffness, system.forces)
     if not all(np.isfinite(part).all() for part in parts):
         raise NotIdentifiable("a matrix of the flutter analysis is not a number")
-    pencil = _Pencil(system, density)
+    return _Pencil(system, density)
+
+
+def _join_roots(every: Sequence[_Roots]) -> Complex[np.ndarray, "n_v n_branches"]:
+    """Join the roots of neighbouring places to branches; NaN where a branch has no root."""
     branches: list[dict[int, complex]] = []
     current: list[int] = []
-    before: _Roots | None = None
-    for index, speed in enumerate(V.tolist()):
-        roots = pencil.find_all(speed, [] if before is None else before.values.tolist())
+    for index, roots in enumerate(every):
         columns = [-1] * roots.values.size
-        if before is not None:
-            for old, new in _match(before, roots):
+        if index:
+            for old, new in _match(every[index - 1], roots):
                 columns[new] = current[old]
         for position, root in enumerate(roots.values.tolist()):
             if columns[position] < 0:
                 columns[position] = len(branches)
                 branches.append({})
             branches[columns[position]][index] = root
-        before, current = roots, columns
-    table = np.full((V.size, len(branches)), np.nan + 0j)
+        current = columns
+    table = np.full((len(every), len(branches)), np.nan + 0j)
     for column, branch in enumerate(branches):
         for index, root in branch.items():
             table[index, column] = root
-    found = [
-        _refine(pencil, V, branch, column, index)
-        for column, branch in enumerate(branches)
-        for index in range(V.size - 1)
-        if index in branch
-        and index + 1 in branch
-        and branch[index].real < 0.0 <= branch[index + 1].real
-    ]
-    return PkRoots(V, table, tuple(sorted(found, key=lambda crossing: crossing.airspeed)))
+    return table
+
+
+def _find_entries(table: Complex[np.ndarray, "n_v n_branches"]) -> list[tuple[int, int]]:
+    """Columns whose root becomes unstable, and the place before; NaN is neither."""
+    growth = np.real(table)
+    at, column = np.nonzero((growth[:-1] < 0.0) & (growth[1:] >= 0.0))
+    return list(zip(column.tolist(), at.tolist(), strict=True))
 
 
 def _match(before: _Roots, after: _Roots) -> list[tuple[int, int]]:
@@ -301,22 +384,27 @@ def _match(before: _Roots, after: _Roots) -> list[tuple[int, int]]:
 
 
 def _refine(
-    pencil: _Pencil, V: Float[np.ndarray, " n_v"], branch: dict[int, complex], column: int, at: int
+    pencil: _Pencil,
+    V: Float[np.ndarray, " n_v"],
+    table: Complex[np.ndarray, "n_v n_branches"],
+    column: int,
+    at: int,
 ) -> PkCrossing:
     """Crossing between two airspeeds; linear between them where the root is lost on the way."""
     low, high = float(V[at]), float(V[at + 1])
+    ends = table[at : at + 2, column]
 
     def guess(speed: float) -> complex:
         share = (speed - low) / (high - low)
-        return (1.0 - share) * branch[at] + share * branch[at + 1]
+        return complex((1.0 - share) * ends[0] + share * ends[1])
 
     def root(speed: float) -> complex:
         start = guess(speed)
-        found = pencil.iterate(speed, start)
-        return start if found is None else found[0]
+        found = complex(pencil.iterate(np.array([speed]), np.array([start]))[0][0])
+        return found if np.isfinite(found) else start
 
-    growth = [branch[at].real, branch[at + 1].real]
-    speed = low + (high - low) * growth[0] / (growth[0] - growth[1])
+    growth = np.real(ends)
+    speed = float(low + (high - low) * growth[0] / (growth[0] - growth[1]))
     omega = guess(speed).imag
     if root(low).real < 0.0 <= root(high).real:
         exact = float(brentq(lambda v: root(v).real, low, high, xtol=1e-9 * high, rtol=1e-12))

@@ -59,11 +59,19 @@ class FrequencyShape:
 
     def select(self, modes: tuple[int, ...], inputs: tuple[str, ...]) -> FrequencyShape:
         """Return the shape of some modes and inputs; others than known ones are unshaped."""
+        if (modes, inputs) == (self.modes, self.inputs):
+            return self
         names = list_derivative_names(self.modes, self.inputs, self.body)
         known = dict(zip(names, self.factors.reshape(self.k.size, -1).T, strict=True))
-        for name in self.unshaped:
-            del known[name]
-        return build_frequency_shape(modes, inputs, self.k, known, self.reference_k, self.body)
+        own = list_derivative_names(modes, inputs, self.body)
+        unshaped = tuple(name for name in own if name not in known or name in self.unshaped)
+        one = np.ones(self.k.size, dtype=complex)
+        factors = np.stack([known.get(name, one) for name in own], axis=1)
+        n_rows = len(coefficients(modes, self.body))
+        by_place = factors.reshape(self.k.size, n_rows, -1)
+        return FrequencyShape(
+            modes, inputs, self.k, by_place, self.reference_k, unshaped, self.body
+        )
 
 
 def build_frequency_shape(
@@ -73,6 +81,7 @@ def build_frequency_shape(
     predicted: dict[str, Complex[np.ndarray, " n_k"]],
     reference_k: float,
     body: RigidBody = LONGITUDINAL,
+    smallest_ratio: float = SMALLEST_RATIO,
 ) -> FrequencyShape:
     """Build the shape of a model's derivatives from predicted C_rv(k).
 
@@ -89,6 +98,9 @@ def build_frequency_shape(
         At which the estimated derivatives are those of the prediction.
     body
         Axis of the model.
+    smallest_ratio
+        Of |Re C_rv(k_ref)| to the largest |C_rv(k)|, up to which a derivative is unshaped; 0 where
+        the derivatives are those of the prediction itself, and are not estimated.
 
     Raises
     ------
@@ -98,7 +110,7 @@ def build_frequency_shape(
     Notes
     -----
     s_rv(k) = C_rv(k) / Re C_rv(k_ref), the reference by a cubic spline; s_rv = 1 without a
-    prediction, or where |Re C_rv(k_ref)| is at most ``SMALLEST_RATIO`` of the largest |C_rv(k)|.
+    prediction, or where |Re C_rv(k_ref)| is at most ``smallest_ratio`` of the largest |C_rv(k)|.
     """
     if k.size < 2 or k[0] != 0.0 or not (np.diff(k) > 0.0).all():
         raise BadInput("reduced frequencies must rise from 0", code="bad-frequency")
@@ -118,7 +130,7 @@ def build_frequency_shape(
         if not np.isfinite(values).all():
             raise BadInput(f"the predicted {name} is not a number", code="not-finite", name=name)
         reference = float(np.real(CubicSpline(k, values)(reference_k)))
-        if abs(reference) <= SMALLEST_RATIO * np.abs(values).max():
+        if abs(reference) <= smallest_ratio * np.abs(values).max():
             unshaped.append(name)
             continue
         factors[:, column] = values / reference

@@ -111,8 +111,10 @@ def _estimate_shaped_bands(
 ) -> RootBands:
     """Estimate first-order standard errors of the roots of a frequency shape."""
     parts = [np.empty(locus.roots.shape) for _ in range(3)]
+    system = build_shaped_system(aircraft)
+    air = aircraft.condition.density if density is None else density
     for branch, roots in enumerate(locus.roots.T):
-        found = _place_shaped_roots(aircraft, locus.airspeed, roots, density)
+        found = ShapedRoots(system, locus.airspeed, roots, air)
         slopes = compute_shaped_slopes(found, aircraft, uncertain.rows, uncertain.columns)[0]
         every = (np.real(slopes), np.imag(slopes), compute_polar_slopes(roots, slopes)[1])
         for part, slope in zip(parts, every, strict=True):

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, linear_sum_assignment
 
 from flexsid.errors import BadInput
-from flexsid.sysid.aerodynamics.pk_flutter import track_pk_roots
+from flexsid.sysid.aerodynamics.pk_flutter import PkRoots, track_pk_roots, track_pk_systems
 from flexsid.sysid.model.rigid_body import SPIRAL
 from flexsid.sysid.stability.shaped_roots import (
     ShapedRoots,
@@ -134,46 +134,81 @@ def track_roots(
 def _track_shaped_roots(
     aircraft: Aeroelastic, airspeed: Float[np.ndarray, " n_v"], density: float | None
 ) -> RootLocus:
-    """Track the oscillatory roots by the p-k method; divergence is not searched.
-
-    Where a root does not oscillate, it is drawn at its nearest value; roots that oscillate at
-    less than half of the airspeeds are omitted unless they become unstable.
-    """
+    """Track the oscillatory roots by the p-k method; divergence is not searched."""
     system = build_shaped_system(aircraft)
     air = aircraft.condition.density if density is None else density
     # Each airspeed is solved on its own: a few of them, with splines between, are enough.
     some = airspeed[:: max(1, airspeed.size // _SHAPED_SPEEDS)]
     some = some if some[-1] == airspeed[-1] else np.append(some, airspeed[-1])
-    found = track_pk_roots(system, some, air)
+
+    def place_root(at: float, root: complex) -> ShapedRoots:
+        return ShapedRoots(system, np.array([at]), np.array([root]), air)
+
+    return _build_shaped_locus(
+        track_pk_roots(system, some, air), airspeed, aircraft.motions, place_root
+    )
+
+
+def track_shaped_loadings(
+    build: Callable[[float], Aeroelastic],
+    along: Float[np.ndarray, " n_loadings"],
+    airspeed: float,
+    density: float,
+) -> RootLocus:
+    """Track the roots of a frequency shape along rising loadings, such as fuel, at one airspeed.
+
+    ``build`` gives the aircraft at a loading.
+    """
+    systems = [build_shaped_system(build(at)) for at in along.tolist()]
+
+    def place_root(at: float, root: complex) -> ShapedRoots:
+        system = build_shaped_system(build(at))
+        return ShapedRoots(system, np.array([airspeed]), np.array([root]), density)
+
+    found = track_pk_systems(systems, along, airspeed, density)
+    return _build_shaped_locus(found, along, build(float(along[0])).motions, place_root)
+
+
+def _build_shaped_locus(
+    found: PkRoots,
+    along: Float[np.ndarray, " n_v"],
+    motions: tuple[str, ...],
+    place_root: Callable[[float, complex], ShapedRoots],
+) -> RootLocus:
+    """Build the locus of p-k roots, whose places are some of ``along``.
+
+    Where a root does not oscillate, it is drawn at its nearest value; roots that oscillate at
+    less than half of the places are omitted unless they become unstable.
+    """
+    some, known = found.airspeed, np.isfinite(found.roots)
     unstable = {crossing.branch for crossing in found.crossings}
-    known = np.isfinite(found.roots)
     own = [k for k in range(known.shape[1]) if k in unstable or known[:, k].mean() >= _OSCILLATING]
-    roots = np.empty((airspeed.size, len(own)), dtype=complex)
+    roots = np.empty((along.size, len(own)), dtype=complex)
+    shares = np.empty((len(motions), len(own)))
     for column, branch in enumerate(own):
         at, values = some[known[:, branch]], found.roots[known[:, branch], branch]
-        within = np.clip(airspeed, at[0], at[-1])
+        within = np.clip(along, at[0], at[-1])
         roots[:, column] = CubicSpline(at, values)(within) if at.size > 1 else values[0]
-    first = np.argmax(known[:, own], axis=0)
-    start = ShapedRoots(system, some[first], found.roots[first, own], air)
-    names = name_roots(compute_shaped_participation(start), aircraft.motions) if own else ()
+        start = place_root(float(at[0]), complex(values[0]))
+        shares[:, column] = compute_shaped_participation(start)[:, 0]
     crossings = []
     for crossing in found.crossings:
-        at = np.array([crossing.airspeed])
-        there = ShapedRoots(system, at, np.array([1j * crossing.omega]), air)
-        shares = compute_shaped_participation(there)[:, 0].tolist()
+        there = place_root(crossing.airspeed, 1j * crossing.omega)
+        participation = compute_shaped_participation(there)[:, 0].tolist()
         column = own.index(crossing.branch)
-        stable = np.flatnonzero((airspeed > crossing.airspeed) & (np.real(roots[:, column]) < 0.0))
+        stable = np.flatnonzero((along > crossing.airspeed) & (np.real(roots[:, column]) < 0.0))
         crossings.append(
             FlutterCrossing(
                 crossing.airspeed,
                 crossing.omega,
                 Mechanism.FLUTTER,
                 column,
-                dict(zip(aircraft.motions, shares, strict=True)),
-                float(airspeed[stable[0]]) if stable.size else None,
+                dict(zip(motions, participation, strict=True)),
+                float(along[stable[0]]) if stable.size else None,
             )
         )
-    return RootLocus(airspeed, roots, names, tuple(crossings))
+    names = name_roots(shares, motions) if own else ()
+    return RootLocus(along, roots, names, tuple(crossings))
 
 
 def track_family_roots(

@@ -23,7 +23,11 @@ from flexsid.sysid.stability.equivalent import (
     compute_equivalent_modes,
     fit_in_vacuo_mode,
 )
-from flexsid.sysid.stability.flutter import RootLocus, track_family_roots
+from flexsid.sysid.stability.flutter import (
+    RootLocus,
+    track_family_roots,
+    track_shaped_loadings,
+)
 from flexsid.sysid.stability.prediction import IdentifiedModes
 from flexsid.sysid.stability.speeds import StateFamily, build_state_family
 from flexsid.workflow.flutter.flutter_models import (
@@ -33,6 +37,7 @@ from flexsid.workflow.flutter.flutter_models import (
     name_motion,
 )
 from flexsid.workflow.flutter.run_flutter import RunModel, scale_to_fuel
+from flexsid.workflow.modal_data.modal_tables import AircraftModes
 
 _FUELS = 41
 _HZ = 1.0 / (2.0 * np.pi)
@@ -78,7 +83,7 @@ def _trace_over_airspeed(models: FlutterModels) -> FlutterRoots:
         along=Along.AIRSPEED,
         at=locus.airspeed,
         airspeed_m_s=locus.airspeed,
-        branches=_build_branches(models, locus, bands),
+        branches=build_branches(locus, bands, models.at.modes, _list_held(models)),
         tested=tested,
         flutter=None if best.crossing is None else best.crossing.airspeed,
         interval=best.interval,
@@ -126,7 +131,12 @@ def _trace_over_fuel(store: Store, models: FlutterModels) -> FlutterRoots:
         A, scale = (np.concatenate([getattr(one, k) for one in each]) for k in ("A", "scale"))
         return replace(each[0], A=A, scale=scale)
 
-    locus = track_family_roots(family, at, models.best.found.aircraft.motions)
+    if models.best.found.aircraft.shape is None:
+        locus = track_family_roots(family, at, models.best.found.aircraft.motions)
+    else:
+        locus = track_shaped_loadings(
+            lambda fuel: model(fuel).aircraft, at, speed, models.at.density
+        )
     bands = _concatenate(
         [
             estimate_root_bands(
@@ -143,7 +153,7 @@ def _trace_over_fuel(store: Store, models: FlutterModels) -> FlutterRoots:
         along=Along.FUEL,
         at=at,
         airspeed_m_s=np.array([speed]),
-        branches=_build_branches(models, locus, bands),
+        branches=build_branches(locus, bands, models.at.modes, _list_held(models)),
         tested=(),
         flutter=None if crossing is None else crossing.airspeed,
         interval=None,
@@ -176,15 +186,20 @@ def _describe_bands(by_monte_carlo: np.ndarray, at: np.ndarray, factor: float, u
     )
 
 
-def _build_branches(
-    models: FlutterModels, locus: RootLocus, bands: RootBands
-) -> tuple[RootBranch, ...]:
+def _list_held(models: FlutterModels) -> frozenset[str]:
+    """List the modes of the preferred model that were not estimated."""
     found = models.best.found
-    held = {str(n) for n in found.aircraft.modes.numbers if n not in found.estimated_modes}
+    return frozenset(str(n) for n in found.aircraft.modes.numbers if n not in found.estimated_modes)
+
+
+def build_branches(
+    locus: RootLocus, bands: RootBands, modes: AircraftModes, held: frozenset[str] = frozenset()
+) -> tuple[RootBranch, ...]:
+    """Build the branches of a locus with their standard errors and displayed names."""
     damping = locus.damping()
     return tuple(
         RootBranch(
-            name=name_motion(models.at.modes, name),
+            name=name_motion(modes, name),
             held=name in held,
             real=np.real(locus.roots[:, k]),
             imag=np.imag(locus.roots[:, k]),
