@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, nan
 from typing import Annotated, Any, get_type_hints
 
@@ -57,6 +57,7 @@ from flexsid.jobs.kinds import (
     FLUTTER,
     GLOBAL_MODEL,
     PREDICTED_ACCURACY,
+    PREDICTED_FLUTTER,
 )
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
@@ -74,6 +75,7 @@ from flexsid.workflow.excitation.excitation_designs import sample_design
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes
+from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
@@ -237,6 +239,24 @@ class GlobalModelParameters(Parameters):
     )
     prediction_id: _Reference = Field(
         None, description="Prediction that is compared, and the mean where that predicts better."
+    )
+
+
+class PredictedFlutterParameters(Parameters):
+    """A prediction, its loading and the airspeeds of its flutter analysis."""
+
+    prediction_id: _Id
+    fuel: float | None = Field(
+        None, ge=0.0, le=1.0, description="Fuel fraction; by default the middle one predicted."
+    )
+    density_kg_m3: float | None = Field(
+        None, ge=0.05, le=2.0, description="Air density; by default standard air at sea level."
+    )
+    from_m_s: float | None = Field(
+        None, ge=0.1, le=1000.0, description="Lowest airspeed; by default k = 1 of the lowest mode."
+    )
+    to_m_s: float | None = Field(
+        None, ge=0.1, le=1000.0, description="Highest airspeed; by default k = 0.1 of that mode."
     )
 
 
@@ -407,6 +427,9 @@ class _Forest(Parameters):
 
 class _Roots(FlutterParameters):
     along: Along = Field(Along.AIRSPEED, description="Variable over which the roots are tracked.")
+    prediction_id: _Reference = Field(
+        None, description="Prediction whose flutter analysis at this loading is drawn beside."
+    )
 
 
 class _ClosedLoop(FlutterParameters):
@@ -516,8 +539,20 @@ def _get_flutter_map(store: Store, **query: Any) -> FlutterMap:
     return get_result(store, FLUTTER, FlutterQuery(**query)).map
 
 
-def _get_roots(store: Store, along: Along = Along.AIRSPEED, **query: Any) -> FlutterRoots:
-    return get_result(store, FLUTTER, FlutterQuery(**query)).roots[along]
+def _get_roots(
+    store: Store, along: Along = Along.AIRSPEED, prediction_id: int | None = None, **query: Any
+) -> FlutterRoots:
+    result = get_result(store, FLUTTER, FlutterQuery(**query))
+    roots = result.roots[along]
+    if prediction_id is None or along is Along.FUEL:
+        return roots
+    request = query_beside_flight(prediction_id, result.flutter)
+    predicted = get_result(store, PREDICTED_FLUTTER, request)
+    return replace(roots, predicted=predicted.roots.branches)
+
+
+def _get_predicted_roots(store: Store, **query: Any) -> FlutterRoots:
+    return get_result(store, PREDICTED_FLUTTER, PredictedFlutterQuery(**query)).roots
 
 
 def _get_closed_loop(store: Store, controller_id: int, **query: Any) -> ClosedLoop:
@@ -652,6 +687,12 @@ _KINDS = (
         "Draw frequency and damping of the identified roots with ±2 standard errors."),
     FigureKind("root-locus", _Roots, _get_roots, draw_root_locus,
         "Draw the identified roots in the s-plane."),
+    FigureKind("predicted-v-omega-zeta", PredictedFlutterParameters, _get_predicted_roots,
+        draw_v_omega_zeta,
+        "Draw frequency and damping of the roots of a prediction, with ±2 standard errors."),
+    FigureKind("predicted-root-locus", PredictedFlutterParameters, _get_predicted_roots,
+        draw_root_locus,
+        "Draw the roots of a prediction in the s-plane."),
     FigureKind("equivalent-modes", FlutterParameters, _get_flutter, draw_equivalent_modes,
         "Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."),
     FigureKind("flutter-forecast", FlutterParameters, _get_flutter, draw_flutter_forecast,

@@ -249,6 +249,7 @@ export const RUN_TABS = [
   "time",
   "correlation",
   "poles",
+  "aerodynamics",
   "iterations",
   "provenance",
 ] as const;
@@ -317,6 +318,8 @@ export const flutterView = view((search) => ({
   along: oneOf(search.along, ALONG),
   /** Derivatives drift linearly with dynamic pressure. */
   trend: flag(search.trend),
+  /** Prediction whose flutter is shown, beside that of the runs or alone. */
+  prediction: integer(search.prediction),
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 

@@ -142,6 +142,7 @@ class _Recorder:
             if name in (
                 "request_search",
                 "request_flutter",
+                "request_predicted_flutter",
                 "request_closed_loop",
                 "request_cross_predictions",
                 "request_cross_validation",

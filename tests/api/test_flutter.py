@@ -58,3 +58,36 @@ def test_flutter_prediction_is_stored(client):
     for kind in ("root-locus", "equivalent-modes", "flutter-forecast", "flutter-map"):
         assert client.get(f"/api/v1/figures/{kind}?run_ids=1").json()["data"]
     assert client.post("/api/v1/flutter/results?run_ids=999").status_code == 404
+    draw_beside_prediction(client, found)
+
+
+def test_flutter_of_a_prediction_is_drawn_alone(client):
+    alone = "prediction_id=1"
+    begun = client.post(f"/api/v1/flutter/predicted/results?{alone}")
+    assert begun.status_code == 202, begun.text
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    found = client.get(f"/api/v1/flutter/predicted?{alone}").json()
+    assert found["sentence"]
+    assert found["searched_from_m_s"] < found["searched_to_m_s"]
+    for kind in ("predicted-v-omega-zeta", "predicted-root-locus"):
+        assert client.get(f"/api/v1/figures/{kind}?{alone}").json()["data"]
+    for wrong in ("prediction_id=999", "prediction_id=1&fuel=2"):
+        refused = client.post(f"/api/v1/flutter/predicted/results?{wrong}")
+        assert refused.status_code in (404, 422)
+
+
+def draw_beside_prediction(client, flight) -> None:
+    beside = {
+        "prediction_id": 1,
+        "fuel": flight["fuel_fraction"],
+        "density_kg_m3": flight["density_kg_m3"],
+        "from_m_s": flight["searched_from_m_s"],
+        "to_m_s": flight["searched_to_m_s"],
+    }
+    figure = "/api/v1/figures/v-omega-zeta?run_ids=1&prediction_id=1"
+    assert client.get(figure).status_code == 409  # not computed yet
+    begun = client.post("/api/v1/flutter/predicted/results", params=beside)
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    for along in ("airspeed", "dynamic_pressure"):
+        drawn = client.get(f"{figure}&along={along}").json()["data"]
+        assert any(trace["name"].endswith(", predicted") for trace in drawn)

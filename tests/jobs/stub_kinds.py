@@ -24,7 +24,7 @@ NAMES = (
     *("estimation", "structure-search", "excitation-design", "preflight-simulation"),
     *("flutter-prediction", "closed-loop", "cross-prediction", "cross-validation"),
     *("quality-assessment", "predicted-accuracy", "input-comparison", "amplitude-optimisation"),
-    *("derivative-prediction", "global-model"),
+    *("derivative-prediction", "predicted-flutter", "aerodynamics-comparison", "global-model"),
 )
 
 

@@ -20,6 +20,7 @@ from flexsid.records.run import (
     OutOfBandModes,
     RunSettings,
 )
+from flexsid.records.validation import AerodynamicsVerdict
 from flexsid.storage.store import Store
 from flexsid.sysid.aerodynamics.boxes import Boxes
 from flexsid.sysid.aerodynamics.coefficients import compute_coefficients
@@ -33,6 +34,7 @@ from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.estimation_task import EstimationTask
+from flexsid.workflow.validation.aerodynamics_comparison import compare_tasks
 
 PROJECT = Path(__file__).parents[2]
 DATA = PROJECT.parent / "shared" / "data" / "flex28_unsteady"
@@ -76,7 +78,9 @@ def own_lattice() -> tuple[FrequencyShape, DerivativeTable]:
     return shape, DerivativeTable(MODES, INPUTS, at)
 
 
-def load_task(store: Store, name: str, method: Method) -> EstimationTask:
+def load_task(
+    store: Store, name: str, method: Method, band_hz: tuple[float, float] | None = None
+) -> EstimationTask:
     add_aircraft(store)
     mapping = PROJECT / "examples" / "flex28" / "record.toml"
     maneuver = import_maneuver(store, [DATA / "records" / f"{name}.npz"], mapping)
@@ -85,7 +89,7 @@ def load_task(store: Store, name: str, method: Method) -> EstimationTask:
         maneuver_id=maneuver.id,
         method=method,
         structure=Structure(modes=MODES, fixed={}),
-        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED, band_hz=band_hz),
     )
     return prepare(store, request)
 
@@ -165,3 +169,35 @@ def test_other_estimators_find_the_factors(store: Store, own_lattice, method: Me
 def test_a_quasi_steady_model_of_these_records_is_suspect(store: Store):
     found = compute_run(load_task(store, "065Vf_n2_fta506", Method.OE), lambda progress: None)
     assert found.adequacy.state is AdequacyState.SUSPECT
+
+
+@pytest.mark.parametrize(
+    ("name", "band_hz", "verdict"),
+    [
+        ("080Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
+        ("095Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
+        ("080Vf_n2_fta506_gust", None, AerodynamicsVerdict.SHAPED),
+        ("080Vf_n2_fta506", (0.2, 2.0), AerodynamicsVerdict.NOT_DECIDED),
+        ("../../flex28/records/065Vf_n2_fta506", None, AerodynamicsVerdict.QUASI_STEADY),
+    ],
+)
+def test_held_out_frequencies_decide_between_aerodynamic_models(
+    store: Store, own_lattice, name: str, band_hz, verdict: AerodynamicsVerdict
+):
+    shape, start = own_lattice
+    quasi_steady = load_task(store, name, Method.OE, band_hz)
+    shaped = shape_task(quasi_steady, shape, start)
+    found = compare_tasks(quasi_steady, shaped, "the lattice", lambda progress: None)
+    assert found.verdict is verdict
+    steady, with_shape = found.fits
+    if verdict is AerodynamicsVerdict.SHAPED:
+        assert "The forces lag the motion" in found.sentence
+        assert steady.lag_rejects
+        assert not with_shape.lag_rejects
+    if verdict is AerodynamicsVerdict.QUASI_STEADY:
+        assert with_shape.lag_rejects
+        assert not steady.lag_rejects
+    if name == "080Vf_n2_fta506" and band_hz is None:
+        flutter = np.load(DATA / "records" / f"{name}.npz")["true_flutter_speed_ft_s"] * 0.3048
+        assert with_shape.flutter_m_s == pytest.approx(float(flutter), rel=0.01)
+        assert steady.flutter_m_s is None or steady.flutter_m_s > 1.05 * flutter

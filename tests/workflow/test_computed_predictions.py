@@ -14,7 +14,8 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
 from flexsid.jobs.inline import execute_request, execute_run
-from flexsid.jobs.kinds import PREDICTION, RUN
+from flexsid.jobs.kind import find_job, get_result
+from flexsid.jobs.kinds import PREDICTED_FLUTTER, PREDICTION, RUN
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
@@ -29,6 +30,7 @@ from flexsid.records.run import (
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.workflow.aircraft.derivative_predictions import load_frequency_shape
+from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.modal_data.computed_predictions import (
     PlanformSurface,
     PredictionRequest,
@@ -71,6 +73,29 @@ def test_a_planform_gives_a_prediction_beside_imported_ones(store: Store):
     assert np.allclose(np.real(shape.at(np.array([0.15]))), 1.0)
     with pytest.raises(Conflict, match="another name"):
         check_prediction(store, request(store))
+
+
+def test_flutter_of_a_prediction_alone_agrees_with_rational_functions(store: Store):
+    prediction = compute(store)
+    query = PredictedFlutterQuery(prediction_id=prediction.id or 0, fuel=0.5)
+    execute_request(store, PREDICTED_FLUTTER, query, lambda progress: None)
+    found = get_result(store, PREDICTED_FLUTTER, query)
+    flutter = found.flutter
+    assert flutter.airspeed_m_s is not None
+    # FLEX-28U with 320 boxes: 204.3 ft/s at another density; k = 0.15.
+    assert flutter.airspeed_m_s == pytest.approx(62.3 * np.sqrt(1.0556 / 1.225), rel=0.06)
+    assert flutter.reduced_frequency == pytest.approx(0.15, rel=0.1)
+    assert flutter.rational_airspeed_m_s == pytest.approx(flutter.airspeed_m_s, rel=0.003)
+    assert flutter.airspeed_std_m_s is not None
+    assert flutter.airspeed_std_m_s > 0.01 * flutter.airspeed_m_s
+    assert {branch.name for branch in found.roots.branches} >= {"SW1B"}
+    quasi_steady = next(p for p in store.predictions.find() if p.unsteady is None)
+    query = PredictedFlutterQuery(prediction_id=quasi_steady.id or 0, fuel=0.5)
+    execute_request(store, PREDICTED_FLUTTER, query, lambda progress: None)
+    imported = get_result(store, PREDICTED_FLUTTER, query).flutter
+    assert imported.rational_airspeed_m_s is None
+    with pytest.raises(BadInput, match="fuel fraction"):
+        find_job(store, PREDICTED_FLUTTER, replace(query, fuel=50.0))
 
 
 def test_impossible_planforms_are_refused_by_name(store: Store):

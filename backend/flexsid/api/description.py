@@ -343,35 +343,58 @@ _GLOBAL_MODEL = {
     "next_condition": {"condition": [890.0, 0.9], "reduction": 0.08},
     "omitted": [],
 }
-_GLOBAL_MODEL_JOB = {
-    "id": 61,
-    "kind": "global-model",
-    "title": "40 runs",
-    "run_id": None,
-    "maneuver_id": None,
-    "method": None,
-    "request": {
+_GLOBAL_FIGURE = {
+    "data": [{"type": "scatter", "mode": "lines", "x": [310.0], "y": [-0.25]}],
+    "layout": {},
+}
+
+
+def _describe_queued_job(kind: str, title: str, request: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "id": 61,
+        "kind": kind,
+        "title": title,
+        "run_id": None,
+        "maneuver_id": None,
+        "method": None,
+        "request": request,
+        "result_id": None,
+        "state": "queued",
+        "attempt": 0,
+        "priority": 0,
+        "position": 1,
+        "after_job_id": None,
+        "progress": None,
+        "error": None,
+        "worker": None,
+        "author": "Ann Analyst",
+        "created_at": "2026-11-22T18:00:00Z",
+        "started_at": None,
+        "finished_at": None,
+    }
+
+
+_GLOBAL_MODEL_JOB = _describe_queued_job(
+    "global-model",
+    "40 runs",
+    {
         "run_ids": [1, 2, 3, 4],
         "variables": ["dynamic_pressure_pa", "fuel_fraction"],
         "prediction_id": None,
     },
-    "result_id": None,
-    "state": "queued",
-    "attempt": 0,
-    "priority": 0,
-    "position": 1,
-    "after_job_id": None,
-    "progress": None,
-    "error": None,
-    "worker": None,
-    "author": "Ann Analyst",
-    "created_at": "2026-11-22T18:00:00Z",
-    "started_at": None,
-    "finished_at": None,
-}
-_GLOBAL_FIGURE = {
-    "data": [{"type": "scatter", "mode": "lines", "x": [310.0], "y": [-0.25]}],
-    "layout": {},
+)
+_AERODYNAMICS_JOB = _describe_queued_job("aerodynamics-comparison", "run 1", {"run_id": 1})
+_AERODYNAMICS_FIT = {
+    "aerodynamics": "shaped",
+    "outcome": "converged",
+    "cost": -135711.0,
+    "held_out": 420.2,
+    "lag_p": 0.47,
+    "lag_rejects": False,
+    "smallest_r_squared": 0.903,
+    "flutter_m_s": 63.87,
+    "flutter_std_m_s": 0.33,
+    "flutter": "Flutter of the short period with SW1B at 63.87 ± 0.66 m/s, 16.95 rad/s.",
 }
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {

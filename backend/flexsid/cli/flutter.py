@@ -11,9 +11,10 @@ from flexsid.cli.runs import report_progress
 from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import FLUTTER
+from flexsid.jobs.kinds import FLUTTER, PREDICTED_FLUTTER
 from flexsid.settings import Settings
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes
+from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 
 
 def predict(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -34,4 +35,25 @@ def predict(settings: Settings, arguments: argparse.Namespace) -> int:
     for structure in prediction.structures:
         lines.append(f"modes {' '.join(map(str, structure.modes))}: {structure.sentence}")
     print_result(lines, prediction, as_json=arguments.json)
+    return 0
+
+
+def predict_of_prediction(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the flutter speed of the derivatives of a prediction alone."""
+    query = PredictedFlutterQuery(
+        prediction_id=arguments.prediction,
+        fuel=arguments.fuel,
+        density_kg_m3=arguments.density,
+        from_m_s=arguments.lowest,
+        to_m_s=arguments.highest,
+    )
+    with open_store(settings) as store:
+        execute_request(store, PREDICTED_FLUTTER, query, report_progress)
+        found = get_result(store, PREDICTED_FLUTTER, query).flutter
+    at = f"{found.source}: fuel {found.fuel_fraction:g}, {found.density_kg_m3:.4g} kg/m3"
+    lines = [f"{at}, {found.searched_from_m_s:.4g} to {found.searched_to_m_s:.4g} m/s"]
+    lines.append(found.sentence)
+    if found.reduced_frequency is not None:
+        lines.append(f"reduced frequency of flutter: {found.reduced_frequency:.3g}")
+    print_result(lines, found, as_json=arguments.json)
     return 0

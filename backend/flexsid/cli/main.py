@@ -122,6 +122,10 @@ def build_parser() -> argparse.ArgumentParser:
     _add_flutter_options(add("flutter", "flutter:predict", "predict the flutter speed from runs"))
     summary = "fit derivatives over the envelope to all runs, and name outlying runs"
     _add_global_model_options(add("global-model", "global_model:fit_global_model", summary))
+    summary = "predict the flutter speed from a prediction alone"
+    _add_predicted_flutter_options(
+        add("predicted-flutter", "flutter:predict_of_prediction", summary)
+    )
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
     _add_validation_options(add("validate", "validation:validate", summary))
     return parser
@@ -274,6 +278,19 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
         help="variables of the envelope; default: dynamic pressure and fuel",
     )
     option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
+
+
+def _add_predicted_flutter_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("prediction", type=int, metavar="PREDICTION", help="id of the prediction")
+    meaning = "fuel fraction; default: the middle one of the prediction"
+    option("--fuel", type=float, metavar="SHARE", help=meaning)
+    meaning = "air density; default: standard air at sea level"
+    option("--density", type=float, metavar="KG/M3", help=meaning)
+    meaning = "lowest airspeed; default: k = 1 of the lowest mode"
+    option("--from", dest="lowest", type=float, metavar="M/S", help=meaning)
+    meaning = "highest airspeed; default: k = 0.1 of the lowest mode"
+    option("--to", dest="highest", type=float, metavar="M/S", help=meaning)
 
 
 def _add_validation_options(command: argparse.ArgumentParser) -> None:

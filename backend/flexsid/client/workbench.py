@@ -310,6 +310,19 @@ class Workbench:
         """
         return self._compute("flutter", run_ids=list(run_ids), **query)
 
+    def predicted_flutter(self, prediction_id: int, **query: Any) -> dict[str, Any]:
+        """Return the flutter speed of a prediction alone, by p-k and by rational functions.
+
+        Parameters
+        ----------
+        prediction_id
+            Prediction with derivatives of modes.
+        **query
+            ``fuel`` as a fraction, ``density_kg_m3``, ``from_m_s`` and ``to_m_s``, as the
+            interface names them.
+        """
+        return self._compute("flutter/predicted", prediction_id=prediction_id, **query)
+
     def closed_loop(
         self, run_ids: Iterable[int], controller_id: int, **query: Any
     ) -> dict[str, Any]:
@@ -331,6 +344,10 @@ class Workbench:
             ``prediction_id``.
         """
         return self._compute("global-models", run_ids=list(run_ids), **query)
+
+    def compare_aerodynamics(self, run_id: int) -> dict[str, Any]:
+        """Return the verdict between quasi-steady and shaped derivatives for the data of a run."""
+        return self._compute("aerodynamics-comparisons", run_id=run_id)
 
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()

@@ -66,6 +66,24 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
                 )
             )
         data += _draw_tested(value, branch.name, {"color": colour, "symbol": f"{symbol}-open"})
+    for branch, name, line in _list_predicted(value):
+        for row, (values, of_y) in enumerate(
+            ((np.hypot(branch.real, branch.imag) * _HZ, "Hz"), (100.0 * branch.damping, "%")),
+            start=1,
+        ):
+            data.append(
+                scatter(
+                    column(x, exact=True),
+                    np.where(branch.imag > _REAL, values, np.nan),
+                    "lines",
+                    row=row,
+                    name=name,
+                    legendgroup=name,
+                    showlegend=row == 1,
+                    line=line,
+                    hovertemplate=f"%{{x:.4~g}} {unit}<br>%{{y:.3g}} {of_y}<extra>{name}</extra>",
+                )
+            )
     layout = stack(
         title(label),
         [{**title("Frequency [Hz]"), **_find_range(value)}, title("Damping ratio [%]")],
@@ -109,6 +127,19 @@ def draw_root_locus(value: FlutterRoots) -> Spec:
         )
         for branch, colour, _, width in _select_styles(value)
     ]
+    data += [
+        scatter(
+            branch.real,
+            branch.imag,
+            "lines",
+            name=name,
+            line=line,
+            customdata=at,
+            hovertemplate=f"%{{customdata[0]}} {unit}<br>%{{x:.2f}} + j %{{y:.2f}} rad/s"
+            f"<extra>{name}</extra>",
+        )
+        for branch, name, line in _list_predicted(value)
+    ]
     layout = plane(
         {**title("Real part [rad/s]"), "zeroline": False},
         {**title("Imaginary part [rad/s]"), **_find_range(value, 1.0)},
@@ -128,6 +159,15 @@ def _select_styles(value: FlutterRoots) -> Iterator[tuple[RootBranch, str, str, 
         else:
             yield branch, *style.of_index(shown), 1.8
             shown += 1
+
+
+def _list_predicted(value: FlutterRoots) -> Iterator[tuple[RootBranch, str, Spec]]:
+    """List the roots of a prediction with name and line: dashed, in the colour of the motion."""
+    colours = {branch.name: colour for branch, colour, _, _ in _select_styles(value)}
+    for branch in value.predicted:
+        colour = colours.get(branch.name, style.GREY)
+        line = {"color": colour, "dash": "dash", "width": 1.2}
+        yield branch, f"{text(branch.name)}, predicted", line
 
 
 def _find_range(value: FlutterRoots, factor: float = _HZ) -> Spec:

@@ -9,11 +9,15 @@ from typing import Any, Generic, TypeVar
 from flexsid.jobs.kind import Kind, Kinds
 from flexsid.jobs.worker import Report
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.flutter import ClosedLoop, FlutterResult
+from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
 from flexsid.records.quality import ManeuverQuality
-from flexsid.records.validation import CrossPredictionMatrix, CrossValidation
+from flexsid.records.validation import (
+    AerodynamicsComparison,
+    CrossPredictionMatrix,
+    CrossValidation,
+)
 from flexsid.storage import queue
 from flexsid.storage.derived_runs import find_derived_runs
 from flexsid.storage.encoding import encode
@@ -46,6 +50,12 @@ from flexsid.workflow.flutter.closed_loop import (
 )
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, compute_flutter
 from flexsid.workflow.flutter.flutter_models import fuse_runs, identify_query
+from flexsid.workflow.flutter.predicted_flutter import (
+    PredictedFlutterQuery,
+    compute_predicted_flutter,
+    identify_predicted_flutter,
+    prepare_predicted_flutter,
+)
 from flexsid.workflow.global_model.computation import compute_global_model
 from flexsid.workflow.global_model.estimates import (
     GlobalModelQuery,
@@ -68,6 +78,11 @@ from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
 from flexsid.workflow.runs.software_versions import read_versions
 from flexsid.workflow.structure_determination import searches
+from flexsid.workflow.validation.aerodynamics_comparison import (
+    AerodynamicsQuery,
+    compare_aerodynamics,
+    identify_aerodynamics,
+)
 from flexsid.workflow.validation.cross_prediction import (
     CrossPredictionQuery,
     compute_cross_predictions,
@@ -237,6 +252,10 @@ def _compute_cross_validation(task: SnapshotTask, report: Report) -> CrossValida
     return cross_validate(task.open(), task.request, report)
 
 
+def _compare_aerodynamics(task: SnapshotTask, report: Report) -> AerodynamicsComparison:
+    return compare_aerodynamics(task.open(), task.request, report)
+
+
 def _compute_quality(task: SnapshotTask, report: Report) -> ManeuverQuality:
     store = task.open()
     maneuver = store.maneuvers.get(task.request.maneuver_id)
@@ -303,6 +322,16 @@ FLUTTER = Kind(
     result=FlutterResult,
     identify=identify_query,
 )
+PREDICTED_FLUTTER = Kind(
+    name="predicted-flutter",
+    label="Flutter of a prediction",
+    request=PredictedFlutterQuery,
+    prepare=lambda store, job, query: prepare_predicted_flutter(store, query),
+    compute=compute_predicted_flutter,
+    save=_save_result,
+    result=PredictedFlutterResult,
+    identify=identify_predicted_flutter,
+)
 CLOSED_LOOP = Kind(
     name="closed-loop",
     label="Closed-loop stability",
@@ -342,6 +371,16 @@ CROSS_VALIDATION = Kind(
     save=_save_result,
     result=CrossValidation,
     identify=identify_cross_validation,
+)
+AERODYNAMICS = Kind(
+    name="aerodynamics-comparison",
+    label="Comparison of aerodynamics",
+    request=AerodynamicsQuery,
+    prepare=lambda store, job, query: _prepare_runs(store, (query.run_id,), query),
+    compute=_compare_aerodynamics,
+    save=_save_result,
+    result=AerodynamicsComparison,
+    identify=identify_aerodynamics,
 )
 PREDICTED_ACCURACY = Kind(
     name="predicted-accuracy",
@@ -402,10 +441,12 @@ KINDS: Kinds = {
         DESIGN,
         SIMULATION,
         FLUTTER,
+        PREDICTED_FLUTTER,
         CLOSED_LOOP,
         GLOBAL_MODEL,
         CROSS_PREDICTION,
         CROSS_VALIDATION,
+        AERODYNAMICS,
         PREDICTED_ACCURACY,
         INPUT_COMPARISON,
         AMPLITUDES,

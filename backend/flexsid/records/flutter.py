@@ -214,6 +214,7 @@ class FlutterRoots:
     ``by_monte_carlo`` is where first order is inaccurate and standard errors are by Monte Carlo
     draws, ``note`` describes it. Over fuel the airspeed is one. ``flutter``, ``interval`` and
     ``tested_to`` are positions on the same axis; over fuel the first is where stability ends.
+    ``predicted`` are the roots of a prediction at the same positions.
     """
 
     along: Along
@@ -226,6 +227,43 @@ class FlutterRoots:
     tested_to: float | None
     by_monte_carlo: np.ndarray
     note: str
+    predicted: tuple[RootBranch, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PredictedFlutter:
+    """Flutter of the derivatives of a prediction alone, at one loading and air density.
+
+    ``airspeed_std_m_s`` is that of the standard errors of the prediction, taken as independent, and
+    of the modal frequencies; None where the prediction has none. ``reduced_frequency`` is that of
+    the crossing, at which derivatives are to be compared. ``rational_airspeed_m_s`` is the flutter
+    speed by rational functions, None for quasi-steady predictions or without a crossing.
+    """
+
+    sentence: str
+    prediction_id: int
+    source: str
+    modes: tuple[int, ...]
+    fuel_fraction: float
+    density_kg_m3: float
+    searched_from_m_s: float
+    searched_to_m_s: float
+    airspeed_m_s: float | None
+    airspeed_std_m_s: float | None
+    frequency_rad_s: float | None
+    reduced_frequency: float | None
+    rational_airspeed_m_s: float | None
+    rational_frequency_rad_s: float | None
+    mechanism: str | None
+    participation: tuple[Participation, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PredictedFlutterResult:
+    """Result of the flutter analysis of a prediction: numbers, and roots over airspeed."""
+
+    flutter: PredictedFlutter
+    roots: FlutterRoots
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,6 +7,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from flexsid.records.run import Aerodynamics
+
 
 class Partition(StrEnum):
     """Partition of the data of a run for its validation.
@@ -155,3 +157,55 @@ class ResidualCorrelations:
     maneuver_id: int
     curves: tuple[CorrelationCurve, ...]
     share_outside: float
+
+
+class AerodynamicsVerdict(StrEnum):
+    """Aerodynamic model that the data of a run prefer."""
+
+    SHAPED = "shaped"
+    QUASI_STEADY = "quasi-steady"
+    NOT_DECIDED = "not decided"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AerodynamicsFit:
+    """Output-error fit of one aerodynamic model.
+
+    ``cost`` is the negative log likelihood of all data, ``held_out`` the mean log likelihood of a
+    held-out frequency by a fit to the others; both without constants. ``lag_p`` is the p-value of
+    the score test for a lag of the forces behind the motion, ``lag_rejects`` whether it rejects the
+    model. ``flutter_m_s`` is None where no instability is predicted in the searched range.
+    """
+
+    aerodynamics: Aerodynamics
+    outcome: str
+    cost: float
+    held_out: float
+    lag_p: float | None
+    lag_rejects: bool
+    smallest_r_squared: float
+    flutter_m_s: float | None
+    flutter_std_m_s: float | None
+    flutter: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AerodynamicsComparison:
+    """Quasi-steady against shaped derivatives on the data of a run.
+
+    ``difference`` is the log likelihood of held-out frequencies by the shaped model less that by
+    the quasi-steady one, with its standard error. ``highest_k`` is the highest reduced frequency of
+    the data.
+    """
+
+    run_id: int
+    verdict: AerodynamicsVerdict
+    sentence: str
+    source: str
+    prediction_id: int
+    n_frequencies: int
+    n_held_out: int
+    highest_k: float
+    difference: float
+    difference_std: float
+    fits: tuple[AerodynamicsFit, ...]

@@ -95,10 +95,12 @@ const KINDS: Record<string, string> = {
   "excitation-design": "Excitation design",
   "preflight-simulation": "Pre-flight simulation",
   "flutter-prediction": "Flutter prediction",
+  "predicted-flutter": "Flutter of a prediction",
   "closed-loop": "Closed loop",
   "global-model": "Global model",
   "cross-prediction": "Cross-prediction",
   "cross-validation": "Cross-validation",
+  "aerodynamics-comparison": "Comparison of aerodynamics",
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
@@ -157,6 +159,23 @@ function JobSubject({ job }: { job: Job }) {
             next: readNumber(request, "next_m_s"),
             trend: request.trend === true || undefined,
           }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "predicted-flutter":
+      return (
+        <Link to="/flutter" search={{ prediction: id("prediction_id") }} className="link">
+          {label}
+        </Link>
+      );
+    case "aerodynamics-comparison":
+      return (
+        <Link
+          to="/runs/$id"
+          params={{ id: id("run_id") }}
+          search={{ tab: "aerodynamics" }}
           className="link"
         >
           {label}

@@ -154,6 +154,16 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                       one.unsteady ? fixed(one.unsteady.reference_k, 2) : "",
                     ),
                     { key: "note", header: "Note", wraps: true, render: (one) => one.note },
+                    {
+                      key: "flutter",
+                      header: "Flutter",
+                      render: (one) =>
+                        one.names.some((name) => name.startsWith("CQ")) && (
+                          <Link to="/flutter" search={{ prediction: one.id }} className="link">
+                            Flutter
+                          </Link>
+                        ),
+                    },
                   ]}
                   rows={all}
                   rowKey={(one) => one.id}

@@ -4,6 +4,7 @@ import {
   MultiSelect,
   NumberInput,
   SegmentedControl,
+  Select,
   Stack,
   Switch,
   Table,
@@ -11,9 +12,15 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { flutterResult, runsQuery, type FlutterParams } from "../api/queries";
+import {
+  flutterResult,
+  predictedFlutterResult,
+  predictionsQuery,
+  runsQuery,
+  type FlutterParams,
+} from "../api/queries";
 import type { QueryValue } from "../api/client";
-import type { Flutter } from "../api/types";
+import type { Flutter, PredictedFlutter as PredictedFlutterResult } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
 import { DerivedRuns } from "../components/DerivedRuns";
@@ -25,6 +32,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
+import { PredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { fixed, percent } from "../lib/format";
@@ -54,6 +62,20 @@ export function FlutterPage() {
   };
   const { result, jobId, error, onEnd, compute } = useStoredResult(flutterResult(query));
   const ready = result.data !== undefined;
+  const alone = runs.length === 0 && view.prediction !== undefined;
+  // Beside flight: at the same loading, air density and airspeeds.
+  const beside = result.data && {
+    fuel: result.data.fuel_fraction,
+    density_kg_m3: result.data.density_kg_m3,
+    from_m_s: result.data.searched_from_m_s,
+    to_m_s: result.data.searched_to_m_s,
+  };
+  const others = alone ? { fuel: query.fuel } : beside;
+  const ofPrediction =
+    view.prediction === undefined || others === undefined
+      ? undefined
+      : { prediction_id: view.prediction, ...others };
+  const predicted = useStoredResult(predictedFlutterResult(ofPrediction));
   const change = (part: Partial<FlutterView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
   return (
@@ -82,11 +104,34 @@ export function FlutterPage() {
       />
       <div className="split">
         <Choices view={view} result={result.data} onChange={change} />
-        {runs.length === 0 ? (
+        {alone ? (
+          <Stack gap="md">
+            <PredictedPart stored={predicted} />
+            {predicted.result.data !== undefined && ofPrediction !== undefined && (
+              <>
+                <div className="panel" style={{ padding: 12 }}>
+                  <Figure
+                    kind="predicted-v-omega-zeta"
+                    title="Frequency and damping of the prediction"
+                    params={ofPrediction}
+                  />
+                </div>
+                <div className="panel" style={{ padding: 12 }}>
+                  <Figure
+                    kind="predicted-root-locus"
+                    title="Root locus of the prediction"
+                    params={ofPrediction}
+                  />
+                </div>
+              </>
+            )}
+          </Stack>
+        ) : runs.length === 0 ? (
           <div className="panel">
             <Empty title="No runs selected">
               Select succeeded runs, preferably at several airspeeds. Runs of one model structure
-              are fused; other structures show the sensitivity to the structure.
+              are fused; other structures show the sensitivity to the structure. A prediction alone
+              gives flutter without flight.
             </Empty>
           </div>
         ) : (
@@ -99,9 +144,11 @@ export function FlutterPage() {
                 {(data) => <Prediction result={data} />}
               </Loaded>
             )}
+            {ready && view.prediction !== undefined && <PredictedPart stored={predicted} />}
             {ready && (
               <Figures
                 query={query}
+                predictionId={predicted.result.data === undefined ? undefined : view.prediction}
                 along={view.along}
                 onAlong={(along) => {
                   change({ along });
@@ -116,15 +163,37 @@ export function FlutterPage() {
   );
 }
 
+/** The flutter analysis of a prediction: its job, then its result. */
+function PredictedPart({
+  stored,
+}: {
+  stored: ReturnType<typeof useStoredResult<PredictedFlutterResult>>;
+}) {
+  const { result, jobId, error, onEnd, compute } = stored;
+  return (
+    <>
+      <ComputeButton compute={compute} />
+      {error !== null && <ProblemAlert error={error} />}
+      {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+      {compute === undefined && jobId === undefined && error === null && (
+        <Loaded query={result} rows={4}>
+          {(data) => <PredictedFlutter result={data} />}
+        </Loaded>
+      )}
+    </>
+  );
+}
+
 interface FiguresProps {
   query: FlutterParams;
+  predictionId: number | undefined;
   along: FlutterView["along"];
   onAlong: (along: FlutterView["along"]) => void;
 }
 
-function Figures({ query, along, onAlong }: FiguresProps) {
+function Figures({ query, predictionId, along, onAlong }: FiguresProps) {
   const shown = { ...query };
-  const roots = { ...query, along };
+  const roots = { ...query, along, prediction_id: predictionId };
   return (
     <>
       <div className="panel" style={{ padding: 12 }}>
@@ -168,6 +237,7 @@ interface ChoicesProps {
 
 function Choices({ view, result, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
+  const predictions = useQuery(predictionsQuery());
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <Stack gap="md">
@@ -190,6 +260,19 @@ function Choices({ view, result, onChange }: ChoicesProps) {
         value={(view.runs ?? []).map(String)}
         onChange={(ids) => {
           onChange({ runs: integers(ids) });
+        }}
+      />
+      <Select
+        label="Prediction"
+        description="Its flutter, beside that of the runs or alone"
+        clearable
+        data-testid="flutter-prediction"
+        data={(predictions.data ?? [])
+          .filter((one) => one.names.some((name) => name.startsWith("CQ")))
+          .map((one) => ({ value: String(one.id), label: one.source }))}
+        value={view.prediction === undefined ? null : String(view.prediction)}
+        onChange={(id) => {
+          onChange({ prediction: id === null ? undefined : Number(id) });
         }}
       />
       <NumberInput

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery, runQuery } from "../api/queries";
 import { isOver, METHOD_NAMES, type Run } from "../api/types";
+import { AerodynamicsVerdict } from "../components/AerodynamicsVerdict";
 import { Figure } from "../components/Figure";
 import { RunDerivation } from "../components/DerivedRuns";
 import { BlockPicker, FitTab } from "../components/FitTab";
@@ -31,6 +32,7 @@ const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
   time: "Time",
   correlation: "Correlation",
   poles: "Poles",
+  aerodynamics: "Aerodynamics",
   iterations: "Iterations",
   provenance: "Provenance",
 };
@@ -167,6 +169,9 @@ function Results({ run }: { run: Run }) {
           </div>
           {panel("poles", "Poles of the identified model", 440)}
         </div>
+      </Tabs.Panel>
+      <Tabs.Panel value="aerodynamics" pt="md">
+        <AerodynamicsVerdict runId={run.id} />
       </Tabs.Panel>
       <Tabs.Panel value="iterations" pt="md">
         {panel("iterations", "Cost by iteration")}

@@ -8,13 +8,18 @@ from fastapi import APIRouter, Depends, Query, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.serialization import Json
+from flexsid.api.serialization import Json, RequiredReference
 from flexsid.api.submission import KnownJob, respond_with_job, submit_job
 from flexsid.figure_table import CrossPredictionParameters, CrossValidationParameters
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import CROSS_PREDICTION, CROSS_VALIDATION
-from flexsid.records.validation import CrossPredictionMatrix, CrossValidationSummary
+from flexsid.jobs.kinds import AERODYNAMICS, CROSS_PREDICTION, CROSS_VALIDATION
+from flexsid.records.validation import (
+    AerodynamicsComparison,
+    CrossPredictionMatrix,
+    CrossValidationSummary,
+)
 from flexsid.storage.job_list import JobItem
+from flexsid.workflow.validation.aerodynamics_comparison import AerodynamicsQuery
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
 
@@ -84,3 +89,28 @@ def get_cross_validation(store: TheStore, query: TheValidationQuery) -> Json:
     The figures ``held-out`` and ``held-out-residual`` have the spectra.
     """
     return Json(get_result(store, CROSS_VALIDATION, query).summary)
+
+
+@router.post(
+    "/aerodynamics-comparisons/results",
+    response_model=JobItem,
+    status_code=status.HTTP_202_ACCEPTED,
+)
+def request_aerodynamics_comparison(
+    context: TheContext, run_id: RequiredReference, analyst: TheAnalyst
+) -> Json:
+    """Queue fits of a run's data with quasi-steady and shaped derivatives, or return their job."""
+    query = AerodynamicsQuery(run_id=run_id)
+    return submit_job(context, AERODYNAMICS, query, analyst, f"run {run_id}")
+
+
+@router.get("/aerodynamics-comparisons/results", response_model=KnownJob)
+def get_aerodynamics_comparison_job(store: TheStore, run_id: RequiredReference) -> Json:
+    """Return the newest job of an equal request; null if there is none."""
+    return respond_with_job(store, AERODYNAMICS, AerodynamicsQuery(run_id=run_id))
+
+
+@router.get("/aerodynamics-comparisons", response_model=AerodynamicsComparison)
+def get_aerodynamics_comparison(store: TheStore, run_id: RequiredReference) -> Json:
+    """Return the stored verdict between quasi-steady and shaped derivatives for a run."""
+    return Json(get_result(store, AERODYNAMICS, AerodynamicsQuery(run_id=run_id)))

@@ -12,7 +12,11 @@ from flexsid.records.aircraft import DerivativePrediction
 from flexsid.storage.store import Store
 from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
+from flexsid.sysid.model.frequency_shape import (
+    SMALLEST_RATIO,
+    FrequencyShape,
+    build_frequency_shape,
+)
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 
@@ -75,8 +79,11 @@ def load_frequency_shape(
     modes: tuple[int, ...],
     inputs: tuple[str, ...],
     body: RigidBody,
+    smallest_ratio: float = SMALLEST_RATIO,
 ) -> FrequencyShape:
     """Load the frequency shape of a model's derivatives at a fuel fraction.
+
+    ``smallest_ratio`` is that of ``build_frequency_shape``.
 
     Raises
     ------
@@ -97,7 +104,9 @@ def load_frequency_shape(
     values = values.reshape(every.shape[1:])
     predicted = dict(zip(prediction.names, values.T, strict=True))
     k = np.array(unsteady.k)
-    return build_frequency_shape(modes, inputs, k, predicted, unsteady.reference_k, body)
+    return build_frequency_shape(
+        modes, inputs, k, predicted, unsteady.reference_k, body, smallest_ratio
+    )
 
 
 def select_shaped_prediction(

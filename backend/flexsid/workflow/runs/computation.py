@@ -49,6 +49,7 @@ from flexsid.workflow.runs.nuisance_parameters import (
 from flexsid.workflow.runs.run_warnings import (
     list_result_warnings,
     warn_of_interpolation,
+    warn_of_lag,
     warn_of_limits,
     warn_of_moved_poles,
     warn_of_poor_prediction,
@@ -132,6 +133,7 @@ def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
     warnings = [
         *task.warnings,
         *fit.warnings,
+        *warn_of_lag(fit.adequacy, task.settings),
         *warn_of_limits(estimate, at_limit),
         *warn_of_priors(estimate, task.priors),
         *warn_of_moved_poles(select_moved_poles(task, poles), task.max_omega),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexsid.records.run import AdequacyState, AdequacyTest, ModelAdequacy
+from flexsid.records.run import AdequacyState, AdequacyTest, Aerodynamics, ModelAdequacy
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
@@ -61,7 +61,8 @@ def assess_model_adequacy(
         return ModelAdequacy(reason="Not tested, since the information of the fit is singular.")
     if not tests:
         return ModelAdequacy(reason="Not tested, since the data have too few frequencies.")
-    found = tuple(_describe_test(test) for test in tests)
+    is_shaped = task.settings.aerodynamics is Aerodynamics.SHAPED
+    found = tuple(_describe_test(test, is_shaped=is_shaped) for test in tests)
     rejecting = [test.meaning for test in found if test.rejects]
     if not rejecting:
         reason = f"None of {len(found)} tests for remaining model error rejects the model."
@@ -73,7 +74,7 @@ def assess_model_adequacy(
     return ModelAdequacy(state=AdequacyState.SUSPECT, reason=reason, tests=found)
 
 
-def _describe_test(test: ModelTest) -> AdequacyTest:
+def _describe_test(test: ModelTest, *, is_shaped: bool) -> AdequacyTest:
     return AdequacyTest(
         hypothesis=test.hypothesis.value,
         subject=test.subject,
@@ -82,11 +83,11 @@ def _describe_test(test: ModelTest) -> AdequacyTest:
         p=test.p,
         adjusted_p=test.adjusted_p,
         rejects=test.rejects,
-        meaning=_state_meaning(test) if test.rejects else "No evidence.",
+        meaning=_state_meaning(test, is_shaped) if test.rejects else "No evidence.",
     )
 
 
-def _state_meaning(test: ModelTest) -> str:
+def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
     """State what a rejecting test indicates, with the size of the missing quantity."""
     name, value = test.subject, test.estimate
     size = 0.0 if value is None or not np.isfinite(value) else value
@@ -105,9 +106,10 @@ def _state_meaning(test: ModelTest) -> str:
             return f"{name} acts about {1e3 * abs(size):.2g} ms {way} its recorded deflection."
         case Hypothesis.AERODYNAMIC_LAG:
             way = "lag" if size > 0.0 else "lead"
+            model = "more than the frequency shape" if is_shaped else "the model is quasi-steady"
             return (
-                f"Aerodynamic forces {way} the motion by about {1e3 * abs(size):.2g} ms: the model "
-                "is quasi-steady."
+                f"The forces {way} the motion by about {1e3 * abs(size):.2g} ms"
+                f"{', ' if is_shaped else ': '}{model}."
             )
         case Hypothesis.DERIVATIVE:
             return f"{name} differs from its held value by about {size:.3g}: free it."

@@ -8,9 +8,17 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.records.run import (
+    Aerodynamics,
+    EstimationRun,
+    Method,
+    ModelAdequacy,
+    OutOfBandModes,
+    RunSettings,
+)
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, standard_errors
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
+from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import is_derivative
@@ -118,6 +126,18 @@ def list_result_warnings(estimate: Estimate) -> tuple[str, ...]:
             f"{ratio:.1f} times what white residuals would give. A mode may be missing."
         )
     return tuple(found)
+
+
+def warn_of_lag(adequacy: ModelAdequacy, settings: RunSettings) -> tuple[str, ...]:
+    """Warn that the forces lag the motion, by the score test of a quasi-steady fit."""
+    if settings.aerodynamics is Aerodynamics.SHAPED:
+        return ()
+    return tuple(
+        f"{test.meaning} Quasi-steady derivatives and the flutter speed from them can be biased "
+        "to the unsafe side: compare with a frequency shape (tab Aerodynamics)."
+        for test in adequacy.tests
+        if test.hypothesis == Hypothesis.AERODYNAMIC_LAG and test.rejects
+    )
 
 
 def warn_of_unknown_modes(settings: RunSettings, nuisance: NuisancePrior | None) -> tuple[str, ...]:

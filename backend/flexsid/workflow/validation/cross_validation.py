@@ -152,7 +152,7 @@ def _split(task: EstimationTask, query: CrossValidationQuery) -> list[_Split]:
         _Split(
             name=f"Fold {number + 1} of {query.folds}",
             fitted=tuple(
-                _select_frequencies(one, fold != number)
+                select_frequencies(one, fold != number)
                 for one, fold in zip(task.maneuver_tasks, folds, strict=True)
             ),
             predicted=task.maneuver_tasks,
@@ -162,7 +162,9 @@ def _split(task: EstimationTask, query: CrossValidationQuery) -> list[_Split]:
     ]
 
 
-def _select_frequencies(task: ManeuverTask, selected: np.ndarray) -> ManeuverTask:
+def select_frequencies(task: ManeuverTask, selected: np.ndarray) -> ManeuverTask:
+    """Select some of the frequencies of a maneuver (n_omega,)."""
+
     def select(whole: SpectrumFrequencies) -> SpectrumFrequencies:
         return replace(
             whole, omega=whole.omega[selected], assigned_input=whole.assigned_input[selected]

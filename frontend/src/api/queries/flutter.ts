@@ -2,7 +2,7 @@
 import { queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
 import type { StoredResultOptions } from "../useStoredResult";
-import type { ClosedLoopStability, Flutter } from "../types";
+import type { ClosedLoopStability, Flutter, PredictedFlutter } from "../types";
 
 export interface FlutterParams {
   run_ids: string;
@@ -22,6 +22,28 @@ export const flutterResult = (query: FlutterParams): StoredResultOptions<Flutter
     read: (signal) => body(api.GET("/api/v1/flutter", { params, signal })),
     find: (signal) => body(api.GET("/api/v1/flutter/results", { params, signal })),
     submit: () => body(api.POST("/api/v1/flutter/results", { params })),
+  };
+};
+
+export interface PredictedFlutterParams {
+  prediction_id: number;
+  fuel?: number;
+  density_kg_m3?: number;
+  from_m_s?: number;
+  to_m_s?: number;
+}
+
+/** The flutter analysis of a prediction alone; an equal request is the same job. */
+export const predictedFlutterResult = (
+  query: PredictedFlutterParams | undefined,
+): StoredResultOptions<PredictedFlutter> => {
+  const params = { query: query ?? { prediction_id: 0 } };
+  return {
+    key: ["predicted-flutter", query],
+    enabled: query !== undefined,
+    read: (signal) => body(api.GET("/api/v1/flutter/predicted", { params, signal })),
+    find: (signal) => body(api.GET("/api/v1/flutter/predicted/results", { params, signal })),
+    submit: () => body(api.POST("/api/v1/flutter/predicted/results", { params })),
   };
 };
 

@@ -1,7 +1,11 @@
 /** Predictions of maneuvers by the models of runs, and of held-out data by refits. */
 import { api, body } from "../client";
 import type { StoredResultOptions } from "../useStoredResult";
-import type { CrossPredictionMatrix, CrossValidationSummary } from "../types";
+import type {
+  AerodynamicsComparison,
+  CrossPredictionMatrix,
+  CrossValidationSummary,
+} from "../types";
 
 export interface CrossPredictionParams {
   run_ids: string;
@@ -39,5 +43,20 @@ export const crossValidationResult = (
     read: (signal) => body(api.GET("/api/v1/cross-validations", { params, signal })),
     find: (signal) => body(api.GET("/api/v1/cross-validations/results", { params, signal })),
     submit: () => body(api.POST("/api/v1/cross-validations/results", { params })),
+  };
+};
+
+/** Quasi-steady against shaped derivatives on the data of a run; computed where `requested`. */
+export const aerodynamicsResult = (
+  runId: number,
+  requested: boolean,
+): StoredResultOptions<AerodynamicsComparison> => {
+  const params = { query: { run_id: runId } };
+  return {
+    key: ["aerodynamics-comparisons", runId],
+    enabled: requested,
+    read: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons", { params, signal })),
+    find: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons/results", { params, signal })),
+    submit: () => body(api.POST("/api/v1/aerodynamics-comparisons/results", { params })),
   };
 };

@@ -1,0 +1,294 @@
+"""Quasi-steady against shaped derivatives: held-out frequencies, score tests and flutter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.records import finite_or_none
+from flexsid.records.run import (
+    Aerodynamics,
+    EstimationRun,
+    Method,
+    ModelAdequacy,
+    Progress,
+    Start,
+)
+from flexsid.records.validation import (
+    AerodynamicsComparison,
+    AerodynamicsFit,
+    AerodynamicsVerdict,
+)
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.held_out_likelihood import (
+    LEAST_DIFFERENCE,
+    LikelihoodDifference,
+    compare_likelihoods,
+    compute_held_out_likelihoods,
+)
+from flexsid.sysid.estimation.model_tests import Hypothesis
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
+from flexsid.sysid.stability.bands import UncertainDerivatives
+from flexsid.sysid.stability.prediction import FlutterPrediction, IdentifiedModes, predict_flutter
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.workflow.aircraft.axes import find_body
+from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
+from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.runs.estimation import prepare
+from flexsid.workflow.runs.estimation_task import EstimationTask, Report
+from flexsid.workflow.runs.likelihood_fit import (
+    build_experiments,
+    maximize_from_starts,
+    refit_with_leakage_correction,
+    refit_with_spread,
+)
+from flexsid.workflow.runs.model_adequacy import assess_model_adequacy
+from flexsid.workflow.runs.run_identity import list_run_contents
+from flexsid.workflow.validation.cross_validation import select_frequencies
+
+_FOLDS = 3  # every third frequency of each input is held out
+_BAND = (0.35, 2.0)  # of the airspeed flown: range of the flutter search
+_MODELS = (Aerodynamics.QUASI_STEADY, Aerodynamics.SHAPED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AerodynamicsQuery:
+    """A run whose data are fitted with both aerodynamic models."""
+
+    run_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Fitted:
+    """Fits of one aerodynamic model: log likelihoods held out, and the fit to all data."""
+
+    held_out: np.ndarray
+    estimate: Estimate
+    adequacy: ModelAdequacy
+    flutter: FlutterPrediction
+
+
+def identify_aerodynamics(store: Store, query: AerodynamicsQuery) -> tuple[object, ...]:
+    """Check a query, and return all records on which its result depends.
+
+    Raises
+    ------
+    BadInput
+        If the aircraft has no prediction with a frequency shape for the run.
+    UnknownRecord
+        If the run does not exist.
+    Conflict
+        If the run has no result, or it was altered.
+    """
+    run = store.runs.get(query.run_id)
+    get_result(run)
+    structure, body = run.structure, find_body(run.structure.axis)
+    aircraft_id = store.maneuvers.get(run.maneuver_id).aircraft_id
+    shaped = _request(store, run, Aerodynamics.SHAPED).prediction_id
+    select_shaped_prediction(
+        store, aircraft_id, shaped, structure.modes, structure.inputs or (), body
+    )
+    return list_run_contents(store, (query.run_id,))
+
+
+def compare_aerodynamics(
+    store: Store, query: AerodynamicsQuery, report: Callable[[Progress], None]
+) -> AerodynamicsComparison:
+    """Compare both aerodynamic models on the data of a run, see ``compare_tasks``.
+
+    Raises
+    ------
+    BadInput
+        If an input has fewer than three frequencies, or there is no frequency shape.
+    """
+    run = store.runs.get(query.run_id)
+    quasi_steady, shaped = (prepare(store, _request(store, run, one)) for one in _MODELS)
+    prediction = store.predictions.get(shaped.prediction_id or 0)
+    found = compare_tasks(quasi_steady, shaped, prediction.source, report)
+    return replace(found, run_id=query.run_id, prediction_id=prediction.id or 0)
+
+
+def compare_tasks(
+    quasi_steady_task: EstimationTask, shaped_task: EstimationTask, source: str, report: Report
+) -> AerodynamicsComparison:
+    """Fit data with both aerodynamic models, and decide between them.
+
+    Both are fitted by output error to two of three frequencies of each input; the likelihood
+    of the others decides, since a shape has no more parameters than its absence.
+
+    Parameters
+    ----------
+    quasi_steady_task, shaped_task
+        Output-error tasks that differ in their aerodynamics only.
+    source
+        Of the frequency shape.
+    report
+        Called at every iteration; may raise to stop.
+
+    Raises
+    ------
+    BadInput
+        If an input has fewer than three frequencies.
+    """
+    tasks = dict(zip(_MODELS, (quasi_steady_task, shaped_task), strict=True))
+    fits = {}
+    for number, (aerodynamics, task) in enumerate(tasks.items()):
+
+        def report_fit(progress: Progress, name: str = aerodynamics, done: int = number) -> None:
+            share = (done + progress.fraction) / len(_MODELS)
+            report(replace(progress, fraction=share, message=f"{name}: {progress.message}"))
+
+        fits[aerodynamics] = _fit(task, report_fit)
+    quasi_steady, shaped = (fits[one] for one in _MODELS)
+    difference = compare_likelihoods(shaped.held_out, quasi_steady.held_out)
+    verdict = _decide(difference)
+    return AerodynamicsComparison(
+        run_id=0,
+        verdict=verdict,
+        sentence=_describe(verdict, difference, shaped, quasi_steady, source),
+        source=source,
+        prediction_id=0,
+        n_frequencies=sum(block.omega.size for block in shaped.estimate.lines),
+        n_held_out=difference.n_frequencies,
+        highest_k=shaped_task.max_omega * shaped_task.model.condition.rate_factor,
+        difference=difference.value,
+        difference_std=difference.std_error,
+        fits=tuple(_summarise(one, fit) for one, fit in fits.items()),
+    )
+
+
+def _request(store: Store, run: EstimationRun, aerodynamics: Aerodynamics) -> EstimationRun:
+    """Return the request of the run by output error with an aerodynamic model."""
+    settings = replace(run.settings, aerodynamics=aerodynamics, start=Start.BEST, start_run_id=None)
+    prediction_id = run.prediction_id
+    if prediction_id is not None and store.predictions.get(prediction_id).unsteady is None:
+        prediction_id = None if aerodynamics is Aerodynamics.SHAPED else prediction_id
+    return replace(run, method=Method.OE, settings=settings, prediction_id=prediction_id)
+
+
+def _fit(task: EstimationTask, report: Report) -> _Fitted:
+    """Fit two of three frequencies, then all of them from there."""
+    masks = [
+        assign_folds(one.measurement.excited.assigned_input, _FOLDS) == 0
+        for one in task.maneuver_tasks
+    ]
+    some = replace(
+        task,
+        maneuver_tasks=tuple(
+            select_frequencies(one, ~mask)
+            for one, mask in zip(task.maneuver_tasks, masks, strict=True)
+        ),
+    )
+    report(Progress(message="fitting two of three frequencies"))
+    experiments = build_experiments(some)
+    parameters, _, estimate = maximize_from_starts(some, experiments, report)
+    _, estimate = refit_with_leakage_correction(
+        some, experiments, parameters, estimate, report, PRIOR_SPREAD
+    )
+    every = build_experiments(task)
+    spectra = [predict_outputs(one, parameters, estimate.values) for one in every]
+    held_out = np.concatenate(
+        [
+            compute_held_out_likelihoods(part.omega, part.measured - part.fitted, mask)
+            for part, mask in zip(spectra, masks, strict=True)
+        ]
+    )
+    report(Progress(fraction=0.7, message="fitting all frequencies"))
+    estimate = refit_with_spread(task, every, parameters, estimate, PRIOR_SPREAD, report)
+    corrected, estimate = refit_with_leakage_correction(
+        task, every, parameters, estimate, report, PRIOR_SPREAD
+    )
+    adequacy = assess_model_adequacy(task, corrected, parameters, estimate, PRIOR_SPREAD)
+    flutter = _predict_flutter(task, parameters, estimate)
+    return _Fitted(held_out, estimate, adequacy, flutter)
+
+
+def _predict_flutter(
+    task: EstimationTask, parameters: Parameters, estimate: Estimate
+) -> FlutterPrediction:
+    model, table = task.model, parameters.table(estimate.values)
+    names = list(model.derivative_names)
+    own = [k for k, name in enumerate(estimate.names) if name in names]
+    places = np.array([names.index(estimate.names[k]) for k in own], dtype=int)
+    rows, columns = np.divmod(places, len(model.variables))
+    covariance = estimate.corrected_covariance[np.ix_(own, own)]
+    modes = model.modes.tuned(dict(zip(estimate.names, estimate.values.tolist(), strict=True)))
+    found = IdentifiedModes(
+        Aeroelastic(model.condition, modes, table, model.shape),
+        UncertainDerivatives(rows, columns, covariance),
+    )
+    airspeed = model.condition.airspeed
+    labels = dict(zip(map(str, model.modes.numbers), task.mode_names, strict=True))
+    return predict_flutter(found, (_BAND[0] * airspeed, _BAND[1] * airspeed), called=labels)
+
+
+def _decide(difference: LikelihoodDifference) -> AerodynamicsVerdict:
+    if not difference.is_decided:
+        return AerodynamicsVerdict.NOT_DECIDED
+    if difference.value > 0.0:
+        return AerodynamicsVerdict.SHAPED
+    return AerodynamicsVerdict.QUASI_STEADY
+
+
+def _summarise(aerodynamics: Aerodynamics, fit: _Fitted) -> AerodynamicsFit:
+    tests = fit.adequacy.tests
+    lag = next((t for t in tests if t.hypothesis == Hypothesis.AERODYNAMIC_LAG), None)
+    crossing = fit.flutter.crossing
+    return AerodynamicsFit(
+        aerodynamics=aerodynamics,
+        outcome=fit.estimate.outcome.value,
+        cost=fit.estimate.steps[-1].cost,
+        held_out=float(fit.held_out.mean()),
+        lag_p=None if lag is None else lag.p,
+        lag_rejects=lag is not None and lag.rejects,
+        smallest_r_squared=float(min(part.r_squared().min() for part in fit.estimate.lines)),
+        flutter_m_s=None if crossing is None else crossing.airspeed,
+        flutter_std_m_s=None if crossing is None else finite_or_none(fit.flutter.airspeed_std),
+        flutter=fit.flutter.sentence,
+    )
+
+
+def _describe(
+    verdict: AerodynamicsVerdict,
+    difference: LikelihoodDifference,
+    shaped: _Fitted,
+    quasi_steady: _Fitted,
+    source: str,
+) -> str:
+    size = f"{abs(difference.value):.3g} ± {difference.std_error:.2g}"
+    flutter = (
+        f" Flutter: {_describe_speed(quasi_steady)} quasi-steady, {_describe_speed(shaped)} with "
+        "the frequency shape."
+    )
+    for fit, name in ((quasi_steady, "quasi-steady"), (shaped, "shaped")):
+        if not fit.estimate.outcome.is_optimum:
+            flutter += f" The {name} fit did not converge: {fit.estimate.outcome}."
+    if verdict is AerodynamicsVerdict.SHAPED:
+        return (
+            f"The forces lag the motion: with the frequency shape of {source} the log likelihood "
+            f"of held-out frequencies is larger by {size}. Estimate a shaped model; quasi-steady "
+            f"derivatives of these data are biased.{flutter}"
+        )
+    if verdict is AerodynamicsVerdict.QUASI_STEADY:
+        return (
+            f"No lag of the forces: quasi-steady derivatives have a log likelihood of held-out "
+            f"frequencies that is larger by {size} than with the frequency shape of {source}."
+            f"{flutter}"
+        )
+    return (
+        f"Not decided: log likelihoods of held-out frequencies differ by {size}, and a decision "
+        f"needs {LEAST_DIFFERENCE:g} and three standard errors. Excite higher frequencies, or fit "
+        f"a wider band.{flutter}"
+    )
+
+
+def _describe_speed(fit: _Fitted) -> str:
+    crossing = fit.flutter.crossing
+    if crossing is None:
+        return f"none up to {fit.flutter.locus.airspeed[-1]:.1f} m/s"
+    return f"{crossing.airspeed:.2f} ± {2.0 * fit.flutter.airspeed_std:.2f} m/s"

@@ -1,0 +1,38 @@
+import { Alert } from "@mantine/core";
+import type { PredictedFlutter as Result } from "../api/types";
+import { fixed, percent } from "../lib/format";
+import { Facts } from "./ConditionFacts";
+import { Section } from "./Section";
+
+/** Flutter of a prediction alone: p-k method, rational functions, and mode participation. */
+export function PredictedFlutter({ result }: { result: Result }) {
+  const parts = result.participation
+    .filter((one) => one.share >= 0.01)
+    .map((one) => `${one.name} ${percent(one.share)} %`);
+  return (
+    <Section
+      title="Flutter of the prediction"
+      note={`${result.source}; modes ${result.modes.join(" ")}, from ${fixed(result.searched_from_m_s, 1)} to ${fixed(result.searched_to_m_s, 1)} m/s`}
+    >
+      <Alert variant="light" role="status" mb="sm" data-testid="predicted-flutter">
+        {result.sentence}
+      </Alert>
+      <Facts
+        facts={[
+          ["p-k method", fixed(result.airspeed_m_s, 2), "m/s"],
+          [
+            "±2σ",
+            fixed(result.airspeed_std_m_s === null ? null : 2 * result.airspeed_std_m_s, 2),
+            "m/s",
+          ],
+          ["Rational functions", fixed(result.rational_airspeed_m_s, 2), "m/s"],
+          ["Frequency", fixed(result.frequency_rad_s, 2), "rad/s"],
+          ["Reduced frequency", fixed(result.reduced_frequency, 3)],
+          ["Fuel", percent(result.fuel_fraction), "%"],
+          ["Air density", fixed(result.density_kg_m3, 3), "kg/m³"],
+          ["Mode participation", parts.join(", ") || "–"],
+        ]}
+      />
+    </Section>
+  );
+}
