@@ -2,9 +2,11 @@
 import {
   DECISION_STATES,
   METHODS,
+  MODEL_AXES,
   STATES,
   type DecisionState,
   type Method,
+  type ModelAxis,
   type RunState,
 } from "./api/types";
 import { flag, integer, integers, number, oneOf, text, words, type Search } from "./lib/urlState";
@@ -240,6 +242,8 @@ export const newRunView = view((search) => ({
   /** Stored model structure to start from, and its version where not the newest. */
   structure: integer(search.structure),
   version: integer(search.version),
+  /** Axis of the model, of a maneuver that excites both. */
+  axis: oneOf<ModelAxis>(search.axis, MODEL_AXES),
 }));
 
 export const RUN_TABS = [

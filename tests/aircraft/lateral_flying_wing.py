@@ -14,7 +14,7 @@ from scipy import interpolate
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
-from flexsid.importers.aircraft import _combine_pairs
+from flexsid.importers.aircraft import _combine_pairs, _combine_surfaces
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, Sensor, SensorKind, Surface
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.storage.store import Store
@@ -59,6 +59,13 @@ def build_mode_table() -> ModeTable:
         gauges=tuple(source["strain"]),
         strain=strain * factor("ustrain", "strain"),
     )
+
+
+def select_modes(table: ModeTable, numbers: tuple[int, ...]) -> ModeTable:
+    """The table with some of its modes."""
+    columns = [table.numbers.index(number) for number in numbers]
+    arrays = ("omega", "zeta", "mass", "shape", "strain")
+    return replace(table, numbers=numbers, **{n: getattr(table, n)[:, columns] for n in arrays})
 
 
 def modes_at(fuel: float, count: int) -> StructuralModes:
@@ -165,6 +172,43 @@ def describe_lateral_aircraft() -> Aircraft:
     )
 
 
+def describe_independent_aircraft() -> Aircraft:
+    """FLEX-28 with ten single surfaces, and their parts as inputs of both axes."""
+    lateral = describe_lateral_aircraft()
+    singles = tuple(
+        Surface(
+            name=f"{name[:-1]}{side}",
+            instrument="potentiometer",
+            servo="servo",
+            noise_std_rad=load_source()["noise_sigma"]["pot_rad"],
+        )
+        for name in load_source()["surfaces"]
+        for side in "lr"
+    )
+    parts, combinations = _combine_surfaces(("symmetric", "antisymmetric"), singles)
+    return replace(
+        lateral,
+        surfaces=(*singles, *parts),
+        combinations=(*lateral.combinations, *combinations),
+    )
+
+
+def build_whole_mode_table() -> ModeTable:
+    """All modes of FLEX-28, the antisymmetric ones as in the lateral data."""
+    truth, lateral = load_truth(), build_mode_table()
+    modes = truth.modes
+    columns = [modes.numbers.index(number) for number in lateral.numbers]
+    points = [modes.points.index(name) for name in lateral.points]
+    gauges = [modes.gauges.index(name) for name in lateral.gauges]
+    omega, zeta = modes.omega.copy(), modes.zeta.copy()
+    shape, strain = modes.shape.copy(), modes.strain.copy()
+    omega[:, columns], zeta[:, columns] = lateral.omega, lateral.zeta
+    for own, column in enumerate(columns):
+        shape[:, column, points] = lateral.shape[:, own]
+        strain[:, column, gauges] = lateral.strain[:, own]
+    return replace(modes, omega=omega, zeta=zeta, shape=shape, strain=strain)
+
+
 MAPPING = """
 [aircraft]
 name = "FLEX-28 lateral"
@@ -185,6 +229,7 @@ fuel_fraction = { field = "fuel_fraction" }
 period = { field = "period_s", unit = "s" }
 first = { field = "first_harmonic" }
 per_input = { field = "harmonics_per_input" }
+stride = { field = "harmonic_stride" }
 order = { field = "interleaving", name = "{label}" }
 
 [time]
@@ -195,6 +240,13 @@ array = "inputs"
 labels = "input_names"
 unit = "rad"
 role = "input"
+
+[[channels]]
+array = "multisine_command"
+labels = "input_names"
+name = "{label}_command"
+unit = "rad"
+role = "command"
 
 [[channels]]
 array = "outputs"
@@ -215,11 +267,38 @@ psi = "rad"
 """
 
 
-def add_lateral_aircraft(store: Store, error: float = 0.2) -> Aircraft:
-    """Store the aircraft with its modal table and a prediction that is wrong by up to a share."""
-    source = load_source()
-    aircraft = store.aircraft.add(describe_lateral_aircraft())
+def add_lateral_aircraft(store: Store, error: float = 0.2, n_modes: int = 8) -> Aircraft:
+    """Store the aircraft with its modal table and a prediction that is wrong by up to a share.
+
+    It has as many modes as the aircraft that flew.
+    """
     table = build_mode_table()
+    table = select_modes(table, table.numbers[:n_modes])
+    values = derivatives_at(0.5, n_modes).named()
+    symmetric = (False,) * n_modes
+    return _add_aircraft(store, describe_lateral_aircraft(), table, symmetric, values, error)
+
+
+def add_independent_aircraft(store: Store, error: float = 0.2, n_modes: int = 8) -> Aircraft:
+    """Store the aircraft with single surfaces, modes of both axes and a prediction of both."""
+    truth, antisymmetric = load_truth(), build_mode_table().numbers[:n_modes]
+    values = derivatives_at(0.5, n_modes).named() | truth.derivatives_at(0.5, n_modes).named()
+    numbers = tuple(sorted((*truth.symmetric[:n_modes], *antisymmetric)))
+    table = select_modes(build_whole_mode_table(), numbers)
+    symmetric = tuple(number in truth.symmetric for number in numbers)
+    return _add_aircraft(store, describe_independent_aircraft(), table, symmetric, values, error)
+
+
+def _add_aircraft(
+    store: Store,
+    described: Aircraft,
+    table: ModeTable,
+    symmetric: tuple[bool, ...],
+    values: dict[str, float],
+    error: float,
+) -> Aircraft:
+    names = load_source()["mode_names"]
+    aircraft = store.aircraft.add(described)
     save = store.arrays.put
     store.modal_tables.add(
         ModalTable(
@@ -228,8 +307,8 @@ def add_lateral_aircraft(store: Store, error: float = 0.2) -> Aircraft:
             kind=ModalKind.FEM,
             fuel=tuple(table.fuel.tolist()),
             numbers=table.numbers,
-            names=tuple(source["mode_names"].get(str(n), f"A{n}") for n in table.numbers),
-            symmetric=(False,) * len(table.numbers),
+            names=tuple(names.get(str(n), f"mode {n}") for n in table.numbers),
+            symmetric=symmetric,
             points=table.points,
             gauges=table.gauges,
             arrays={
@@ -241,7 +320,6 @@ def add_lateral_aircraft(store: Store, error: float = 0.2) -> Aircraft:
             },
         )
     )
-    values = derivatives_at(0.5, 8).named()
     wrong = 1.0 + error * np.random.default_rng(3).uniform(-1.0, 1.0, len(values))
     store.predictions.add(
         DerivativePrediction(
@@ -256,13 +334,16 @@ def add_lateral_aircraft(store: Store, error: float = 0.2) -> Aircraft:
     return aircraft
 
 
-def read_truth(record: str) -> dict[str, float]:
+def read_truth(record: str, axis: str = "lateral") -> dict[str, float]:
     """True derivatives of a record by name."""
     with np.load(FOLDER / f"records/{record}.npz") as data:
-        columns = data["true_lateral_columns"].tolist()
-        modes = data["lateral_modes"].tolist()
-        rows = {name: data[f"true_{name}"] for name in ("CY", "Cl", "Cn")}
-        rows |= {f"CQ{m}": row for m, row in zip(modes, data["true_CQ_lateral"], strict=True)}
+        lateral = axis == "lateral"
+        columns = data["true_lateral_columns" if lateral else "true_columns"].tolist()
+        modes = data["lateral_modes" if lateral else "symmetric_modes"].tolist()
+        modal = data["true_CQ_lateral" if lateral else "true_CQ"]
+        forces = ("CY", "Cl", "Cn") if lateral else ("CZ", "Cm")
+        rows = {name: data[f"true_{name}"] for name in forces}
+        rows |= {f"CQ{m}": row for m, row in zip(modes, modal, strict=True)}
     numbered = {}
     for column in columns:
         head = column.rstrip("0123456789")

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+from contextlib import closing
+from pathlib import Path
+
 import numpy as np
 import pytest
 from file_imports import import_maneuver
 from lateral_flying_wing import (
     FOLDER,
     MAPPING,
+    add_independent_aircraft,
     add_lateral_aircraft,
     needs_records,
     read_truth,
@@ -15,7 +20,7 @@ from lateral_flying_wing import (
 
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.measurements.reconstruction import reconstruct
 from flexsid.workflow.runs.computation import ComputedRun
@@ -25,29 +30,54 @@ from flexsid.workflow.runs.run_proposal import propose_run
 pytestmark = [needs_records, pytest.mark.parametrize("backend", ["sqlite"])]
 
 RECORD = "anti_065Vf_n2_fta536"
+BOTH = "both_065Vf_n2_fta556"
+MODES = {"lateral": (8, 10), "longitudinal": (7, 9)}
+RECORDS = (
+    (RECORD, "lateral"),
+    (BOTH, "lateral"),
+    (BOTH, "longitudinal"),
+)
+MORE_RECORDS = (
+    *RECORDS,
+    ("both_105Vf_n4_fta556", "lateral"),
+    ("both_105Vf_n4_fta556", "longitudinal"),
+    ("anti_095Vf_n2_fta533", "lateral"),
+    ("anti_105Vf_n4_fta536", "lateral"),
+    ("anti_065Vf_n8_fta533", "lateral"),
+    ("anti_095Vf_n8_fta536", "lateral"),
+    ("anti_105Vf_n8_fta533_wide", "lateral"),
+)
 NOISE_FREE = MAPPING.replace('"inputs"', '"inputs_noise_free"').replace(
     '"outputs"', '"outputs_noise_free"'
 )
 FEW = ("ay_cf", "beta", "p", "r", "phi", "az_maa", "az_oaa", "s_bend2a", "s_ros2a_p45")
 
 
-def add_record(store: Store, mapping: str, record: str = RECORD) -> int:
-    add_lateral_aircraft(store)
-    maneuver = import_maneuver(store, [FOLDER / f"records/{record}.npz"], mapping)
+def add_record(store: Store, mapping: str, record: str = RECORD, file: Path | None = None) -> int:
+    """Import a record of an aircraft with as many modes as flew."""
+    file = FOLDER / f"records/{record}.npz" if file is None else file
+    with np.load(file) as data:
+        n_modes = int(data["modes_in_truth"])
+    if record.startswith("both"):
+        add_independent_aircraft(store, n_modes=n_modes)
+        mapping = mapping.replace('axis = "lateral"', 'axis = "combined"')
+    else:
+        add_lateral_aircraft(store, n_modes=n_modes)
+    maneuver = import_maneuver(store, [file], mapping)
     assert maneuver.id is not None
     return maneuver.id
 
 
 def estimate(store: Store, maneuver_id: int, method: Method, outputs=(), axis="lateral"):
-    structure = Structure(modes=(8, 10), fixed={}, axis=axis, outputs=outputs)
+    structure = Structure(modes=MODES[axis], fixed={}, axis=axis, outputs=outputs)
     run = EstimationRun(
         maneuver_id=maneuver_id, method=method, structure=structure, settings=RunSettings()
     )
     return compute_run(prepare(store, run), lambda progress: None)
 
 
-def compute_errors(found: ComputedRun) -> np.ndarray:
-    truth = read_truth(RECORD)
+def compute_errors(found: ComputedRun, record: str = RECORD, axis: str = "lateral") -> np.ndarray:
+    truth = read_truth(record, axis)
     names = found.estimate.names
     assert set(names) == set(truth)
     return found.estimate.values / np.array([truth[name] for name in names]) - 1.0
@@ -67,12 +97,83 @@ def test_every_derivative_is_recovered_without_noise(store: Store, method: Metho
     assert poles["spiral"].real == pytest.approx(0.0127, abs=1e-4)
 
 
-def test_the_truth_is_within_two_standard_errors_of_noisy_estimates(store: Store) -> None:
-    found = estimate(store, add_record(store, MAPPING), Method.EE)
-    truth = read_truth(RECORD)
-    true = np.array([truth[name] for name in found.estimate.names])
-    inside = np.abs(found.estimate.values - true) < 2.0 * found.estimate.std_errors
-    assert inside.mean() >= 0.85  # 60 derivatives of one record
+@pytest.mark.parametrize("axis", ["lateral", "longitudinal"])
+def test_ten_surfaces_give_both_tables_of_one_maneuver(store: Store, axis: str) -> None:
+    number = add_record(store, NOISE_FREE, BOTH)
+    for method in (Method.EE, Method.OE):
+        found = estimate(store, number, method, axis=axis)
+        assert np.abs(compute_errors(found, BOTH, axis)).max() < 1e-3, method
+
+
+@pytest.mark.parametrize(
+    ("records", "low", "high"),
+    [(RECORDS, 0.93, 0.99), pytest.param(MORE_RECORDS, 0.93, 0.97, marks=pytest.mark.long)],
+)
+@pytest.mark.parametrize("method", list(Method))
+def test_the_truth_is_within_two_standard_errors_in_95_percent(
+    database_url: str, tmp_path: Path, method: Method, records, low: float, high: float
+) -> None:
+    inside = []
+    for record, axis in records:
+        file = tmp_path / f"{record} {axis}.db"
+        shutil.copy(database_url.removeprefix("sqlite:///"), file)
+        with closing(Store.open(f"sqlite:///{file}")) as store:
+            number = add_record(store, MAPPING, record)
+            proposed = propose_run(store, [number], axis=axis)
+            run = EstimationRun(
+                maneuver_id=number,
+                method=method,
+                structure=proposed.structure,
+                settings=proposed.settings,
+            )
+            found = compute_run(prepare(store, run), lambda progress: None).estimate
+            truth = read_truth(record, axis)
+            error = found.values - np.array([truth[name] for name in found.names])
+            inside.extend(np.abs(error) < 2.0 * found.std_errors)
+    assert low <= np.mean(inside) <= high, f"{np.mean(inside):.3f} of {len(inside)}"
+
+
+@pytest.mark.parametrize("axis", ["lateral", "longitudinal"])
+def test_a_flap_that_lost_effectiveness_is_reported_as_asymmetry(
+    store: Store, tmp_path: Path, axis: str
+) -> None:
+    """The flap moves as recorded, with 95 % of the effect: as if it had moved less."""
+    with np.load(FOLDER / f"records/{BOTH}.npz") as data:
+        content = dict(data)
+    column = content["input_names"].tolist().index("wf4l")
+    content["inputs"] = content["inputs"].copy()
+    content["inputs"][:, column] /= 0.95
+    file = tmp_path / "loss.npz"
+    np.savez(file, **content)
+    symmetry = estimate(
+        store, add_record(store, MAPPING, BOTH, file), Method.OE, axis=axis
+    ).symmetry
+    assert symmetry is not None
+    assert symmetry.state is AdequacyState.SUSPECT
+    part = "wf4a" if axis == "lateral" else "wf4s"
+    assert f"The left surface of {part} is" in symmetry.reason
+
+
+def test_a_symmetric_aircraft_is_consistent_with_symmetry(store: Store) -> None:
+    number = add_record(store, MAPPING, BOTH)
+    for axis in ("lateral", "longitudinal"):
+        symmetry = estimate(store, number, Method.OE, axis=axis).symmetry
+        assert symmetry is not None
+        assert symmetry.state is AdequacyState.CONSISTENT
+        hypotheses = {test.hypothesis for test in symmetry.tests}
+        assert hypotheses == {"cross derivative", "cross response", "surface effectiveness"}
+
+
+def test_a_proposal_for_ten_surfaces_names_the_parts_of_its_axis(store: Store) -> None:
+    number = add_record(store, MAPPING, BOTH)
+    lateral = propose_run(store, [number], axis="lateral")
+    assert lateral.inputs == ("bfa", "wf1a", "wf2a", "wf3a", "wf4a")
+    assert lateral.structure.modes == (8, 10)
+    assert set(lateral.lines_per_input.values()) == {66}
+    longitudinal = propose_run(store, [number])
+    assert longitudinal.structure.axis == "longitudinal"
+    assert longitudinal.inputs == ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
+    assert not {"beta", "az_oaa"} & set(longitudinal.outputs)
 
 
 def test_a_dutch_roll_between_the_harmonics_of_one_input_is_reported_by_fre(store: Store) -> None:

@@ -123,5 +123,5 @@ class CutRequest(Request):
     start_s: Moment
     stop_s: Moment
     fta: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
-    axis: Literal["longitudinal", "lateral"] | None = None
+    axis: Literal["longitudinal", "lateral", "combined"] | None = None
     note: Text = ""

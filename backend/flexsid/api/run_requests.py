@@ -29,6 +29,7 @@ from flexsid.records.run import (
     Start,
 )
 
+ModelAxis = Literal["longitudinal", "lateral"]
 ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
 Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, le=LARGEST_NUMBER)]]
 Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
@@ -51,7 +52,7 @@ class StructureRequest(Request):
     fixed: Annotated[dict[Name, Number] | None, Field(max_length=500)] = None
     free_delays: Annotated[bool, Field(strict=True)] = False
     extra_parameters: Names = ()
-    axis: Literal["longitudinal", "lateral"] = "longitudinal"
+    axis: ModelAxis = "longitudinal"
     absent: Names = ()
     fixed_to: Annotated[dict[Name, FixedToRequest] | None, Field(max_length=500)] = None
     delays: Annotated[dict[Name, Delay] | None, Field(max_length=500)] = None

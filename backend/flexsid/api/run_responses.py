@@ -53,7 +53,8 @@ class RunBlock:
 class Run:
     """An estimation run; ``parameters``, ``fit`` and ``poles`` are present once it succeeded.
 
-    So is ``adequacy``, the result of the tests for remaining model error.
+    So is ``adequacy``, the result of the tests for remaining model error, and ``symmetry``, of
+    those for an asymmetry of the aircraft, where a maneuver excites both axes.
     ``altered`` means that the result or the request does not match the hash stored with it;
     ``changed_since`` names data that were corrected since the run was computed, null if an
     earlier release did not record its input data. ``repeated`` means that the same run had been
@@ -74,6 +75,7 @@ class Run:
     parameters: list[RunParameter]
     fit: Fit | None
     adequacy: ModelAdequacy | None
+    symmetry: ModelAdequacy | None
     poles: tuple[Pole, ...]
     blocks: list[RunBlock]
     residualized_prediction: dict[str, float] | None
@@ -116,6 +118,7 @@ def build_run_response(store: Store, run: EstimationRun, *, repeated: bool = Fal
         ],
         fit=result and result.fit,
         adequacy=result and result.adequacy,
+        symmetry=result and result.symmetry,
         poles=() if result is None else result.poles,
         blocks=[] if result is None else [extend_record(RunBlock, one) for one in result.blocks],
         residualized_prediction=result and result.residualized_prediction,

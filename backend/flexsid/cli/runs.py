@@ -153,6 +153,8 @@ def _format_table(run: EstimationRun) -> list[str]:
         lines.append(f"{parameter.name:<16}{parameter.value:>12.5g}{error}")
     lines += ["", "R²: " + ", ".join(f"{k} {v:.3f}" for k, v in fit.r_squared.items())]
     lines += ["", f"Model adequacy: {result.adequacy.state.value}. {result.adequacy.reason}"]
+    if result.symmetry is not None:
+        lines.append(f"Symmetry: {result.symmetry.state.value}. {result.symmetry.reason}")
     return lines + [f"note: {warning}" for warning in fit.warnings]
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from math import sqrt
 from typing import Annotated, Literal
 
 from flexsid.importers.quantity import AngularRate, Dimension, Length, Time
@@ -281,7 +282,7 @@ class AircraftMapping(MappingTable):
     mass: Annotated[MassTable, FromTable(MassMapping)] | None = key("mass properties", None)
     surfaces: tuple[_Surface, ...] = key("control surfaces, at least one", ())
     sensors: tuple[_Sensor, ...] = key("sensors", ())
-    pairs: tuple[Part, ...] = key("parts to form of sensors on the left and right", ())
+    pairs: tuple[Part, ...] = key("parts to form of sensors and surfaces on the left and right", ())
     combinations: tuple[_Combination, ...] = key("weighted sums of channels", ())
     instruments: dict[Line, _Instrument] = key("instruments by name", {})
     polar: Annotated[DragPolar, FromTable(PolarMapping)] | None = key("parabolic polar", None)
@@ -307,8 +308,10 @@ class AircraftMapping(MappingTable):
                 raise InvalidValue(problem, name)
         self._check_names()
         pairs = _combine_pairs(self.pairs, self.sensors)
+        surfaces, parts = _combine_surfaces(self.pairs, self.surfaces)
         entries = {k: v for k, v in self.entries().items() if k not in ("builtin", "pairs")}
-        entries["combinations"] = (*pairs, *self.combinations)
+        entries["surfaces"] = (*self.surfaces, *surfaces)
+        entries["combinations"] = (*pairs, *parts, *self.combinations)
         definition = Aircraft(**entries)
         return AircraftPart(name=self.name, definition=definition)
 
@@ -344,3 +347,26 @@ def _combine_pairs(parts: tuple[Part, ...], sensors: tuple[Sensor, ...]) -> list
                 name, terms = combine_pair(left, right, both, sign, part)
                 found.append(Combination(name=name, terms=terms))
     return found
+
+
+def _combine_surfaces(
+    parts: tuple[Part, ...], surfaces: tuple[Surface, ...]
+) -> tuple[list[Surface], list[Combination]]:
+    """Return parts of left and right surfaces as surfaces, and how they combine them.
+
+    Sides with different instruments have no part; a part that is defined already stays as it is.
+    The noise of half a sum or difference is that of one surface over the root of two.
+    """
+    known = {surface.name: surface for surface in surfaces}
+    found: list[Surface] = []
+    combined: list[Combination] = []
+    for part in parts:
+        for left, right, both in find_pairs(known):
+            one, other = known[left], replace(known[right], name=left)
+            name, terms = combine_pair(left, right, both, 1.0, part)
+            if one == other:
+                combined.append(Combination(name=name, terms=terms))
+                if name not in known:
+                    noise = None if one.noise_std_rad is None else one.noise_std_rad / sqrt(2.0)
+                    found.append(replace(one, name=name, noise_std_rad=noise, symmetry=part))
+    return found, combined

@@ -61,10 +61,12 @@ def _interleave(part: ExcitationMapping, sources: Sources) -> dict[str, tuple[in
         names = part.order
     first = round(scalar(part.first, sources))
     count = round(scalar(part.per_input, sources))
-    if not names or first < 1 or not 1 <= count * len(names) <= _MAX_HARMONICS:
-        raise refuse("excitation.first", "and per_input must be at least 1, with order not empty.")
-    step = len(names)
+    stride = 1 if part.stride is None else round(scalar(part.stride, sources))
+    if not names or min(first, stride) < 1 or not 1 <= count * len(names) <= _MAX_HARMONICS:
+        problem = "per_input and stride must be at least 1, with order not empty."
+        raise refuse("excitation.first", problem)
+    step = stride * len(names)
     return {
-        name: tuple(range(first + index, first + index + step * count, step))
+        name: tuple(range(first + stride * index, first + stride * index + step * count, step))
         for index, name in enumerate(names)
     }

@@ -121,7 +121,9 @@ class ManeuverMapping(MappingTable):
         "the flight condition"
     )
     fta: _Fta | None = key("flight test aid", None)
-    axis: Literal["longitudinal", "lateral", "ground"] | None = key("kind of motion", None)
+    axis: Literal["longitudinal", "lateral", "combined", "ground"] | None = key(
+        "kind of motion; combined: independent surfaces excite both axes", None
+    )
     start_s: Time | None = key("start of the maneuver in the record", None, alias="start")
     stop_s: Time | None = key("end of the maneuver in the record", None, alias="stop")
     note: Note = key("free text", "")
@@ -147,13 +149,14 @@ class ExcitationMapping(MappingTable):
     order: _Order | None = key("inputs in the order of their harmonics", None)
     first: _Number | None = key("lowest harmonic", None)
     per_input: _Number | None = key("number of harmonics of each input", None)
+    stride: _Number | None = key("2 where every second harmonic is excited; else 1", None)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        for name in ("order", "first", "per_input"):
+        for name in ("order", "first", "per_input", "stride"):
             if self.harmonics is not None and getattr(self, name) is not None:
                 raise InvalidValue("does not apply with 'harmonics'.", name)
-            if self.harmonics is None and getattr(self, name) is None:
+            if self.harmonics is None and name != "stride" and getattr(self, name) is None:
                 problem = "is missing; give harmonics, or order, first and per_input."
                 raise InvalidValue(problem, name)
         return self

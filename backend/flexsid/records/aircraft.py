@@ -212,6 +212,19 @@ def get_symmetry(aircraft: Aircraft, name: str) -> SurfaceSymmetry:
     return declared or _symmetry_in_name(name, [surface.name for surface in aircraft.surfaces])
 
 
+def list_surface_parts(aircraft: Aircraft) -> dict[str, tuple[tuple[str, float], ...]]:
+    """List the surfaces that combine single ones, with their terms (``wf1a`` of a left and right).
+
+    They are the inputs of both axes where the sides move independently.
+    """
+    surfaces = {surface.name for surface in aircraft.surfaces}
+    return {
+        c.name: c.terms
+        for c in aircraft.combinations
+        if c.name in surfaces and surfaces.issuperset(name for name, _ in c.terms)
+    }
+
+
 def _symmetry_in_name(name: str, others: list[str]) -> SurfaceSymmetry:
     lower = name.lower()
     own = _STRIP.fullmatch(lower)

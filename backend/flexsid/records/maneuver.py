@@ -9,6 +9,9 @@ from enum import StrEnum
 GROUND = "ground"
 """Axis of a record taken on the runway, before or after a flight (mini-GVT)."""
 
+COMBINED = "combined"
+"""Axis of a maneuver with independent surfaces, which excite the motion of both axes."""
+
 
 class Role(StrEnum):
     """Role of a channel in the identification."""

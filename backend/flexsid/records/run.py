@@ -285,7 +285,8 @@ class RunResult:
 
     ``prediction_id`` is the prediction that was used, selected or found; ``held`` are
     the derivatives that were not free, at the values they were held at. ``adequacy`` are the
-    tests for remaining model error.
+    tests for remaining model error, ``symmetry`` those for an asymmetry of the aircraft, of
+    maneuvers that excite both axes.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -298,6 +299,7 @@ class RunResult:
     held: dict[str, float] = field(default_factory=dict[str, float])
     retained: RetainedModes | None = None
     adequacy: ModelAdequacy = ModelAdequacy()
+    symmetry: ModelAdequacy | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

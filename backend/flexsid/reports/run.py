@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import tau
 
 from flexsid.nomenclature import describe
-from flexsid.records.run import AdequacyState, EstimationRun, Method, RunResult
+from flexsid.records.run import AdequacyState, EstimationRun, Method, ModelAdequacy, RunResult
 from flexsid.reports.content import (
     Facts,
     Part,
@@ -63,7 +63,12 @@ def run_report(store: Store, run_id: int) -> Report:
             ),
             Section("Fit", _report_fit(store, run_id, result)),
             *report_cross_validation(store, run_id),
-            Section("Model adequacy", _report_adequacy(result)),
+            Section("Model adequacy", _report_adequacy(result.adequacy)),
+            *(
+                ()
+                if result.symmetry is None
+                else (Section("Symmetry", _report_adequacy(result.symmetry)),)
+            ),
             Section("Uncertainty", _report_uncertainty(store, run_id)),
             Section("Poles", _report_poles(store, run_id, result)),
         ),
@@ -182,8 +187,7 @@ def _tabulate_fit(result: RunResult) -> tuple[Part, ...]:
     return (table,)
 
 
-def _report_adequacy(result: RunResult) -> tuple[Part, ...]:
-    adequacy = result.adequacy
+def _report_adequacy(adequacy: ModelAdequacy) -> tuple[Part, ...]:
     reason = Words(adequacy.reason, warns=adequacy.state is AdequacyState.SUSPECT)
     if not adequacy.tests:
         return (reason,)
@@ -201,7 +205,7 @@ def _report_adequacy(result: RunResult) -> tuple[Part, ...]:
             )
             for test in adequacy.tests[:_MOST_TESTS]
         ),
-        f"Tests for remaining model error, the {min(len(adequacy.tests), _MOST_TESTS)} of "
+        f"Tests, the {min(len(adequacy.tests), _MOST_TESTS)} of "
         f"{len(adequacy.tests)} with the smallest p",
         numbers_from=3,
     )

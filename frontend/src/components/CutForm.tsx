@@ -4,7 +4,7 @@ import { useState } from "react";
 import { useCut } from "../api/commands";
 import { ProblemAlert } from "./ProblemAlert";
 
-const AXES = ["longitudinal", "lateral"] as const;
+const AXES = ["longitudinal", "lateral", "combined"] as const;
 
 interface Props {
   flightId: number;

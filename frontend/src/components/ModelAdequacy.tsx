@@ -47,13 +47,23 @@ const COLUMNS: Column<Test>[] = [
   { key: "meaning", header: "Meaning", wraps: true, render: (test) => test.meaning },
 ];
 
-/** Badge and reason of a run, with the table of its tests. */
-export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
+interface TestsProps {
+  adequacy: ModelAdequacy;
+  /** What the tests are about. */
+  title: string;
+  /** What each test seeks, and what a small p means. */
+  subject: string;
+  note: string;
+}
+
+function Tests({ adequacy, title, subject, note }: TestsProps) {
+  const key = title.toLowerCase().replaceAll(" ", "-");
+  const rejecting = adequacy.tests.filter((test) => test.rejects).length;
   return (
     <>
-      <Group gap="xs" mt="sm" wrap="nowrap" align="flex-start" data-testid="model-adequacy">
+      <Group gap="xs" mt="sm" wrap="nowrap" align="flex-start" data-testid={key}>
         <Text size="sm" style={{ whiteSpace: "nowrap" }}>
-          Model adequacy
+          {title}
         </Text>
         <AdequacyBadge state={adequacy.state} />
         <Text size="sm">{adequacy.reason}</Text>
@@ -61,18 +71,16 @@ export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
       {adequacy.tests.length > 0 && (
         <Accordion variant="contained" className="panel" bg="var(--page-surface)" mt="sm" order={2}>
           <Accordion.Item value="tests">
-            <Accordion.Control data-testid="adequacy-tests">
-              {adequacy.tests.length} tests for remaining model error,{" "}
-              {adequacy.tests.filter((test) => test.rejects).length} reject the model
+            <Accordion.Control data-testid={`${key}-tests`}>
+              {adequacy.tests.length} tests {subject}, {rejecting}{" "}
+              {rejecting === 1 ? "rejects" : "reject"}
             </Accordion.Control>
             <Accordion.Panel>
               <Text size="sm" mb="sm">
-                The statistic is χ² with these degrees of freedom if the model is correct; that of a
-                residual response is in standard deviations. A correct model is rejected by any of
-                the tests with a probability of 5 %.
+                {note}
               </Text>
               <DataTable
-                label="Tests for remaining model error"
+                label={`Tests ${subject}`}
                 columns={COLUMNS}
                 rows={adequacy.tests}
                 rowKey={(test) => `${test.hypothesis} ${test.subject}`}
@@ -84,5 +92,29 @@ export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
         </Accordion>
       )}
     </>
+  );
+}
+
+/** Badge and reason of a run, with the table of its tests for remaining model error. */
+export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
+  return (
+    <Tests
+      adequacy={adequacy}
+      title="Model adequacy"
+      subject="for remaining model error"
+      note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response is in standard deviations. A correct model is rejected by any of the tests with a probability of 5 %."
+    />
+  );
+}
+
+/** Badge and reason of a run, with the table of its tests for an asymmetry of the aircraft. */
+export function SymmetryTests({ symmetry }: { symmetry: ModelAdequacy }) {
+  return (
+    <Tests
+      adequacy={symmetry}
+      title="Symmetry"
+      subject="for an asymmetry of aircraft or flight"
+      note="Each test seeks a response of this axis to motion or surfaces of the other one. The statistic is χ² with these degrees of freedom for a symmetric aircraft; that of a cross response is in standard deviations. Any of the tests rejects a symmetric aircraft with a probability of 5 %."
+    />
   );
 }

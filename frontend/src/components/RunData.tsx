@@ -36,7 +36,13 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           searchable
           clearable
           data-testid="run-inputs"
-          data={[...new Set([...excitedInputs(maneuver), ...named(maneuver.channels, "input")])]}
+          data={[
+            ...new Set([
+              ...draft.inputs,
+              ...excitedInputs(maneuver),
+              ...named(maneuver.channels, "input"),
+            ]),
+          ]}
           value={draft.inputs}
           onChange={(value) => {
             onChange({ inputs: value });

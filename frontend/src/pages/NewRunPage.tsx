@@ -16,7 +16,13 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { RunForm } from "../components/RunForm";
 import { RunProposalNote } from "../components/RunProposalNote";
-import { batchRequest, firstDraft, isUnchanged, runRequest } from "../components/runRequest";
+import {
+  asAxis,
+  batchRequest,
+  firstDraft,
+  isUnchanged,
+  runRequest,
+} from "../components/runRequest";
 import { StructureLink } from "../components/StructureLink";
 import { useRunOrigin, type RunOrigin } from "../components/useRunOrigin";
 import { windowOf } from "../lib/band";
@@ -32,13 +38,13 @@ const route = getRouteApi("/maneuvers/$id/new-run");
 /** Form of new runs: model structure, methods, data and settings. */
 export function NewRunPage() {
   const { id } = route.useParams();
-  const { template_run: template, structure, version } = route.useSearch();
+  const { template_run: template, structure, version, axis } = route.useSearch();
   const maneuver = useQuery(maneuverQuery(id));
   return (
     <Loaded query={maneuver} page="New run">
       {(data) => (
         <WithTables
-          key={`${id} ${template} ${structure} ${version}`}
+          key={`${id} ${template} ${structure} ${version} ${axis}`}
           maneuver={data}
           template={template}
         />
@@ -54,7 +60,10 @@ function WithTables({ maneuver, template }: { maneuver: Maneuver; template?: num
   const before = useQuery({ ...runQuery(template ?? 0), enabled: template !== undefined });
   const view = route.useSearch();
   const begun = useRunOrigin(maneuver.id, view, template);
-  const proposal = useQuery({ ...runProposalQuery(maneuver.id, windowOf(view)), retry: false });
+  const proposal = useQuery({
+    ...runProposalQuery(maneuver.id, windowOf(view), view.axis),
+    retry: false,
+  });
   return (
     <Loaded query={tables}>
       {(modal) => (
@@ -107,7 +116,7 @@ function Form({ maneuver, aircraft, tables, predictions, template, origin, propo
   const all = useSubmitBatch();
   const band = windowOf(view);
   const { draft, setDraft, discard } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${template?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}`,
+    `flexsid.new-run.${maneuver.id}.${template?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}.${view.axis ?? ""}`,
     firstDraft({
       maneuver,
       tables,
@@ -193,30 +202,50 @@ function Form({ maneuver, aircraft, tables, predictions, template, origin, propo
           </Link>,
         ]}
         aside={
-          maneuvers.length > 1 && (
-            <>
-              <Text size="sm" className="quiet">
-                and {maneuvers.length - 1} more {maneuvers.length === 2 ? "maneuver" : "maneuvers"}
-              </Text>
+          <>
+            {maneuver.axis === "combined" && (
               <SegmentedControl
-                aria-label="Runs for several maneuvers"
+                aria-label="Axis of the model"
+                data-testid="model-axis"
                 data={[
-                  { value: "each", label: "One run per maneuver" },
-                  { value: "joint", label: "One run over all maneuvers" },
+                  { value: "longitudinal", label: "Longitudinal" },
+                  { value: "lateral", label: "Lateral-directional" },
                 ]}
-                value={view.joint === true ? "joint" : "each"}
-                onChange={(choice) =>
+                value={draft.axis}
+                onChange={(value) =>
                   void navigate({
-                    search: (previous) => ({
-                      ...previous,
-                      joint: choice === "joint" ? true : undefined,
-                    }),
+                    search: (previous) => ({ ...previous, axis: asAxis(value) }),
                     replace: true,
                   })
                 }
               />
-            </>
-          )
+            )}
+            {maneuvers.length > 1 && (
+              <>
+                <Text size="sm" className="quiet">
+                  and {maneuvers.length - 1} more{" "}
+                  {maneuvers.length === 2 ? "maneuver" : "maneuvers"}
+                </Text>
+                <SegmentedControl
+                  aria-label="Runs for several maneuvers"
+                  data={[
+                    { value: "each", label: "One run per maneuver" },
+                    { value: "joint", label: "One run over all maneuvers" },
+                  ]}
+                  value={view.joint === true ? "joint" : "each"}
+                  onChange={(choice) =>
+                    void navigate({
+                      search: (previous) => ({
+                        ...previous,
+                        joint: choice === "joint" ? true : undefined,
+                      }),
+                      replace: true,
+                    })
+                  }
+                />
+              </>
+            )}
+          </>
         }
       />
       {origin !== undefined && (

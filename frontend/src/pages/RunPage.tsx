@@ -9,7 +9,7 @@ import { RunDerivation } from "../components/DerivedRuns";
 import { BlockPicker, FitTab } from "../components/FitTab";
 import { JobProgress } from "../components/JobProgress";
 import { Loaded } from "../components/Loaded";
-import { AdequacyTests } from "../components/ModelAdequacy";
+import { AdequacyTests, SymmetryTests } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { NuisanceParameters } from "../components/NuisanceParameters";
 import { ParameterTable } from "../components/ParameterTable";
@@ -91,6 +91,7 @@ function OneRun({ run }: { run: Run }) {
       <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}
       {run.adequacy !== null && <AdequacyTests adequacy={run.adequacy} />}
+      {run.symmetry !== null && <SymmetryTests symmetry={run.symmetry} />}
       {isOver(run.state) && <Results run={run} />}
     </>
   );

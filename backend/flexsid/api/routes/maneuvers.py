@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends, File, Form, Query, UploadFile
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest
 from flexsid.api.responses import ChangedRecords, ManeuverDetail, extend_record
+from flexsid.api.run_requests import ModelAxis
 from flexsid.api.serialization import (
     After,
     Identity,
@@ -84,6 +85,10 @@ def get_run_proposal(
     additional_maneuver_ids: Annotated[
         str | None, Query(description="Ids of maneuvers to be fitted together with this one.")
     ] = None,
+    axis: Annotated[
+        ModelAxis | None,
+        Query(description="Axis of the model, of a maneuver that excites both; else its own."),
+    ] = None,
 ) -> RunProposal:
     """Propose modes, inputs, outputs and band of a run, with their requirements on the data.
 
@@ -93,7 +98,7 @@ def get_run_proposal(
         raise BadInput("give both low_hz and high_hz, or neither", code="bad-band")
     band = None if low_hz is None or high_hz is None else (low_hz, high_hz)
     further = split_ids(additional_maneuver_ids, "additional_maneuver_ids")
-    return propose_run(store, (maneuver_id, *further), band)
+    return propose_run(store, (maneuver_id, *further), band, axis)
 
 
 @router.post("", response_model=ManeuverDetail, status_code=201)

@@ -36,6 +36,7 @@ from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.signals import FrequencyData
 
 FALSE_ALARM_RATE = 0.05
 """Probability that any test of a fit rejects a correct model."""
@@ -45,6 +46,9 @@ _INDEPENDENT_SHARE = 2.0 / 3.0
 
 The smallest p times the number of tests is below 0.069 to 0.096 in 5 % of the fits, for white and
 coloured noise, noise on the surfaces, 1 to 3 modes, 10 to 20 outputs, 100 to 325 frequencies."""
+
+_INDEPENDENT_SYMMETRY_SHARE = 0.85
+"""The same for tests of symmetry: of 600 flights of a symmetric aircraft, 5 % are below 0.059."""
 
 _LEAST_INFORMATION = 1e-6  # of a held quantity, left by the free ones: not identifiable below
 _RIDGE = 1e-10  # of unit diagonal: nearly dependent normal equations stay solvable
@@ -66,6 +70,19 @@ class Hypothesis(StrEnum):
     DERIVATIVE = "held derivative"
     FURTHER_MODE = "further mode"
     RESIDUAL_RESPONSE = "residual response"
+    SURFACE_EFFECTIVENESS = "surface effectiveness"
+    CROSS_DERIVATIVE = "cross derivative"
+    CROSS_RESPONSE = "cross response"
+
+
+SYMMETRY_HYPOTHESES = frozenset(
+    {
+        Hypothesis.SURFACE_EFFECTIVENESS,
+        Hypothesis.CROSS_DERIVATIVE,
+        Hypothesis.CROSS_RESPONSE,
+    }
+)
+"""Hypotheses of an asymmetry of aircraft or flight; the others are errors of one axis."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +112,24 @@ class ModelTest:
         return self.adjusted_p < FALSE_ALARM_RATE
 
 
+@dataclass(frozen=True, slots=True)
+class OpposedMotion:
+    """Motion and surfaces of the other axis in a maneuver of both, at the same frequencies.
+
+    A symmetric aircraft has no response to it in this axis. ``variables`` are its nondimensional
+    motions, rates and inputs [s], ``pairs`` by input of this axis that of the other with the same
+    surfaces.
+    """
+
+    variables: FrequencyData
+    pairs: Mapping[str, str]
+
+    @property
+    def inputs(self) -> Complex[np.ndarray, "n_omega n_u"]:
+        """Inputs of the other axis."""
+        return self.variables.pick(tuple(self.pairs.values())).values
+
+
 def compute_model_tests(
     experiments: Sequence[Experiment],
     parameters: Parameters,
@@ -102,6 +137,7 @@ def compute_model_tests(
     priors: Mapping[str, tuple[float, float]] | None = None,
     *,
     extended_models: Sequence[AeroelasticModel] = (),
+    opposed_motions: Sequence[OpposedMotion | None] = (),
     overlap: float = 1.0,
 ) -> tuple[ModelTest, ...]:
     """Test a fit for remaining model error.
@@ -116,6 +152,9 @@ def compute_model_tests(
         Mean and standard deviation by parameter, of the fit.
     extended_models
         Models of the experiments with further modes after their own; none by default.
+    opposed_motions
+        Motion of the other axis in the experiments; none by default. Each of its variables
+        could have a derivative in this axis, each surface be more effective on one side.
     overlap
         Frequencies per resolution 1/T of the record, at least one.
 
@@ -124,7 +163,7 @@ def compute_model_tests(
     tuple of ModelTest
         Smallest p first; empty where there are too few frequencies. Quantities that free
         parameters replace (as scale factors of inputs with free control derivatives) have no
-        test.
+        test. Holm's method holds for the tests of symmetry and for the others, each by itself.
 
     Notes
     -----
@@ -149,10 +188,16 @@ def compute_model_tests(
     inflation = n_data / (n_data - theta.size)
     fits = [
         _Fit(
-            *_evaluate(experiment, parameters, theta, inflation), parameters.table(theta), extended
+            *_evaluate(experiment, parameters, theta, inflation),
+            parameters.table(theta),
+            extended,
+            opposed,
         )
-        for experiment, extended in zip(
-            experiments, extended_models or [None] * len(experiments), strict=True
+        for experiment, extended, opposed in zip(
+            experiments,
+            extended_models or [None] * len(experiments),
+            opposed_motions or [None] * len(experiments),
+            strict=True,
         )
     ]
     n_theta = theta.size
@@ -175,11 +220,19 @@ def compute_model_tests(
         ),
         residual_df=2.0 * (n_omega - n_theta / experiments[0].measured.shape[1]),
     )
+    step = inverse @ g
     tests = [
         *_test_scores(fits[0].held, scores),
-        *_test_residual_responses(fits, inverse, inverse @ g),
+        *_test_residual_responses(Hypothesis.RESIDUAL_RESPONSE, fits, inverse, step),
     ]
-    return _adjust_by_holm(tests)
+    if all(fit.opposed is not None for fit in fits):
+        tests += _test_residual_responses(Hypothesis.CROSS_RESPONSE, fits, inverse, step)
+    of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
+    others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
+    return (
+        *_adjust_by_holm(others, _INDEPENDENT_SHARE),
+        *_adjust_by_holm(of_symmetry, _INDEPENDENT_SYMMETRY_SHARE),
+    )
 
 
 def _evaluate(
@@ -261,8 +314,10 @@ class _Fit:
         response: ModelResponse,
         table: DerivativeTable,
         extended: AeroelasticModel | None,
+        opposed: OpposedMotion | None,
     ) -> None:
         self.final = final
+        self.opposed = opposed
         self.held: list[_Held] = []
         model, sensitivity = final.form.model, final.sensitivity
         aeroelastic = model.experiment.model
@@ -279,7 +334,10 @@ class _Fit:
             load = np.einsum("ij,ijk->ik", forces, of_rows)
             late_inputs = of_rows[:, n_w - n_u :].reshape(n_r * n_u, -1)
             driving_variables = [response.motion[:, 0], *model.experiment.inputs.T]
-        variables = [*w, *(minus_s * load), *(minus_s * late_inputs), *driving_variables]
+        crossing = [] if opposed is None else list(opposed.variables.values.T)
+        variables = [
+            *w, *(minus_s * load), *(minus_s * late_inputs), *driving_variables, *crossing
+        ]  # fmt: skip
         modes = [] if extended is None else list(_list_further_modes(model, extended, response))
         pairs = list(zip(model.pair_rows.tolist(), model.pair_columns.tolist(), strict=True))
         scale = model.scale.tolist()
@@ -310,11 +368,23 @@ class _Fit:
         driving = [0, *range(n_w - n_u, n_w)]
         at = dict(zip(driving, driving, strict=True))
         if model.factors is not None:
-            first = len(variables) - len(driving)
+            first = len(variables) - len(crossing) - len(driving)
             at = dict(zip(driving, range(first, len(variables)), strict=True))
         for k, (number, _) in enumerate(modes):
             terms = [[(n_r + k, at[j], float(model.columns[j]))] for j in driving]
             add(Hypothesis.FURTHER_MODE, f"mode {number}", *terms)
+        if opposed is not None:
+            first_crossing = len(variables) - len(crossing)
+            crossing_at = {n: first_crossing + k for k, n in enumerate(opposed.variables.names)}
+            for i, row in enumerate(aeroelastic.coefficients):
+                for name, column in crossing_at.items():
+                    factor = float(model.rows[i])
+                    add(Hypothesis.CROSS_DERIVATIVE, f"{row}_{name}", [(i, column, factor)])
+            for k, name in enumerate(aeroelastic.inputs):
+                if name in opposed.pairs:
+                    column, load = crossing_at[opposed.pairs[name]], forces[:, n_w - n_u + k]
+                    terms = [(i, column, float(load[i])) for i in range(n_r)]
+                    add(Hypothesis.SURFACE_EFFECTIVENESS, name, terms)
         own = list(sensitivity.own)
         outputs = model.own_outputs.tolist()
         known = {(e.kind, e.output) for e in model.parameters.extras}
@@ -409,11 +479,14 @@ def _list_further_modes(
 
 
 def _test_residual_responses(
+    hypothesis: Hypothesis,
     fits: Sequence[_Fit],
     inverse: Float[np.ndarray, "n_theta n_theta"],
     step: Float[np.ndarray, " n_theta"],
 ) -> Iterator[ModelTest]:
-    """Test whether the residuals of each output are a smooth response to the inputs.
+    """Test whether the residuals of each output are a smooth response to inputs.
+
+    To the own inputs, or for a cross response to those of the other axis.
 
     Notes
     -----
@@ -430,12 +503,15 @@ def _test_residual_responses(
     total, mean = np.zeros(n_y), np.zeros(n_y)
     second = third = 0.0
     peaks = np.zeros((n_y, 2))
-    for final in (fit.final for fit in fits):
-        experiment = final.form.model.experiment
+    for fit in fits:
+        final, experiment = fit.final, fit.final.form.model.experiment
+        inputs = experiment.inputs
+        if hypothesis is Hypothesis.CROSS_RESPONSE and fit.opposed is not None:
+            inputs = fit.opposed.inputs
         moved = _compute_change(final, step)
         local = 1.0 / np.sqrt(final.weights.expand_blocks())
         r = (final.residuals - moved) / local
-        M = _compute_similarity(experiment)
+        M = _compute_similarity(experiment, inputs)
         contributions = np.real(r.conj() * (M @ r))
         total += contributions.sum(axis=0)
         mean -= 0.5 * _compute_fit_covariance(final, M, inverse, local)
@@ -457,7 +533,7 @@ def _test_residual_responses(
         z = float((total[output] - mean[output]) / np.sqrt(second))
         p = float(stats.pearson3.sf(z, skew))
         where = float(peaks[output, 1])
-        yield ModelTest(Hypothesis.RESIDUAL_RESPONSE, name, z, 0, p, frequency_hz=where)
+        yield ModelTest(hypothesis, name, z, 0, p, frequency_hz=where)
 
 
 def _compute_change(
@@ -519,10 +595,12 @@ def _compute_fit_covariance(
     return total
 
 
-def _compute_similarity(experiment: Experiment) -> sparse.csr_array:
-    """Compute the weights M of products of residuals at two frequencies."""
-    size = np.sqrt(np.mean(np.abs(experiment.inputs) ** 2, axis=0))
-    u = experiment.inputs / np.where(size > 0.0, size, 1.0)
+def _compute_similarity(
+    experiment: Experiment, inputs: Complex[np.ndarray, "n_omega n_u"]
+) -> sparse.csr_array:
+    """Compute the weights M of products of residuals at two frequencies by the inputs."""
+    size = np.sqrt(np.mean(np.abs(inputs) ** 2, axis=0))
+    u = inputs / np.where(size > 0.0, size, 1.0)
     length = np.sqrt(np.sum(np.abs(u) ** 2, axis=1, keepdims=True))
     u = u / np.where(length > 0.0, length, 1.0)
     omega = experiment.omega
@@ -537,7 +615,7 @@ def _compute_similarity(experiment: Experiment) -> sparse.csr_array:
     return sparse.csr_array(near * (u @ u.conj().T))
 
 
-def _adjust_by_holm(tests: Sequence[ModelTest]) -> tuple[ModelTest, ...]:
+def _adjust_by_holm(tests: Sequence[ModelTest], share: float) -> tuple[ModelTest, ...]:
     """Multiply p by the number of tests that are not yet rejected; smallest first.
 
     Only a share of the tests counts, since tests of one output depend on each other.
@@ -545,7 +623,7 @@ def _adjust_by_holm(tests: Sequence[ModelTest]) -> tuple[ModelTest, ...]:
     ordered = sorted(tests, key=lambda test: test.p)
     adjusted, last = [], 0.0
     for rank, test in enumerate(ordered):
-        count = max(1.0, _INDEPENDENT_SHARE * (len(ordered) - rank))
+        count = max(1.0, share * (len(ordered) - rank))
         last = max(last, min(1.0, count * test.p))
         adjusted.append(replace(test, adjusted_p=last))
     return tuple(adjusted)

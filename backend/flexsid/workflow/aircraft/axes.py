@@ -16,8 +16,9 @@ from flexsid.records.aircraft import (
     SensorKind,
     find_contradicting_axis,
     get_symmetry,
+    list_surface_parts,
 )
-from flexsid.records.maneuver import GROUND, Maneuver
+from flexsid.records.maneuver import COMBINED, GROUND, Maneuver
 from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
@@ -46,20 +47,36 @@ class AxisNotSupported(BadInput):
     code = "axis-not-supported"
 
 
-def find_body(axis: str) -> RigidBody:
-    """Find the rigid body of an axis; that of a ground record is the longitudinal one.
+def list_bodies(axis: str) -> tuple[RigidBody, ...]:
+    """List the rigid bodies of the models that describe a maneuver of an axis.
+
+    The motion of a symmetric aircraft with independent surfaces is the sum of two motions,
+    each with its own model; that of a ground record is described as longitudinal.
 
     Raises
     ------
     AxisNotSupported
         If no model describes the axis.
     """
+    if axis == COMBINED:
+        return tuple(RIGID_BODIES.values())
     body = LONGITUDINAL if axis == GROUND else RIGID_BODIES.get(axis)
     if body is None:
         raise AxisNotSupported(
             f"no model describes the axis '{axis}'; known are {', '.join(RIGID_BODIES)}", axis=axis
         )
-    return body
+    return (body,)
+
+
+def find_body(axis: str) -> RigidBody:
+    """Find the rigid body of an axis; the first of a combined maneuver, the longitudinal one.
+
+    Raises
+    ------
+    AxisNotSupported
+        If no model describes the axis.
+    """
+    return list_bodies(axis)[0]
 
 
 def require_axis(body: RigidBody, maneuvers: Iterable[Maneuver]) -> None:
@@ -71,7 +88,7 @@ def require_axis(body: RigidBody, maneuvers: Iterable[Maneuver]) -> None:
         If the axis is another one.
     """
     for maneuver in maneuvers:
-        if find_body(maneuver.axis) != body:
+        if body not in list_bodies(maneuver.axis):
             raise AxisNotSupported(
                 f"maneuver {maneuver.id} '{maneuver.label}' is {maneuver.axis}, and the model is "
                 f'{body.axis}; give the model structure axis = "{maneuver.axis}", or select '
@@ -84,9 +101,20 @@ def require_axis(body: RigidBody, maneuvers: Iterable[Maneuver]) -> None:
 def list_axis_surfaces(
     aircraft: Aircraft, body: RigidBody, names: Iterable[str] | None = None
 ) -> tuple[str, ...]:
-    """List the surfaces, all by default, that excite an axis: single ones excite both."""
-    known = (surface.name for surface in aircraft.surfaces) if names is None else names
-    return tuple(n for n in known if get_symmetry(aircraft, n) in (body.symmetry, "single"))
+    """List the surfaces, all by default, that excite an axis.
+
+    Single ones excite both; a left and right pair is replaced by its part that excites the axis,
+    if the aircraft has it.
+    """
+    known = [surface.name for surface in aircraft.surfaces] if names is None else list(names)
+    parts = {
+        term: name
+        for name, terms in list_surface_parts(aircraft).items()
+        if get_symmetry(aircraft, name) == body.symmetry and all(t in known for t, _ in terms)
+        for term, _ in terms
+    }
+    exciting = (n for n in known if get_symmetry(aircraft, n) in (body.symmetry, "single"))
+    return tuple(dict.fromkeys(parts.get(n, n) for n in exciting))
 
 
 def require_axis_inputs(aircraft: Aircraft, inputs: Iterable[str], body: RigidBody) -> None:
@@ -189,11 +217,20 @@ def reads_own_motion_only(terms: Sequence[tuple[Sensor, float]], body: RigidBody
     return turned == (body == LATERAL) and not off_plane
 
 
+def pair_parts(aircraft: Aircraft, inputs: Iterable[str], others: Iterable[str]) -> dict[str, str]:
+    """Pair inputs of one axis with those of the other that move the same surfaces."""
+    moved = {
+        name: frozenset(term for term, _ in terms)
+        for name, terms in list_surface_parts(aircraft).items()
+    }
+    by_surfaces = {moved[name]: name for name in others if name in moved}
+    return {n: by_surfaces[moved[n]] for n in inputs if moved.get(n) in by_surfaces}
+
+
 def list_opposed_surfaces(
-    maneuver: Maneuver, aircraft: Aircraft, inputs: Iterable[str]
+    maneuver: Maneuver, aircraft: Aircraft, inputs: Iterable[str], body: RigidBody
 ) -> tuple[str, ...]:
-    """List the surfaces, of these and of those excited, that excite the other axis."""
-    body = find_body(maneuver.axis)
+    """List the surfaces, of these and of those excited, that excite another axis."""
     excited = () if maneuver.excitation is None else maneuver.excitation.harmonics
     moved = dict.fromkeys((*inputs, *excited))
     return tuple(name for name in moved if get_symmetry(aircraft, name) != body.symmetry)

@@ -7,7 +7,7 @@ from collections.abc import Container, Mapping, Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.aircraft import Aircraft, SensorKind, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
@@ -71,6 +71,9 @@ def read_recording(
     """
     assert maneuver.id is not None
     combinations = {c.name: c.terms for c in aircraft.combinations}
+    for name, terms in list_surface_parts(aircraft).items():
+        commanded = zip(list_command_names([term for term, _ in terms]), terms, strict=True)
+        combinations[list_command_names([name])[0]] = tuple((c, w) for c, (_, w) in commanded)
     composed = {part for terms in combinations.values() for part, _ in terms}
     found = read_channels(store.database, maneuver.id, (*names, *composed))
     parts = {
@@ -101,7 +104,8 @@ def read_measurement(
 ) -> ManeuverMeasurement:
     """Read the inputs, outputs and recorded excitation of a maneuver.
 
-    Excited inputs that are not named are read, too.
+    Excited inputs that are not named are read, too. An input that was not recorded itself is
+    computed from single surfaces; it has the harmonics of them all, and their commands.
 
     Raises
     ------
@@ -109,14 +113,21 @@ def read_measurement(
         If a channel is not recorded in its role, or the band contains no frequency.
     """
     roles = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
-    _check_inputs(inputs, roles)
-    frequencies = select_frequencies(maneuver, band_hz)
+    recorded = [name for name, role in roles.items() if role is Role.INPUT]
+    parts = {
+        name: [term for term, _ in terms]
+        for name, terms in list_surface_parts(aircraft).items()
+        if name not in recorded and all(term in recorded for term, _ in terms)
+    }
+    _check_inputs(inputs, (*recorded, *parts))
+    frequencies = _combine_harmonics(select_frequencies(maneuver, band_hz), aircraft, inputs, parts)
     surfaces = {surface.name for surface in aircraft.surfaces}
     excited = [frequencies.inputs[k] for k in np.unique(frequencies.assigned_input) if k >= 0]
-    others = [n for n in excited if roles.get(n) is Role.INPUT and n in surfaces]
+    others = [n for n in excited if n in surfaces and (n in recorded or n in parts)]
     every = tuple(dict.fromkeys((*inputs, *others)))
     commands = list_command_names(every)
-    has_commands = all(roles.get(name) is Role.COMMAND for name in commands)
+    commanded = list_command_names([t for name in every for t in parts.get(name, [name])])
+    has_commands = all(roles.get(name) is Role.COMMAND for name in commanded)
     names = (*every, *(output.name for output in outputs), *(commands if has_commands else ()))
     recording = read_recording(store, maneuver, aircraft, names)
     own = _assign_inputs(frequencies, inputs)
@@ -139,8 +150,7 @@ def _check_recorded(
         )
 
 
-def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
-    usable = [name for name, role in roles.items() if role is Role.INPUT]
+def _check_inputs(names: tuple[str, ...], usable: Sequence[str]) -> None:
     for name in names:
         if name not in usable:
             raise BadInput(
@@ -151,6 +161,33 @@ def _check_inputs(names: tuple[str, ...], roles: Mapping[str, Role]) -> None:
             )
     if not names:
         raise BadInput("the maneuver has no recorded input", code="no-input")
+
+
+def _combine_harmonics(
+    frequencies: SpectrumFrequencies,
+    aircraft: Aircraft,
+    inputs: Sequence[str],
+    parts: Mapping[str, Sequence[str]],
+) -> SpectrumFrequencies:
+    """Assign the harmonics of single surfaces to their parts of the symmetry of the inputs.
+
+    A harmonic of either side excites both parts; the motion of the other part cancels in the
+    outputs of one axis.
+    """
+    own = {get_symmetry(aircraft, name) for name in inputs if name in parts}
+    combined = {
+        term: name
+        for name, terms in parts.items()
+        if get_symmetry(aircraft, name) in own
+        for term in terms
+    }
+    assigned = [combined.get(name, name) for name in frequencies.inputs]
+    names = tuple(dict.fromkeys(assigned))
+    index = np.array([names.index(name) for name in assigned], dtype=int)
+    owned = frequencies.assigned_input >= 0
+    merged = np.full(frequencies.assigned_input.size, -1)
+    merged[owned] = index[frequencies.assigned_input[owned]]
+    return SpectrumFrequencies(frequencies.omega, merged, names)
 
 
 def _assign_inputs(

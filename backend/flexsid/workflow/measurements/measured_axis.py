@@ -23,7 +23,6 @@ from flexsid.units import dimension, to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.aircraft.axes import (
     AxisNotSupported,
-    find_body,
     find_other,
     list_opposed_surfaces,
     reads_own_motion_only,
@@ -54,8 +53,9 @@ def require_own_motion(
     aircraft: Aircraft,
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
+    body: RigidBody,
 ) -> None:
-    """Refuse to fit the model of a maneuver's axis to its data, its inputs or its outputs.
+    """Refuse to fit the model of an axis to a maneuver's data, its inputs or its outputs.
 
     Raises
     ------
@@ -64,10 +64,9 @@ def require_own_motion(
     BadInput
         If a channel has a unit of another kind than its sensor.
     """
-    body = find_body(maneuver.axis)
     other = find_other(body)
     require_axis_inputs(aircraft, inputs, body)
-    opposed = list_opposed_surfaces(maneuver, aircraft, inputs)
+    opposed = list_opposed_surfaces(maneuver, aircraft, inputs, body)
     if opposed:
         _require_separated_outputs(maneuver, opposed, outputs, body)
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -354,15 +354,19 @@ class ManeuverMeasurement:
         shape = (len(self.outputs), omega.size)
         responses = [get_output_instrument(aircraft, o).response(omega) for o in self.outputs]
         channels = {c.name: c for c, _ in self.recording.channels}
-        rates = {name: channel.rate_hz for name, channel in channels.items()}
-        duration_s = max(channels[n].n_samples / rates[n] for n in inputs)
-        slowest = min(rates.values())
-        output_rates = np.array([rates.get(o.terms[0][0].name, slowest) for o in self.outputs])
+        slowest = min(channel.rate_hz for channel in channels.values())
+        sources = [channels[self.recording.parts[name][0][0]] for name in inputs]
+        duration_s = max(channel.n_samples / channel.rate_hz for channel in sources)
+        first = [o.terms[0][0].name for o in self.outputs]
+        output_rates = np.array([channels[n].rate_hz if n in channels else slowest for n in first])
         levels = {s.name: s.noise_std_rad for s in aircraft.surfaces}
         noise = None
         if all(levels.get(name) is not None for name in inputs):
             # The transform of white samples has variance sigma^2 T / rate.
-            variance = [(levels[n] or 0.0) ** 2 * duration_s / rates[n] for n in inputs]
+            variance = [
+                (levels[name] or 0.0) ** 2 * duration_s / channel.rate_hz
+                for name, channel in zip(inputs, sources, strict=True)
+            ]
             noise = np.array(variance) * np.abs(factors[:, : len(inputs)]) ** 2
         commands = None
         if self.has_commands:
@@ -400,7 +404,8 @@ class ManeuverMeasurement:
         Whole periods have none; a multisine begins at trim.
         """
         excitation = self.recording.maneuver.excitation
-        recorded = [c for c, _ in self.recording.channels if c.name in self.inputs]
+        sources = {part for name in self.inputs for part, _ in self.recording.parts[name]}
+        recorded = [c for c, _ in self.recording.channels if c.name in sources]
         end_s = max(c.stop_s for c in recorded)
         if excitation is None:
             return min(c.start_s for c in recorded), end_s
@@ -425,7 +430,7 @@ def compute_spectral_noise(
     return np.sqrt(np.array(variance, dtype=float) * duration_s / rate_hz)
 
 
-def list_command_names(inputs: tuple[str, ...]) -> tuple[str, ...]:
+def list_command_names(inputs: Sequence[str]) -> tuple[str, ...]:
     """Return the names of the channels with the recorded excitation of inputs."""
     return tuple(f"{name}_command" for name in inputs)
 

@@ -112,7 +112,7 @@ def gather_sensors(store: Store, maneuver: Maneuver) -> SensorData:
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
     body = find_body(maneuver.axis)
     inputs = _list_recorded_surfaces(aircraft, channels.values())
-    opposed = list_opposed_surfaces(maneuver, aircraft, inputs)
+    opposed = list_opposed_surfaces(maneuver, aircraft, inputs, body)
     names, excluded = _select_usable_sensors(aircraft, channels, table, opposed, body)
     for name in opposed:
         symmetry = get_symmetry(aircraft, name)
@@ -129,7 +129,7 @@ def gather_sensors(store: Store, maneuver: Maneuver) -> SensorData:
             code="no-sensors",
         )
     outputs = define_outputs(aircraft, names)
-    require_own_motion(store, maneuver, aircraft, inputs, outputs)
+    require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
     band = _select_default_band(maneuver, [channels[name] for name in (*names, *inputs)])
     measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band).transform()
     rate_hz = min(channels[name].rate_hz for name in names)

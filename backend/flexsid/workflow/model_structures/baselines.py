@@ -11,6 +11,7 @@ from flexsid.records.decision import Decision, DecisionState, EventKind, Limited
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.store import Store
+from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.model_structures.model_structures import get_version
 
 _ALL = (-inf, inf)
@@ -87,23 +88,27 @@ def list_baselines(store: Store, aircraft_id: int) -> list[Baseline]:
     return [_build_baseline(store, decision) for decision in list_approved(store, aircraft_id)]
 
 
-def find_baseline(store: Store, maneuver: Maneuver) -> Baseline | None:
-    """Return the baseline of a maneuver: the last approved one whose range contains it."""
+def find_baseline(store: Store, maneuver: Maneuver, axis: str | None = None) -> Baseline | None:
+    """Return the baseline of a maneuver: the last approved one whose range contains it.
+
+    In its own axis by default.
+    """
+    own = find_body(maneuver.axis).axis if axis is None else axis
     for decision in list_approved(store, maneuver.aircraft_id):
-        if decision.axis == maneuver.axis and is_in_range(maneuver, decision.proposal.limits):
+        if decision.axis == own and is_in_range(maneuver, decision.proposal.limits):
             return _build_baseline(store, decision)
     return None
 
 
-def require_baseline(store: Store, maneuver_ids: tuple[int, ...]) -> Baseline:
-    """Return the baseline for a run without a model structure.
+def require_baseline(store: Store, maneuver_ids: tuple[int, ...], axis: str) -> Baseline:
+    """Return the baseline for a run of an axis without a model structure.
 
     Raises
     ------
     BadInput
         If there is none, or maneuvers fitted together have different baselines.
     """
-    found = [find_baseline(store, store.maneuvers.get(number)) for number in maneuver_ids]
+    found = [find_baseline(store, store.maneuvers.get(number), axis) for number in maneuver_ids]
     first = found[0]
     if first is None:
         raise BadInput(

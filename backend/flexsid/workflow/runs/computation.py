@@ -95,6 +95,7 @@ class ComputedRun:
     versions: dict[str, str]
     provenance: Provenance
     adequacy: ModelAdequacy
+    symmetry: ModelAdequacy | None
     modal_std: dict[str, float]
     at_limit: tuple[str, ...] = ()
     retained: ComputedRetainedModes | None = None
@@ -110,6 +111,7 @@ class _Fit:
     start: str
     warnings: tuple[str, ...]
     adequacy: ModelAdequacy
+    symmetry: ModelAdequacy | None = None
 
 
 def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
@@ -164,6 +166,7 @@ def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
         versions=read_versions(),
         provenance=task.provenance,
         adequacy=fit.adequacy,
+        symmetry=fit.symmetry,
         modal_std=task.modal_std,
     )
 
@@ -225,7 +228,7 @@ def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:
     weighted = weight_by_noise_spectrum(
         corrected, parameters, estimate, settings, report_noise_spectrum
     )
-    adequacy = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
     noise, values = weighted.noise, weighted.values
     change = compute_weighting_change(estimate, weighted) if values is not estimate.values else 0.0
     is_suspect = adequacy.state is AdequacyState.SUSPECT
@@ -242,7 +245,7 @@ def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:
         warnings = (*warnings, reason)
         if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
-    return _Fit(parameters, weighted, spread, start, warnings, adequacy)
+    return _Fit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
 
 
 def _warn_of_input_noise(

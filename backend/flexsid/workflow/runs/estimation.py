@@ -14,7 +14,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
-from flexsid.records.maneuver import Maneuver, Role
+from flexsid.records.maneuver import COMBINED, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     Aerodynamics,
@@ -22,6 +22,7 @@ from flexsid.records.run import (
     Fit,
     FitBlock,
     Iteration,
+    Method,
     NuisanceParameter,
     OutOfBandModes,
     OutputQuality,
@@ -41,6 +42,7 @@ from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.modal_errors import compute_modal_errors
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     build_model,
@@ -49,8 +51,10 @@ from flexsid.workflow.aircraft.aircraft_models import (
 )
 from flexsid.workflow.aircraft.axes import (
     find_body,
+    find_other,
     list_axis_surfaces,
     list_opposed_surfaces,
+    pair_parts,
     require_axis,
     require_axis_inputs,
 )
@@ -61,6 +65,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
 )
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.measured_axis import require_own_motion
+from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.modal_data.modal_tables import (
     AircraftModes,
     load_modes_of_model,
@@ -140,7 +145,16 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
             prediction_ids.append(None if widest is None else widest.id)
     data = tuple(
         _prepare_maneuver(
-            store, maneuver, aircraft, structure, modes, inputs, outputs, settings, retained
+            store,
+            maneuver,
+            aircraft,
+            structure,
+            modes,
+            inputs,
+            outputs,
+            settings,
+            retained,
+            with_opposed=run.method is Method.OE,
         )
         for maneuver in maneuvers
     )
@@ -171,6 +185,7 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
     request_warnings = list_request_warnings(
         run,
         first,
+        aircraft,
         own_model,
         data[0].measurement.max_omega,
         modes.names,
@@ -215,12 +230,12 @@ def select_inputs_and_outputs(
 
     Recorded surfaces that excite the other axis only are excluded by default.
     """
-    body = find_body(maneuver.axis)
+    body = find_body(structure.axis)
     channels = {c.name: c.role for c in store.channels.find(maneuver_id=maneuver.id)}
     recorded = tuple(name for name, role in channels.items() if role is Role.INPUT)
     inputs = structure.inputs or list_axis_surfaces(aircraft, body, recorded) or recorded
     require_axis_inputs(aircraft, inputs, body)
-    separated = bool(list_opposed_surfaces(maneuver, aircraft, inputs))
+    separated = bool(list_opposed_surfaces(maneuver, aircraft, inputs, body))
     names = structure.outputs or list_default_outputs(aircraft, channels, body, separated=separated)
     return inputs, define_outputs(aircraft, names)
 
@@ -280,6 +295,7 @@ def store_result(
             if retained is None
             else _describe_retained_modes(retained, whole_covariance),
             adequacy=computed.adequacy,
+            symmetry=computed.symmetry,
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
@@ -318,21 +334,57 @@ def _prepare_maneuver(
     outputs: tuple[OutputDefinition, ...],
     settings: RunSettings,
     retained: tuple[int, ...],
+    *,
+    with_opposed: bool,
 ) -> ManeuverTask:
-    require_own_motion(store, maneuver, aircraft, inputs, outputs)
+    own, body = structure.modes, find_body(structure.axis)
+    require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
     measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
     fuel = maneuver.condition.fuel_fraction
-    own, body = structure.modes, find_body(structure.axis)
+    opposed, pairs = None, {}
+    if maneuver.axis == COMBINED and with_opposed:
+        opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
+        pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
     if retained:
         shapes = modes.table.at(fuel).select((*own, *retained))
         model = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
-        return ManeuverTask(maneuver.label, model, model, measurement)
+        return ManeuverTask(maneuver.label, model, model, measurement, opposed, pairs)
     out_of_band = select_out_of_band_modes(
         modes, fuel, own, measurement.max_omega, len(outputs), body
     )
     shapes = modes.table.at(fuel).select((*own, *out_of_band))
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
-    return ManeuverTask(maneuver.label, extended.with_modes(len(own)), extended, measurement)
+    own_model = extended.with_modes(len(own))
+    return ManeuverTask(maneuver.label, own_model, extended, measurement, opposed, pairs)
+
+
+def _prepare_opposed_axis(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    modes: AircraftModes,
+    body: RigidBody,
+    settings: RunSettings,
+) -> ManeuverTask | None:
+    """Read the motion of the other axis of a combined maneuver, with the modes in the band.
+
+    None where no sensors measure it.
+    """
+    other = find_other(body)
+    structure = Structure(fixed={}, axis=other.axis)
+    inputs, outputs = select_inputs_and_outputs(store, maneuver, aircraft, structure)
+    if not outputs:
+        return None
+    frequencies = select_frequencies(maneuver, settings.band_hz)
+    fuel, top = maneuver.condition.fuel_fraction, float(frequencies.omega[-1])
+    at_fuel = modes.table.at(fuel)
+    near = select_out_of_band_modes(modes, fuel, (), top, len(outputs), other)
+    omega = dict(zip(at_fuel.numbers, at_fuel.omega.tolist(), strict=True))
+    structure = replace(structure, modes=tuple(n for n in near if omega[n] < top))
+    return _prepare_maneuver(
+        store, maneuver, aircraft, structure, modes, inputs, outputs, settings, (),
+        with_opposed=False,
+    )  # fmt: skip
 
 
 def _compute_modal_errors(

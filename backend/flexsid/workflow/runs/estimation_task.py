@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -28,13 +28,16 @@ class ManeuverData:
 
     ``extended_model`` has the out-of-band modes that the sensors also measure;
     equation error reconstructs them too, so that their static response does not
-    bias the motion of the modes it estimates.
+    bias the motion of the modes it estimates. ``opposed`` is the other axis of a combined
+    maneuver, for tests of symmetry; ``pairs`` are its inputs with the same surfaces, by input.
     """
 
     label: str
     model: AeroelasticModel
     extended_model: AeroelasticModel
     measured: MeasuredSpectra
+    opposed: ManeuverData | None = None
+    pairs: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +48,18 @@ class ManeuverTask:
     model: AeroelasticModel
     extended_model: AeroelasticModel
     measurement: ManeuverMeasurement
+    opposed: ManeuverTask | None = None
+    pairs: Mapping[str, str] = field(default_factory=dict[str, str])
 
     def transform(self) -> ManeuverData:
         """Compute the spectra that are fitted."""
         return ManeuverData(
-            self.label, self.model, self.extended_model, self.measurement.transform()
+            self.label,
+            self.model,
+            self.extended_model,
+            self.measurement.transform(),
+            None if self.opposed is None else self.opposed.transform(),
+            self.pairs,
         )
 
 

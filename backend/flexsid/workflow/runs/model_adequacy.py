@@ -6,13 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexsid.errors import NotIdentifiable
 from flexsid.records.run import AdequacyState, AdequacyTest, Aerodynamics, ModelAdequacy
+from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
-from flexsid.sysid.estimation.model_tests import Hypothesis, ModelTest, compute_model_tests
+from flexsid.sysid.estimation.model_tests import (
+    SYMMETRY_HYPOTHESES,
+    Hypothesis,
+    ModelTest,
+    OpposedMotion,
+    compute_model_tests,
+)
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.workflow.runs.estimation_task import EstimationTask
+from flexsid.sysid.signals import FrequencyData
+from flexsid.workflow.runs.equation_error_fit import reconstruct_with_out_of_band_modes
+from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
 
 UNTESTED_METHOD = ModelAdequacy(
     reason="Equation error has no test for remaining model error: compare with output error."
@@ -26,7 +36,7 @@ def assess_model_adequacy(
     parameters: Parameters,
     estimate: Estimate,
     spread: float,
-) -> ModelAdequacy:
+) -> tuple[ModelAdequacy, ModelAdequacy | None]:
     """Test an output-error or frequency-response-error fit for remaining model error.
 
     Parameters
@@ -39,13 +49,19 @@ def assess_model_adequacy(
         The fit.
     spread
         Spread of the nuisance prior.
+
+    Returns
+    -------
+    adequacy, symmetry
+        Result of the tests, and of those for asymmetry; None where the other axis was not
+        excited.
     """
     if not estimate.outcome.is_optimum:
-        return ModelAdequacy(
-            reason=f"Not tested, since the fit did not converge: {estimate.outcome}."
+        return _describe_untested(
+            task, f"Not tested, since the fit did not converge: {estimate.outcome}."
         )
     if find_parameters_at_limits(parameters, estimate.values).any():
-        return ModelAdequacy(reason="Not tested, since a parameter is at its limit.")
+        return _describe_untested(task, "Not tested, since a parameter is at its limit.")
     maneuvers = task.maneuvers
     further = min(len(data.extended_model.modes.numbers) for data in maneuvers)
     try:
@@ -55,23 +71,60 @@ def assess_model_adequacy(
             estimate.values,
             task.list_priors(spread),
             extended_models=[data.extended_model.with_modes(further) for data in maneuvers],
+            opposed_motions=[_reconstruct_opposed_motion(data) for data in maneuvers],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
         )
     except np.linalg.LinAlgError:
-        return ModelAdequacy(reason="Not tested, since the information of the fit is singular.")
+        return _describe_untested(task, "Not tested, since the information of the fit is singular.")
     if not tests:
-        return ModelAdequacy(reason="Not tested, since the data have too few frequencies.")
+        return _describe_untested(task, "Not tested, since the data have too few frequencies.")
     is_shaped = task.settings.aerodynamics is Aerodynamics.SHAPED
+    of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
+    others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
+    claim = "for remaining model error rejects the model"
+    adequacy = _summarize(others, claim, is_shaped=is_shaped)
+    if not of_symmetry:
+        return adequacy, None
+    claim = "of symmetry indicates an asymmetry"
+    return adequacy, _summarize(of_symmetry, claim, is_shaped=is_shaped)
+
+
+def _describe_untested(
+    task: EstimationTask, reason: str
+) -> tuple[ModelAdequacy, ModelAdequacy | None]:
+    untested = ModelAdequacy(reason=reason)
+    combined = any(one.opposed is not None for one in task.maneuver_tasks)
+    return untested, untested if combined else None
+
+
+def _summarize(tests: Sequence[ModelTest], claim: str, *, is_shaped: bool) -> ModelAdequacy:
+    """Summarize tests; the claim completes "None of 12 tests ..."."""
     found = tuple(_describe_test(test, is_shaped=is_shaped) for test in tests)
     rejecting = [test.meaning for test in found if test.rejects]
     if not rejecting:
-        reason = f"None of {len(found)} tests for remaining model error rejects the model."
+        reason = f"None of {len(found)} tests {claim}."
         return ModelAdequacy(state=AdequacyState.CONSISTENT, reason=reason, tests=found)
     more = len(rejecting) - _MOST_REASONS
     reason = " ".join(rejecting[:_MOST_REASONS])
     if more > 0:
         reason += f" {more} further {'test rejects' if more == 1 else 'tests reject'} the model."
     return ModelAdequacy(state=AdequacyState.SUSPECT, reason=reason, tests=found)
+
+
+def _reconstruct_opposed_motion(data: ManeuverData) -> OpposedMotion | None:
+    """Reconstruct the motion of the other axis; only its inputs without enough sensors."""
+    other = data.opposed
+    if other is None:
+        return None
+    inputs = other.measured.inputs
+    try:
+        motion, _ = reconstruct_with_out_of_band_modes(other)
+    except NotIdentifiable:
+        variables = inputs
+    else:
+        regressors = build_regressors(other.model, motion, inputs)
+        variables = FrequencyData(inputs.omega, regressors, other.model.variables)
+    return OpposedMotion(variables, data.pairs)
 
 
 def _describe_test(test: ModelTest, *, is_shaped: bool) -> AdequacyTest:
@@ -120,4 +173,18 @@ def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
                 f"The residuals of {name} are a response to the inputs, largest near "
                 f"{test.frequency_hz:.3g} Hz: a mode is missing, or the model of this output or "
                 "the aerodynamics is not adequate."
+            )
+        case Hypothesis.SURFACE_EFFECTIVENESS:
+            loss = 200.0 * abs(size) / (1.0 + abs(size))
+            less = "left" if size > 0.0 else "right"
+            return (
+                f"The {less} surface of {name} is about {loss:.2g} % less effective than the other."
+            )
+        case Hypothesis.CROSS_DERIVATIVE:
+            return f"{name} is about {size:.3g}; it is zero for a symmetric aircraft and flight."
+        case Hypothesis.CROSS_RESPONSE:
+            return (
+                f"{name} responds to surfaces of the other axis, most near "
+                f"{test.frequency_hz:.3g} Hz: left and right surfaces or sensors differ, or the "
+                "flight was not symmetric."
             )

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.maneuver import Maneuver
+from flexsid.records.aircraft import Aircraft, list_surface_parts
+from flexsid.records.maneuver import COMBINED, Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
@@ -25,6 +25,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
@@ -68,7 +69,10 @@ class _BandAndModes:
 
 
 def propose_run(
-    store: Store, maneuver_ids: Sequence[int], band_hz: tuple[float, float] | None = None
+    store: Store,
+    maneuver_ids: Sequence[int],
+    band_hz: tuple[float, float] | None = None,
+    axis: str | None = None,
 ) -> RunProposal:
     """Propose a run of one maneuver, or of several that are fitted together.
 
@@ -83,6 +87,9 @@ def propose_run(
         The proposal is for the first maneuver; the others are fitted together with it.
     band_hz
         Limits given by the analyst; the excited band by default. [Hz]
+    axis
+        Axis of the model; that of the maneuver by default, the longitudinal one of a combined
+        maneuver.
 
     Raises
     ------
@@ -90,30 +97,36 @@ def propose_run(
         If maneuvers are of different axes, were not flown, or baselines differ.
     """
     with store.reading():
-        return _propose(store, tuple(maneuver_ids), band_hz)
+        return _propose(store, tuple(maneuver_ids), band_hz, axis)
 
 
 def _propose(
-    store: Store, maneuver_ids: tuple[int, ...], band_hz: tuple[float, float] | None
+    store: Store,
+    maneuver_ids: tuple[int, ...],
+    band_hz: tuple[float, float] | None,
+    axis: str | None,
 ) -> RunProposal:
     maneuvers = [store.maneuvers.get(number) for number in maneuver_ids]
-    require_axis(find_body(maneuvers[0].axis), maneuvers)
+    body = find_body(maneuvers[0].axis if axis is None else axis)
+    require_axis(body, maneuvers)
     # The maneuver with the highest excited frequency determines the modes in the band.
     found = max(
-        (_read_band_and_modes(store, maneuver, band_hz) for maneuver in maneuvers),
+        (_read_band_and_modes(store, maneuver, band_hz, body) for maneuver in maneuvers),
         key=lambda one: one.band_hz[1],
     )
     first = maneuvers[0]
     settings = RunSettings(out_of_band_modes=OutOfBandModes.RETAINED)
     if band_hz is not None or first.excitation is None:
         settings = replace(settings, band_hz=found.band_hz)
-    structure, basis = _select_structure(store, maneuver_ids, first, found)
+    structure, basis = _select_structure(store, maneuver_ids, first, found, body)
     aircraft = found.aircraft
     inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
     if not structure.inputs and first.excitation is not None:
         excited = tuple(name for name in inputs if first.excitation.harmonics.get(name))
         if excited and excited != inputs and basis.source is ProposalSource.BAND:
             inputs, structure = excited, replace(structure, inputs=excited)
+    if not structure.inputs and first.axis == COMBINED:
+        structure = replace(structure, inputs=inputs)  # parts of the recorded surfaces
     modes = tuple(replace(m, proposed=m.number in structure.modes) for m in found.modes)
     names = tuple(output.name for output in outputs)
     return _describe_proposal(first, structure, settings, basis, inputs, names, modes, found)
@@ -122,9 +135,7 @@ def _propose(
 def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
     """Replace the model structure of a run, and an open band, by the proposed ones."""
     settings = run.settings
-    found = propose_run(
-        store, (run.maneuver_id, *settings.additional_maneuver_ids), settings.band_hz
-    )
+    found = _propose_for(store, run)
     basis = found.basis
     return replace(
         run,
@@ -138,19 +149,27 @@ def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
 
 def attach_proposal_basis(store: Store, run: EstimationRun) -> EstimationRun:
     """Add the basis of the proposal to a run whose model structure equals the proposed one."""
-    settings = run.settings
     try:
-        found = propose_run(
-            store, (run.maneuver_id, *settings.additional_maneuver_ids), settings.band_hz
-        )
+        found = _propose_for(store, run)
     except BadInput:  # raised again when the run is prepared, or no proposal is needed
         return run
     same = found.structure == run.structure and found.basis.structure_id == run.structure_id
     return replace(run, proposal=found.basis if same else None)
 
 
+def _propose_for(store: Store, run: EstimationRun) -> RunProposal:
+    """Propose a run of the maneuvers and band of a run; of combined ones, in its axis."""
+    ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+    is_combined = store.maneuvers.get(run.maneuver_id).axis == COMBINED
+    axis = run.structure.axis if is_combined else None
+    return propose_run(store, ids, run.settings.band_hz, axis)
+
+
 def _read_band_and_modes(
-    store: Store, maneuver: Maneuver, band_hz: tuple[float, float] | None
+    store: Store,
+    maneuver: Maneuver,
+    band_hz: tuple[float, float] | None,
+    body: RigidBody,
 ) -> _BandAndModes:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     build_flight_condition(aircraft, maneuver.condition)  # refuses ground records
@@ -158,19 +177,24 @@ def _read_band_and_modes(
         band_hz = find_excited_band(store, maneuver, aircraft)
     frequencies = select_frequencies(maneuver, band_hz)
     top_hz = float(frequencies.omega.max()) / (2.0 * np.pi)
-    return _BandAndModes(
-        maneuver, aircraft, frequencies, _find_modes_near_band(store, maneuver, aircraft, top_hz)
-    )
+    modes = _find_modes_near_band(store, maneuver, aircraft, top_hz, body)
+    return _BandAndModes(maneuver, aircraft, frequencies, modes)
 
 
 def _select_structure(
-    store: Store, maneuver_ids: tuple[int, ...], first: Maneuver, found: _BandAndModes
+    store: Store,
+    maneuver_ids: tuple[int, ...],
+    first: Maneuver,
+    found: _BandAndModes,
+    body: RigidBody,
 ) -> tuple[Structure, ProposalBasis]:
     low, high = found.band_hz
     excited = f"{low:.3g} to {high:.3g} Hz were excited"
-    baselines = [find_baseline(store, store.maneuvers.get(number)) for number in maneuver_ids]
+    baselines = [
+        find_baseline(store, store.maneuvers.get(number), body.axis) for number in maneuver_ids
+    ]
     if any(one is not None for one in baselines):
-        approved: Baseline = require_baseline(store, maneuver_ids)
+        approved: Baseline = require_baseline(store, maneuver_ids, body.axis)
         version = approved.structure
         reasons = (f"'{approved.title}' was approved for this condition.", f"{excited}.")
         return version.structure, ProposalBasis(
@@ -181,13 +205,12 @@ def _select_structure(
             structure_id=version.structure_id,
             structure_version=version.version,
         )
-    saved = _find_saved_structure(store, first)
+    saved = _find_saved_structure(store, first, body)
     if saved is not None:
         structure, basis = saved
         return structure, replace(
             basis, band_hz=found.band_hz, reasons=(*basis.reasons, f"{excited}.")
         )
-    body = find_body(first.axis)
     inside = [mode for mode in found.modes if mode.in_band]
     above = next((mode for mode in found.modes if not mode.in_band), None)
     reasons = [
@@ -214,7 +237,7 @@ def _describe_mode(mode: ModeInBand) -> str:
 
 
 def _find_saved_structure(
-    store: Store, maneuver: Maneuver
+    store: Store, maneuver: Maneuver, body: RigidBody
 ) -> tuple[Structure, ProposalBasis] | None:
     """Find the saved model structure of the newest successful run of the same FTA."""
     if maneuver.fta is None:
@@ -230,6 +253,8 @@ def _find_saved_structure(
     for item in page.items:
         if item.structure_id is not None and item.structure_version is not None:
             run = store.runs.get(item.id)
+            if run.structure.axis != body.axis:
+                continue
             return run.structure, ProposalBasis(
                 source=ProposalSource.SAVED_STRUCTURE,
                 reasons=(
@@ -245,7 +270,7 @@ def _find_saved_structure(
 
 
 def _find_modes_near_band(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, top_hz: float
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, top_hz: float, body: RigidBody
 ) -> tuple[ModeInBand, ...]:
     """Find modes of the axis in the band and just above it, lowest first; none without a table."""
     try:
@@ -254,10 +279,10 @@ def _find_modes_near_band(
         return ()
     known = load_modes(store, *tables)
     at_fuel = known.table.at(maneuver.condition.fuel_fraction)
-    air = _compute_poles_in_air(store, maneuver, aircraft, known)
+    air = _compute_poles_in_air(store, maneuver, aircraft, known, body)
     found = []
     for number, omega, zeta in zip(at_fuel.numbers, at_fuel.omega, at_fuel.zeta, strict=True):
-        if not known.belongs_to(number, find_body(maneuver.axis)):
+        if not known.belongs_to(number, body):
             continue
         vacuo_hz = float(omega) / (2.0 * np.pi)
         pole = air.get(number)
@@ -285,10 +310,13 @@ def _find_modes_near_band(
 
 
 def _compute_poles_in_air(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, known: AircraftModes
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    known: AircraftModes,
+    body: RigidBody,
 ) -> dict[int, NamedPole]:
     """Compute the poles of the modes of the axis that a prediction covers, at the condition."""
-    body = find_body(maneuver.axis)
     own = tuple(n for n in known.table.numbers if known.belongs_to(n, body))
     prediction = select_prediction(store, maneuver.aircraft_id, None, own, (), body)
     if prediction is None:
@@ -334,6 +362,9 @@ def _describe_proposal(
         name: int(np.sum(frequencies.assigned_input == k))
         for k, name in enumerate(frequencies.inputs)
     }
+    parts = {
+        n: t for n, t in list_surface_parts(found.aircraft).items() if n not in assigned_inputs
+    }
     missing = tuple(n for n in structure.modes if not any(m.number == n for m in modes))
     warnings = [
         f"{_describe_mode(mode)} lies above the highest excited frequency ({basis.band_hz[1]:.3g} "
@@ -365,7 +396,12 @@ def _describe_proposal(
         modes=modes,
         n_parameters=n_parameters,
         n_lines=n_lines,
-        lines_per_input={name: assigned_inputs.get(name, n_lines) for name in inputs},
+        lines_per_input={
+            name: sum(
+                assigned_inputs.get(term, n_lines) for term, _ in parts.get(name, [(name, 1.0)])
+            )
+            for name in inputs
+        },
         lines_per_parameter=per_parameter,
         resolution_hz=resolution,
         warnings=tuple(warnings),

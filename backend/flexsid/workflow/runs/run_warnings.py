@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import (
     Aerodynamics,
@@ -52,6 +53,7 @@ def check_extras(method: Method, extras: Iterable[str]) -> None:
 def list_request_warnings(
     run: EstimationRun,
     maneuver: Maneuver,
+    aircraft: Aircraft,
     model: AeroelasticModel,
     max_omega: float,
     names: Mapping[int, str],
@@ -61,8 +63,8 @@ def list_request_warnings(
 
     Parameters
     ----------
-    run, maneuver, model
-        The request, its first maneuver and the model that is fitted to it.
+    run, maneuver, aircraft, model
+        The request, its first maneuver, and the model that is fitted to it.
     max_omega
         Highest frequency of the fit. [rad/s]
     names, symmetric
@@ -78,7 +80,7 @@ def list_request_warnings(
             for number in numbers
             if symmetric[number] != (model.body.symmetry == "symmetric")
         ),
-        *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, model.inputs)),
+        *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, aircraft, model)),
         *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),
     ]
 
@@ -258,9 +260,13 @@ def _warn_of_out_of_band_modes(
     )
 
 
-def _warn_of_omitted_inputs(maneuver: Maneuver, inputs: tuple[str, ...]) -> tuple[str, ...]:
+def _warn_of_omitted_inputs(
+    maneuver: Maneuver, aircraft: Aircraft, model: AeroelasticModel
+) -> tuple[str, ...]:
     excited = () if maneuver.excitation is None else maneuver.excitation.harmonics
-    missing = [name for name in excited if name not in inputs]
+    parts = list_surface_parts(aircraft)
+    moved = {term for name in model.inputs for term, _ in parts.get(name, ())}
+    missing = [name for name in excited if name not in model.inputs and name not in moved]
     if not missing:
         return ()
     what = "is excited too and is" if len(missing) == 1 else "are excited too and are"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.maneuver import GROUND, Maneuver
+from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, Pole
 from flexsid.records.views import ModeMarker
 from flexsid.storage.store import Store
-from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.modes import StructuralModes
+from flexsid.workflow.aircraft.axes import list_bodies
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 
@@ -22,11 +22,11 @@ def find_mode_markers(
         known, at_fuel = _load(store, maneuver, None, None)
     except BadInput:  # without modal table the Bode plot has no markers
         return ()
-    symmetric = maneuver.axis in (LONGITUDINAL.axis, GROUND)
+    bodies = list_bodies(maneuver.axis)
     markers = (
         ModeMarker(name=known.names[number], frequency_hz=float(omega) / (2.0 * np.pi))
         for number, omega in zip(at_fuel.numbers, at_fuel.omega, strict=True)
-        if known.symmetric[number] == symmetric
+        if any(known.belongs_to(number, body) for body in bodies)
     )
     return tuple(mark for mark in markers if band_hz[0] <= mark.frequency_hz <= band_hz[1])
 

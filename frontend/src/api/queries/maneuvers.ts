@@ -1,7 +1,7 @@
 /** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
-import type { ManeuverFilters } from "../types";
+import type { ManeuverFilters, ModelAxis } from "../types";
 import { PAGED } from "./habits";
 
 export const maneuversQuery = (filters: ManeuverFilters, sort: string, limit = 50) =>
@@ -50,15 +50,19 @@ export const conditioningQuery = (id: number) =>
   });
 
 /** Modes and band that suit a maneuver, and what they ask of its data. */
-export const runProposalQuery = (id: number, band: [number, number] | undefined) =>
+export const runProposalQuery = (
+  id: number,
+  band: [number, number] | undefined,
+  axis?: ModelAxis,
+) =>
   queryOptions({
-    queryKey: ["maneuver", id, "run-proposal", band],
+    queryKey: ["maneuver", id, "run-proposal", band, axis],
     queryFn: ({ signal }) =>
       body(
         api.GET("/api/v1/maneuvers/{maneuver_id}/run-proposal", {
           params: {
             path: { maneuver_id: id },
-            query: { low_hz: band?.[0], high_hz: band?.[1] },
+            query: { low_hz: band?.[0], high_hz: band?.[1], axis },
           },
           signal,
         }),
