@@ -16,7 +16,7 @@ import json
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,6 +25,7 @@ from scipy.linalg import lapack
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
+from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.estimation.batch_regression import regress_many
 from flexsid.sysid.estimation.delays import estimate_delays
@@ -42,7 +43,11 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.sensors import SensorRows, body_axes, stack_rows, strain_row
+from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
@@ -57,6 +62,7 @@ RNG = np.random.default_rng(7)
 PERIOD_S = 24.0
 N_HARMONICS = 325  # of FTA 506, five inputs
 N_OUTPUTS = 20
+N_COMBINED = 660  # of a 4T design with ten inputs
 
 
 def main() -> None:
@@ -66,6 +72,7 @@ def main() -> None:
     print_iteration(truth)
     print_growth(truth)
     print_nuisance(truth)
+    print_combined(truth)
     print_batch()
     print_fleet(truth)
 
@@ -95,6 +102,33 @@ def print_fits(truth: Truth) -> None:
         ours_ms=1e3 * seconds,
         baseline_ms=1e3 * scipy_s,
         largest_difference_sigma=float(np.max(np.abs(ours.values - scipy_fit.theta) / sigma)),
+    )
+
+
+def print_combined(truth: Truth) -> None:
+    """Ten independent surfaces: both axes at all harmonics, by the parts of the surfaces."""
+    symmetric, _ = make_problem(truth, n_modes=4, n_frequencies=N_COMBINED)
+    lateral = make_lateral_problem(truth, symmetric)
+    rng = np.random.default_rng(3)
+    start = lateral.derivatives * (1.0 + 0.4 * rng.uniform(-1, 1, lateral.derivatives.shape))
+    table = DerivativeTable(lateral.model.modes.numbers, lateral.model.inputs, start, LATERAL)
+    free = select_parameters(table, None, lateral.model.outputs)
+    _, five_s = timed(lambda: fit(symmetric, free_all(symmetric, symmetric.start)), repeat=7)
+    both, ten_s = timed(
+        lambda: (
+            fit(symmetric, free_all(symmetric, symmetric.start)),
+            maximize([lateral.experiment], free, FitSettings()),
+        ),
+        repeat=7,
+    )
+    report_result(
+        "ten_inputs_vs_five",
+        ten_s / five_s,
+        "output error of five symmetric inputs at as many frequencies",
+        combined_ms=1e3 * ten_s,
+        baseline_ms=1e3 * five_s,
+        iterations=[len(one.steps) - 1 for one in both],
+        parameters=[one.values.size for one in both],
     )
 
 
@@ -275,6 +309,69 @@ def make_problem(
     scatter = rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)
     z = y + 0.01 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0)) * scatter / np.sqrt(2.0)
     return replace(sensor, measured=z), table
+
+
+@dataclass(frozen=True)
+class LateralProblem:
+    """Lateral half of a maneuver with ten surfaces, and its true derivatives."""
+
+    model: AeroelasticModel
+    derivatives: np.ndarray
+    experiment: Experiment
+
+
+def make_lateral_problem(truth: Truth, symmetric: Problem) -> LateralProblem:
+    """Antisymmetric modes with drawn derivatives and outputs, at the same frequencies."""
+    rng = np.random.default_rng(11)
+    numbers = tuple(n for n in truth.modes.numbers if n not in truth.symmetric)[:4]
+    modes, omega = truth.modes.at(0.5).select(numbers), symmetric.omega
+    condition = symmetric.model.condition
+    inertia = condition.pitch_inertia
+    condition = replace(
+        condition,
+        span=truth.span,
+        roll_inertia=4.0 * inertia,
+        yaw_inertia=5.0 * inertia,
+        product_of_inertia=0.1 * inertia,
+    )
+    sensors = place_lateral_sensors(truth, modes, condition)
+    names = sensors.names
+    model = AeroelasticModel(condition, modes, INPUTS, sensors, LATERAL)
+    values = 0.02 * rng.normal(size=(len(model.coefficients), len(model.variables)))
+    values[:3, :3] = ((-0.22, -0.11, 0.08), (-0.08, -0.53, 0.05), (0.024, -0.023, -0.016))
+    # Forces on the modes are as those of the symmetric ones.
+    values[3:, 3:] = truth.derivatives_at(0.5, len(numbers)).values[2:, 2:]
+    table = DerivativeTable(numbers, INPUTS, values, LATERAL)
+    u = symmetric.inputs[::-1]
+    y = (model.response(table, omega) @ u[:, :, None])[:, :, 0]
+    scatter = rng.normal(size=y.shape) + 1j * rng.normal(size=y.shape)
+    z = y + 0.01 * np.sqrt(np.mean(np.abs(y) ** 2, axis=0)) * scatter / np.sqrt(2.0)
+    spectra = FrequencyData(omega, u, INPUTS), FrequencyData(omega, z, names)
+    experiment = output_error(model, *spectra, np.ones_like(z))
+    return LateralProblem(model, values, experiment)
+
+
+def place_lateral_sensors(
+    truth: Truth, modes: StructuralModes, condition: FlightCondition
+) -> SensorRows:
+    """Rates, bank angle, sideslip and lateral acceleration, and the sensors of the right wing."""
+    rows = {}
+    for kind, axis in sorted(LATERAL.measured):
+        at = modes.points.index("egi")
+        place = (0.0, 0.0, 0.0)
+        shapes = modes.translation[at], modes.rotation[at]
+        rows[f"{kind} {axis}"] = LATERAL.sensor_row(kind, axis, place, *shapes, condition)
+    right = (s for s in describe_aircraft(truth).sensors if s.name.partition("_m")[0][-1] == "r")
+    for sensor in right:
+        if sensor.kind is SensorKind.STRAIN:
+            strain = modes.strain[modes.gauges.index(sensor.point)]
+            rows[sensor.name] = strain_row(strain, LATERAL.size)
+        elif sensor.axis == "z":
+            at = modes.points.index(sensor.point)
+            place = body_axes(sensor.location_m, condition)
+            shapes = modes.translation[at], modes.rotation[at]
+            rows[sensor.name] = LATERAL.sensor_row("accelerometer", "z", place, *shapes, condition)
+    return stack_rows(list(rows)[:N_OUTPUTS], list(rows.values())[:N_OUTPUTS])
 
 
 def free_all(problem: Problem, start: np.ndarray, extras: tuple[str, ...] = ()) -> Parameters:
