@@ -56,8 +56,10 @@ from flexsid.jobs.kinds import (
     CROSS_VALIDATION,
     FLUTTER,
     GLOBAL_MODEL,
+    MODES,
     PREDICTED_ACCURACY,
     PREDICTED_FLUTTER,
+    RECONSTRUCTION,
 )
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
@@ -65,7 +67,13 @@ from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, Flut
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
 from flexsid.records.validation import CrossPredictionMatrix, Partition
-from flexsid.records.views import DesignedExcitation, ExpectedResponse, FitPlot, Residuals
+from flexsid.records.views import (
+    DesignedExcitation,
+    ExpectedResponse,
+    FitPlot,
+    Reconstruction,
+    Residuals,
+)
 from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
@@ -79,11 +87,8 @@ from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, qu
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
-from flexsid.workflow.measurements.reconstruction import reconstruct
-from flexsid.workflow.modal_data.ground_vibration_test import (
-    ModeSearch,
-    compute_stabilisation_diagram,
-)
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
+from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.quality.ground_records import read_ground_spectra
 from flexsid.workflow.review.audit import read_figure
 from flexsid.workflow.structure_determination.searches import get_group
@@ -612,8 +617,13 @@ def _reduce_responses(
     return compute_reduced_responses(store, OrderQuery(**query), output, surface, counts)
 
 
-def _search_modes(store: Store, responses_id: int, **search: Any) -> Stabilisation:
-    return compute_stabilisation_diagram(store, responses_id, ModeSearch(**search))
+def _get_diagram(store: Store, **search: Any) -> Stabilisation:
+    return get_result(store, MODES, ModeSearch(**search)).diagram
+
+
+def _get_reconstruction(store: Store, names: tuple[str, ...] = (), **query: Any) -> Reconstruction:
+    found = get_result(store, RECONSTRUCTION, ReconstructionQuery(**query))
+    return select_quantities(found, names)
 
 
 def _read_frozen_figure(store: Store, figure_id: int) -> Spec:
@@ -638,7 +648,7 @@ _KINDS = (
     FigureKind("bode", _Bode, compute_bode, draw_bode,
         "Draw measured frequency responses and those of identified models.",
         drawing=("view",)),
-    FigureKind("reconstruction", _Reconstruction, reconstruct, draw_reconstruction,
+    FigureKind("reconstruction", _Reconstruction, _get_reconstruction, draw_reconstruction,
         "Draw reconstructed motion and coefficients with ±2 standard errors.\n\n"
         "In the time domain by the smoother (Fig. 16a), in the frequency domain by least "
         "squares at each harmonic, with rank and condition number.",
@@ -730,7 +740,7 @@ _KINDS = (
         drawing=("derivatives",)),
     FigureKind("reduced-responses", _ReducedResponses, _reduce_responses, draw_reduced_responses,
         "Draw one frequency response of full and reduced models, and with rigid-body sensors."),
-    FigureKind("stabilisation", _Stabilisation, _search_modes, draw_stabilisation,
+    FigureKind("stabilisation", _Stabilisation, _get_diagram, draw_stabilisation,
         "Draw the stabilisation diagram: poles by model order, and the mean measured response."),
 )
 # fmt: on

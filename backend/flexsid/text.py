@@ -92,6 +92,11 @@ def join_names(names: Sequence[str], most: int = 6) -> str:
     return ", ".join(names[:most]) + more
 
 
+def count_noun(count: int, noun: str) -> str:
+    """Return a count with its noun in the singular or plural."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def make_c_identifiers(names: tuple[str, ...], longest: int = 48) -> tuple[str, ...]:
     """Make unique identifiers of C and MATLAB from names: letters of ASCII, digits, ``_``."""
     made: list[str] = []

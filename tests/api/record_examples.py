@@ -146,6 +146,8 @@ class _Recorder:
                 "request_closed_loop",
                 "request_cross_predictions",
                 "request_cross_validation",
+                "request_modes",
+                "request_reconstruction",
             ):
                 self._wait_until_ended(response.headers["location"])
         return examples

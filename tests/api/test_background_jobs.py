@@ -30,7 +30,7 @@ def test_design_is_created_by_a_job(empty: TestClient):
     assert begun.status_code == 202, begun.text
     now = ended(empty, begun.headers["location"])
     assert (now["state"], now["kind"], now["author"]) == ("succeeded", "excitation-design", "Ada")
-    stored = empty.get(f"{API}/designs/{now['result_id']}").json()
+    stored = empty.get(f"{API}/designs/{now['result']['design_id']}").json()
     assert stored["name"] == now["title"] == "interleaved"
     wrong = empty.post(f"{API}/designs/searches", json=DESIGN | {"rate_hz": 10.0})
     assert wrong.json()["code"] == "above-nyquist"

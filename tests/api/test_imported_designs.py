@@ -55,7 +55,7 @@ def test_columns_are_imported_as_inputs_and_phases_are_improved(empty: TestClien
     order = {"name": "anew", "effort": "quick"}
     begun = empty.post(f"{URL}/{design['id']}/redesign", json=order)
     done = ended(empty, begun.headers["location"])
-    better = empty.get(f"{URL}/{done['result_id']}").json()
+    better = empty.get(f"{URL}/{done['result']['design_id']}").json()
     assert better["specification"]["inputs"] == design["specification"]["inputs"]
     for name, factor in better["peak_factors"].items():
         assert factor < design["peak_factors"][name] - 0.05

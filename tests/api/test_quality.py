@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
-from waiting import wait_until
+from waiting import ended, wait_until
 
 from flexsid.api import responses
 from flexsid.records.quality import ManeuverQuality
@@ -71,10 +71,17 @@ def test_corrections_are_applied_listed_and_undone(client: TestClient):
 
 
 def test_reconstruction_in_time_and_frequency_domain(client: TestClient):
-    for parameters in ("", "&quantities=CZ,Cm,eta7&modes=7,9", "&domain=frequency"):
-        response = client.get(f"{API}/figures/reconstruction?maneuver_id=1{parameters}")
+    figure = f"{API}/figures/reconstruction?maneuver_id=1&modes=7,9"
+    results = f"{API}/maneuvers/1/reconstruction/results?modes=7,9"
+    assert client.get(results).json() == {"job": None}
+    assert client.get(figure).json()["code"] == "not-computed"
+    job = client.post(results)
+    assert ended(client, job.headers["location"])["state"] == "succeeded"
+    assert client.get(results).json()["job"]["id"] == job.json()["id"]
+    for parameters in ("", "&quantities=CZ,Cm,eta7", "&domain=frequency"):
+        response = client.get(f"{figure}{parameters}")
         assert response.status_code == 200
         assert response.json()["data"]
-    unknown = client.get(f"{API}/figures/reconstruction?maneuver_id=1&quantities=nothing")
+    unknown = client.get(f"{figure}&quantities=nothing")
     assert unknown.json()["code"] == "unknown-quantity"
     assert "CQ7" in unknown.json()["detail"]

@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 import io
-import signal
-import subprocess
-import sys
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from fastapi import FastAPI
 from fastapi.testclient import TestClient
+from preloaded import use_preloaded
 from scipy.io import savemat
 from waiting import ended
 
-from flexsid.api.app import create_app
 from flexsid.settings import Settings
-from flexsid.storage.store import Store
 
 TIME = np.arange(200) / 50.0
+
+
+@pytest.fixture(scope="module")
+def client(
+    app: FastAPI, flown_file: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[TestClient]:
+    """One server for all tests of this file, with the flown maneuver 1."""
+    file = tmp_path_factory.mktemp("uploads") / "flown.db"
+    shutil.copy(flown_file, file)
+    with pytest.MonkeyPatch.context() as patch:
+        use_preloaded(patch)
+        app.state.settings = Settings(database=f"sqlite:///{file}")
+        with TestClient(app, base_url="http://127.0.0.1:8000") as started:
+            yield started
 
 
 def text() -> bytes:
@@ -49,7 +63,7 @@ def import_maneuver(client: TestClient, identity: str, mapping: str) -> Any:
     body = {"mapping": mapping, "confirmed": True}
     begun = client.post(f"/api/v1/uploads/{identity}/import", json=body)
     assert begun.status_code == 202, begun.text
-    return ended(client, f"/api/v1/uploads/{identity}/state")
+    return ended(client, begun.headers["location"])
 
 
 def test_proposed_mapping_is_imported(client: TestClient) -> None:
@@ -72,12 +86,15 @@ def test_proposed_mapping_is_imported(client: TestClient) -> None:
         "altitude": ("ft", "condition"),
     }
     state = import_maneuver(client, identity, mapping)
-    assert state["state"] == "imported", state
-    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert state["state"] == "succeeded", state
+    detail = client.get(f"/api/v1/maneuvers/{state['result']['maneuver_id']}").json()
     assert detail["label"] == "flight 12"
     assert detail["condition"]["airspeed_m_s"] == pytest.approx(70 * 1852 / 3600)
     again = import_maneuver(client, identity, mapping)
-    assert (again["state"], again["code"]) == ("failed", "already-imported")
+    assert (again["state"], again["error"]["code"]) == ("failed", "already-imported")
+    assert again["request"] == {"upload_id": identity}
+    known = client.get(f"/api/v1/uploads/{identity}/import").json()
+    assert known == {"job": again}, "the page finds the job after a reload"
 
 
 def test_guesses_require_confirmation(client: TestClient) -> None:
@@ -155,7 +172,7 @@ def test_the_multisines_of_recorded_commands_are_recognised(client: TestClient) 
     rows = "\n".join(",".join(f"{x:.6f}" for x in row) for row in np.stack(columns, axis=1))
     found = upload(client, ("multisine.csv", f"{head}\n{rows}\n".encode()))
     state = import_maneuver(client, found["upload"]["id"], found["proposal"]["text"])
-    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    detail = client.get(f"/api/v1/maneuvers/{state['result']['maneuver_id']}").json()
     assert detail["condition"]["fuel_fraction"] == pytest.approx(0.4)
     excitation = detail["excitation"]
     assert excitation["period_s"] == pytest.approx(20.0)
@@ -175,8 +192,8 @@ def test_the_matrix_of_sidpac_users_is_recognised(client: TestClient) -> None:
     assert named["fdata(14)"] == ("elevator", "deg")
     assert named["fdata(48)"] == ("mass", "slug")
     state = import_maneuver(client, found["upload"]["id"], mapping)
-    assert state["state"] == "imported", state
-    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert state["state"] == "succeeded", state
+    detail = client.get(f"/api/v1/maneuvers/{state['result']['maneuver_id']}").json()
     assert detail["condition"]["mass_kg"] == pytest.approx(1.6 * 14.5939, rel=1e-4)
 
 
@@ -186,8 +203,8 @@ def test_condition_of_another_recorder_has_its_clock(client: TestClient) -> None
     found = upload(client, ("fti.csv", flaps), ("air.csv", air))
     mapping = found["proposal"]["text"].replace('"?"', '"FLEX-28"')
     state = import_maneuver(client, found["upload"]["id"], mapping)
-    assert state["state"] == "imported", state
-    detail = client.get(f"/api/v1/maneuvers/{state['maneuver_id']}").json()
+    assert state["state"] == "succeeded", state
+    detail = client.get(f"/api/v1/maneuvers/{state['result']['maneuver_id']}").json()
     assert {c["name"]: c["rate_hz"] for c in detail["channels"]} == {
         "bf": 50.0,
         "airspeed": 5.0,
@@ -202,9 +219,10 @@ def test_two_recorders_without_a_condition_are_proposed_as_a_whole_flight(
     fast = b"time,q\n" + b"\n".join(b"%.3f,%d" % (k / 100, k % 5) for k in range(300))
     found = upload(client, ("a.csv", fast), ("b.csv", slow))
     state = import_maneuver(client, found["upload"]["id"], found["proposal"]["text"])
-    assert state["state"] == "imported", state
-    assert state["maneuver_id"] is None
-    channels = client.get(f"/api/v1/flights/{state['flight_id']}/channels").json()["items"]
+    assert state["state"] == "succeeded", state
+    assert state["result"]["maneuver_id"] is None
+    at = f"/api/v1/flights/{state['result']['flight_id']}/channels"
+    channels = client.get(at).json()["items"]
     assert {c["name"]: (c["rate_hz"], c["source_file"]) for c in channels} == {
         "q": (100.0, "a.csv"),
         "fuel_mass": (2.0, "b.csv"),
@@ -221,7 +239,7 @@ def test_implausible_units_stop_import(client: TestClient) -> None:
     assert (warning["channel"], warning["code"]) == ("bf", "too-large")
     assert warning["instead"] == ["deg", "mrad"]
     state = import_maneuver(client, identity, wrong)
-    assert (state["state"], state["code"]) == ("failed", "unconfirmed-unit")
+    assert (state["state"], state["error"]["code"]) == ("failed", "unconfirmed-unit")
 
 
 def test_unsuitable_mapping_is_refused(client: TestClient) -> None:
@@ -270,52 +288,3 @@ def test_upload_is_deleted(client: TestClient) -> None:
     bad = client.post("/api/v1/uploads", files=[("files", ("f.csv", b""))])
     assert bad.status_code == 422
     assert "f.csv is empty" in bad.json()["detail"]
-
-
-KILLED = """
-import os, signal, sys, time
-from fastapi.testclient import TestClient
-from flexsid.api.app import create_app
-from flexsid.settings import Settings
-from flexsid.workflow.importing import flight_import, uploads
-
-flight_import.BYTES_AT_ONCE = 1
-store_upload = uploads.store_upload
-
-def killed(store, upload, aircraft_id, report, add_builtin_aircraft, confirmed):
-    def report_and_kill(fraction):
-        report(fraction)
-        if fraction > 0.5:
-            os.kill(os.getpid(), signal.SIGKILL)
-    return store_upload(
-        store, upload, aircraft_id, report_and_kill, add_builtin_aircraft, confirmed=confirmed
-    )
-
-uploads.store_upload = killed
-with TestClient(create_app(Settings(database=sys.argv[1])), "http://127.0.0.1:8000") as client:
-    at = f"/api/v1/uploads/{sys.argv[2]}/import"
-    body = {"mapping": sys.argv[3], "confirmed": True}
-    assert client.post(at, json=body).status_code == 202
-    time.sleep(60)
-"""
-
-
-def test_import_interrupted_by_kill_is_reported(flown_url: str) -> None:
-    def serve() -> TestClient:
-        return TestClient(create_app(Settings(database=flown_url)), "http://127.0.0.1:8000")
-
-    with serve() as client:
-        found = upload(client, ("f.csv", text()))
-    identity, mapping = found["upload"]["id"], found["proposal"]["text"]
-    command = [sys.executable, "-c", KILLED, flown_url, identity, mapping]
-    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
-    store = Store.open(flown_url)
-    assert len(store.maneuvers.find()) == 1
-    assert len(store.flights.find()) == 1
-    with serve() as client:
-        state = client.get(f"/api/v1/uploads/{identity}/state").json()
-        assert (state["state"], state["code"]) == ("failed", "interrupted")
-        assert "unfinished parts were not stored" in state["message"]
-        assert import_maneuver(client, identity, mapping)["state"] == "imported"
-    assert len(store.maneuvers.find()) == 2
-    store.close()

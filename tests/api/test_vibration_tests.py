@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from waiting import ended
 
 from flexsid.demo.flex28 import load_nodes, load_truth
-from flexsid.workflow.modal_data import ground_vibration_test
 
 NUMBERS = (7, 8, 9, 10, 11, 12, 13)
 NODES = tuple(range(1, 134, 3))
@@ -80,11 +80,19 @@ def responses(client: TestClient, recorded: bytes) -> Any:
     return response.json()
 
 
+def identify(client: TestClient, responses: Any, search: str) -> Any:
+    """Request the modes of a band, wait for the job, and return them."""
+    at = f"/api/v1/measured-responses/{responses['id']}/modes"
+    job = client.post(f"{at}/results?{search}")
+    assert ended(client, job.headers["location"])["state"] == "succeeded"
+    return client.get(f"{at}?{search}").json()
+
+
 def test_modes_are_identified_stored_and_correlated(client: TestClient, responses: Any) -> None:
     assert responses["quantity"] == "acceleration"
     assert responses["references"] == ["61+z", "127+z"]
     at = f"/api/v1/measured-responses/{responses['id']}/modes"
-    found = client.get(f"{at}?low_hz=2&high_hz=17&order=24").json()
+    found = identify(client, responses, "low_hz=2&high_hz=17&order=24")
     truth = load_truth().modes.at(0.0).select(NUMBERS[:6])
     hertz = [mode["frequency_hz"] for mode in found["items"]]
     assert hertz == pytest.approx(truth.omega / (2.0 * np.pi), rel=2e-3)
@@ -114,37 +122,22 @@ def test_modes_are_identified_stored_and_correlated(client: TestClient, response
     refused = client.post("/api/v1/modal-tables/1/updates", json={"name": "none"}).json()
     assert refused["code"] == "nothing-to-update"
 
-
-def test_stabilisation_diagram(client: TestClient, responses: Any) -> None:
-    at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
-    drawn = client.get(f"{at}&low_hz=2&high_hz=17&order=20").json()
-    names = [trace["name"] for trace in drawn["data"]]
-    indicators = ["mode indicator", "mode indicator 2"]
-    assert names == [
-        "measured", "fitted", *indicators, "new pole", "stable frequency", "stable"
-    ]  # fmt: skip
+    drawn = client.get(
+        f"/api/v1/figures/stabilisation?responses_id={responses['id']}&low_hz=2&high_hz=17&order=24"
+    ).json()
+    assert [trace["name"] for trace in drawn["data"]] == [
+        *("measured", "fitted", "mode indicator", "mode indicator 2"),
+        *("new pole", "stable frequency", "stable"),
+    ]
     assert len(drawn["layout"]["shapes"]) == 6
-    refused = client.get(f"{at}&low_hz=100&high_hz=110").json()
+
+
+def test_modes_are_identified_only_on_request(client: TestClient, responses: Any) -> None:
+    at = f"/api/v1/measured-responses/{responses['id']}/modes"
+    assert client.get(at).json()["code"] == "not-computed"
+    assert client.post(at, json={"name": "GVT found"}).json()["code"] == "not-computed"
+    refused = client.post(f"{at}/results?low_hz=100&high_hz=110").json()
     assert refused["code"] == "too-few-frequencies"
-
-
-def test_figure_and_list_of_modes_rest_on_one_fit(
-    client: TestClient, responses: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    fitted = []
-
-    def fit(*arguments: Any) -> Any:
-        fitted.append(arguments)
-        return identify_modes(*arguments)
-
-    identify_modes = ground_vibration_test.identify_modes
-    monkeypatch.setattr(ground_vibration_test, "identify_modes", fit)
-    search = "low_hz=2&high_hz=9&order=16"
-    shown = client.get(f"/api/v1/measured-responses/{responses['id']}/modes?{search}").json()
-    at = f"/api/v1/figures/stabilisation?responses_id={responses['id']}"
-    drawn = client.get(f"{at}&{search}").json()
-    assert len(drawn["layout"]["shapes"]) == len(shown["items"]) + len(shown["unmodelled_hz"])
-    assert len(fitted) == 1
 
 
 def test_mode_shapes_are_mass_orthogonal(client: TestClient) -> None:

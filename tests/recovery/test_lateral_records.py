@@ -22,7 +22,11 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.measurements.reconstruction import (
+    ReconstructionQuery,
+    reconstruct,
+    select_quantities,
+)
 from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
@@ -192,7 +196,8 @@ def test_proposal_and_reconstruction_know_the_axis(store: Store) -> None:
     assert proposed.inputs == ("bfa", "wf1a", "wf2a", "wf3a", "wf4a")
     assert {"beta", "p", "r", "phi", "az_oaa", "ay_wla"} <= set(proposed.outputs)
     assert not {"alpha", "q", "theta", "psi", "az_cf", "az_oas"} & set(proposed.outputs)
-    motion = reconstruct(store, number, ("CY", "Cn", "p", "rdot", "lateral_acceleration"))
+    found = reconstruct(store, ReconstructionQuery(maneuver_id=number))
+    motion = select_quantities(found, ("CY", "Cn", "p", "rdot", "lateral_acceleration"))
     assert [trace.unit for trace in motion.traces] == ["1", "1", "rad/s", "rad/s2", "m/s2"]
 
 

@@ -14,7 +14,11 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.measurements.reconstruction import (
+    ReconstructionQuery,
+    reconstruct,
+    select_quantities,
+)
 from flexsid.workflow.runs.estimation import compute_run, prepare
 
 CASES = [(0.65, 2.0, 11), (1.05, 1.2, 12)]
@@ -59,7 +63,8 @@ def test_modal_motion_is_reconstructed_with_valid_standard_errors(
     maneuver = add_maneuver(store, flown, flight_id)
     assert maneuver.id is not None
     modal = [f"{kind}{mode}" for mode in (7, 9) for kind in KINDS]
-    found = reconstruct(store, maneuver.id, ["alpha", "q", *modal])
+    found = reconstruct(store, ReconstructionQuery(maneuver_id=maneuver.id))
+    found = select_quantities(found, ["alpha", "q", *modal])
     assert np.all(found.rank == found.n_motions)
     assert np.all(np.isfinite(found.condition))
     truth = true_motion(ratio, peak_deg, fta)

@@ -18,7 +18,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensors import stack_rows
 from flexsid.sysid.modes import StructuralModes
-from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
 
@@ -157,7 +157,8 @@ def test_a_text_file_gives_derivatives_in_every_axis(
     proposed = propose_run(store, [number])
     assert proposed.structure == Structure(modes=(), fixed={}, axis=axis)
     assert set(proposed.outputs) == set(OUTPUTS[axis])
-    assert reconstruct(store, number).n_motions == RIGID_BODIES[axis].size
+    motion = reconstruct(store, ReconstructionQuery(maneuver_id=number))
+    assert motion.n_motions == RIGID_BODIES[axis].size
     for method, tolerance in ((Method.EE, 0.02), (Method.OE, 0.02)):
         run = EstimationRun(
             maneuver_id=number,

@@ -12,7 +12,7 @@ import pytest
 PATIENCE_S = 240.0
 PATIENCE_MS = 1000.0 * PATIENCE_S
 
-_UNDER_WAY = ("queued", "running", "importing")
+_UNDER_WAY = ("queued", "running")
 
 T = TypeVar("T")
 
@@ -28,7 +28,7 @@ def wait_until(check: Callable[[], T | None], what: str = "the condition") -> T:
 
 
 def ended(client: Any, address: str) -> dict[str, Any]:
-    """Wait until a job, search or upload has ended; return its last state."""
+    """Wait until a job or search has ended; return its last state."""
 
     def check() -> dict[str, Any] | None:
         now = client.get(address).json()

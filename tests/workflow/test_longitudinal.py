@@ -29,7 +29,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.axes import AxisNotSupported
 from flexsid.workflow.importing.flight_import import check_axes
 from flexsid.workflow.measurements.measured_axis import determine_axis
-from flexsid.workflow.measurements.reconstruction import reconstruct
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.estimation import prepare
@@ -62,7 +62,7 @@ def test_longitudinal_model_of_a_lateral_maneuver_is_refused(flown: Store, metho
     assert refused.value.code == "axis-not-supported"
     assert refused.value.context == {"maneuver_id": 1, "axis": "lateral"}
     with pytest.raises(BadInput, match="no recorded input"):  # its surfaces are symmetric
-        reconstruct(flown, 1)
+        reconstruct(flown, ReconstructionQuery(maneuver_id=1))
 
 
 @pytest.mark.parametrize(

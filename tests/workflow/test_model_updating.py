@@ -14,7 +14,12 @@ from flexsid.records.modal_data import ModalKind
 from flexsid.records.run import ParameterEstimate
 from flexsid.storage.access import Access, using_access
 from flexsid.storage.store import Store
-from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch, store_found_modes
+from flexsid.workflow.modal_data.ground_vibration_test import (
+    ModeSearch,
+    find_modes,
+    prepare_mode_search,
+    store_found_modes,
+)
 from flexsid.workflow.modal_data.modal_tables import open_modes
 from flexsid.workflow.modal_data.model_updating import update_modal_table
 
@@ -49,8 +54,8 @@ def test_planted_errors_are_recovered_from_a_test(flown: Store, wrong: int) -> N
         build_measured_responses(truth, 1, lambda values: flown.arrays.put(values))
     )
     assert responses.id is not None
-    search = ModeSearch(low_hz=2.0, high_hz=16.0, order=24)
-    test = store_found_modes(flown, responses.id, search, "test")
+    search = ModeSearch(responses_id=responses.id, low_hz=2.0, high_hz=16.0, order=24)
+    test = store_found_modes(flown, find_modes(prepare_mode_search(flown, search)), "test")
     assert test.id is not None
     # By an analyst of this campaign only: the mode shapes are copied too.
     own = frozenset({1})

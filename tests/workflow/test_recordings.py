@@ -13,19 +13,14 @@ import pytest
 from file_imports import import_files
 from scipy.io import savemat
 
-from flexsid.errors import BadInput, Cancelled, Conflict, FlexsidError, UnreadableFile
+from flexsid.errors import BadInput, Conflict, FlexsidError, UnreadableFile
 from flexsid.importers.plausibility import find_unit_warning
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import (
-    Imported,
-    import_each,
-    read_upload,
-    store_upload,
-)
-from flexsid.workflow.importing.uploads import RETENTION_DAYS, Uploads
+from flexsid.workflow.importing import uploads
+from flexsid.workflow.importing.flight_import import Imported, import_each
 
 HEAD = """
 [aircraft]
@@ -200,26 +195,6 @@ def test_implausible_unit_raises_a_warning(
     assert find_unit_warning("x", unit, role, np.array([size, size])) is None
 
 
-def test_progress_is_reported_and_cancelling_stores_nothing(
-    store: Store, aircraft: Aircraft, files: list[Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("flexsid.workflow.importing.flight_import.BYTES_AT_ONCE", 1)
-    fractions: list[float] = []
-
-    def report(fraction: float) -> None:
-        fractions.append(fraction)
-        if len(fractions) == 2:
-            raise Cancelled("enough")
-
-    upload = read_upload(files, HEAD + CHANNELS)
-    with pytest.raises(Cancelled):
-        store_upload(store, upload, report=report)
-    assert store.flights.find() == store.flight_channels.find() == []
-    fractions.clear()
-    store_upload(store, upload, report=lambda fraction: fractions.append(fraction))
-    assert fractions == pytest.approx([1 / 3, 2 / 3, 1.0])
-
-
 def test_campaign_is_imported_file_by_file(
     store: Store, aircraft: Aircraft, tmp_path: Path
 ) -> None:
@@ -253,15 +228,22 @@ def test_campaign_is_imported_file_by_file(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
+from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import store_upload, read_upload
+from flexsid.workflow.importing import flight_import
 
-def report(fraction):
-    if fraction > 0.5:
+flight_import.BYTES_AT_ONCE = 1
+add_many, written = Repository.add_many, []
+
+def add_many_and_kill(repository, records):
+    add_many(repository, records)
+    written.append(records)
+    if len(written) == 2:
         os.kill(os.getpid(), signal.SIGKILL)
 
-upload = read_upload([Path(name) for name in sys.argv[3:]], sys.argv[2])
-store_upload(Store.open(sys.argv[1]), upload, report=report)
+Repository.add_many = add_many_and_kill
+upload = flight_import.read_upload([Path(name) for name in sys.argv[3:]], sys.argv[2])
+flight_import.store_upload(Store.open(sys.argv[1]), upload)
 """
 
 
@@ -292,14 +274,12 @@ def test_unused_column_may_contain_nan(store: Store, aircraft: Aircraft, files: 
 
 
 def test_old_uploads_are_deleted_while_the_server_runs(
-    store: Store, files: list[Path], tmp_path: Path
+    store: Store, files: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    uploads = Uploads(store, tmp_path / "uploads")
-    uploads.start()
-    old = uploads.read(files[:1], ["a.csv"])
-    state = tmp_path / "uploads" / old.id / "state.json"
-    long_ago = state.stat().st_mtime - (RETENTION_DAYS + 1) * 86400
-    os.utime(state, (long_ago, long_ago))
-    new = uploads.read(files[:1], ["a.csv"])
+    monkeypatch.setattr(uploads, "locate_uploads", lambda store: tmp_path / "uploads")
+    old = uploads.add_upload(store, files[:1], ["a.csv"])
+    uploader = uploads.find_folder(store, old.id) / "account"
+    long_ago = uploader.stat().st_mtime - (uploads.RETENTION_DAYS + 1) * 86400
+    os.utime(uploader, (long_ago, long_ago))
+    new = uploads.add_upload(store, files[:1], ["a.csv"])
     assert {path.name for path in (tmp_path / "uploads").iterdir()} == {new.id}
-    uploads.stop()

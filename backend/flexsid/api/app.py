@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import getpass
 import logging
-import tempfile
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, FastAPI
@@ -70,11 +67,9 @@ from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.jobs.kinds import load_kinds
 from flexsid.reports import read_template
 from flexsid.settings import Settings
-from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
-from flexsid.workflow.importing.uploads import Uploads
 from flexsid.workflow.review.decision_review import find_clock_error
 
 _log = logging.getLogger(__name__)
@@ -114,14 +109,11 @@ def create_app(
         duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
-        uploads_service = Uploads(store, _locate_uploads(settings.database), add_builtin_aircraft)
-        uploads_service.start()
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
             migration=migration,
             add_builtin_aircraft=add_builtin_aircraft,
-            uploads=uploads_service,
             report_template=template,
             live=live,
             queue_health=QueueHealth(store),
@@ -131,7 +123,6 @@ def create_app(
             yield
         finally:
             live.stop()
-            uploads_service.stop()
             dispatcher.stop()
             store.close()
 
@@ -203,14 +194,6 @@ def create_app(
     app.add_middleware(SecurityMiddleware)
     app.add_middleware(RequestLog, metrics=metrics)  # the last one added runs first
     return app
-
-
-def _locate_uploads(database: str) -> Path:
-    """Return the folder of uploads: beside a database file, since uploads may be as large."""
-    file = sqlite_file(parse_url(database))
-    if file is None:
-        return Path(tempfile.gettempdir()) / f"flexsid-uploads-{getpass.getuser()}"
-    return file.with_name(f"{file.name}-uploads")
 
 
 def _make_operation_id(route: APIRoute) -> str:

@@ -1,4 +1,4 @@
-"""Services that routes use: store, dispatcher, uploads."""
+"""Services that routes use, such as store and dispatcher."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from flexsid.jobs.dispatcher_process import DispatcherProcess
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
-from flexsid.workflow.importing.uploads import Uploads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +23,6 @@ class Context:
     dispatcher: DispatcherProcess
     migration: str
     add_builtin_aircraft: AddBuiltinAircraft | None
-    uploads: Uploads
     report_template: str | None
     live: LiveEvents
     queue_health: QueueHealth

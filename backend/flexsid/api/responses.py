@@ -16,7 +16,7 @@ from flexsid.records.modal_data import ModalTable, ModeAtFuel, SensorSight
 from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.quality_list import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
-from flexsid.workflow.importing.uploads import UploadProgress
+from flexsid.workflow.importing.uploads import Upload
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -50,7 +50,7 @@ class ManeuverDetail(Maneuver):
 class UploadDetail:
     """An upload with the contents of its files and a proposed mapping."""
 
-    upload: UploadProgress
+    upload: Upload
     files: list[UploadedFile]
     fields: list[FoundField]
     proposal: Proposal

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import status
+from fastapi import APIRouter, Depends, status
 
-from flexsid.api.context import Context
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.context import Context, TheContext, TheStore
 from flexsid.api.serialization import Json
 from flexsid.jobs.kind import Kind, find_job, submit
 from flexsid.storage import job_list
@@ -32,7 +34,54 @@ class KnownJob:
     job: job_list.JobItem | None
 
 
-def respond_with_job(store: Store, kind: Kind[Any, Any], request: object) -> Json:
-    """Return the newest job of an equal request."""
-    job = find_job(store, kind, request)
-    return Json(KnownJob(None if job is None else job_list.get(store, job.id or 0)))
+def add_job_routes(
+    router: APIRouter,
+    path: str,
+    kind: Kind[Any, Any],
+    name: str,
+    read_query: Callable[..., Any],
+    make_title: Callable[[Store, Any], str],
+) -> None:
+    """Add the routes that request a stored result, and that find the job of an equal request.
+
+    Parameters
+    ----------
+    router
+        Router of the feature, whose further route returns the result.
+    path
+        Address of the result below the router.
+    kind
+        Kind of the job.
+    name
+        Noun of the result: the routes are ``request_{name}`` and ``get_{name}_job``.
+    read_query
+        Dependency that reads the request from path and query.
+    make_title
+        Returns the title of the job.
+    """
+
+    def request(context: TheContext, query: Any, analyst: TheAnalyst) -> Json:
+        return submit_job(context, kind, query, analyst, make_title(context.store, query))
+
+    def find(store: TheStore, query: Any) -> Json:
+        job = find_job(store, kind, query)
+        return Json(KnownJob(None if job is None else job_list.get(store, job.id or 0)))
+
+    request.__annotations__["query"] = Annotated[kind.request, Depends(read_query)]
+    find.__annotations__["query"] = Annotated[kind.request, Depends(read_query)]
+    router.add_api_route(
+        f"{path}/results",
+        request,
+        methods=["POST"],
+        name=f"request_{name}",
+        description=f"{kind.label}: queue the job, or return that of an equal request.",
+        response_model=job_list.JobItem,
+        status_code=status.HTTP_202_ACCEPTED,
+    )
+    router.add_api_route(
+        f"{path}/results",
+        find,
+        name=f"get_{name}_job",
+        description=f"{kind.label}: return the newest job of an equal request; null without one.",
+        response_model=KnownJob,
+    )

@@ -14,11 +14,23 @@ from flexsid.records.run import RunState
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, encode
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.software_versions import METHODS
+from flexsid.workflow.runs.software_versions import METHODS, read_versions
 
 Request = TypeVar("Request")
 Result = TypeVar("Result")
 Save = Callable[[Store, Job, Any, str], object]
+
+
+def save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
+    """End a job with a result in the table.
+
+    Raises
+    ------
+    StaleAttempt
+        If the job was cancelled or started again.
+    """
+    assert job.id is not None
+    queue.finish_job(store, job.id, job.attempt, encode(outcome), read_versions(), worker)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +50,8 @@ class Kind(Generic[Request, Result]):
     compute
         Pure function of the task, which reports its progress.
     save
-        Stores the outcome of one attempt with the name of its worker, and ends the job.
+        Stores the outcome of one attempt with the name of its worker, and ends the job; by
+        default the outcome is the result in the table.
     result
         Type of the result in the table; None if it is stored elsewhere.
     identify
@@ -55,7 +68,7 @@ class Kind(Generic[Request, Result]):
     request: type[Request]
     prepare: Callable[[Store, Job, Request], Any]
     compute: Callable[[Any, Report], Any]
-    save: Save
+    save: Save = save_result
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
     priority: int = 0

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
-from flexsid.jobs.kind import Kind, Kinds
+from flexsid.jobs.kind import Kind, Kinds, save_result
 from flexsid.jobs.worker import Report
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
+from flexsid.records.modal_data import ModeIdentification
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
     CrossValidation,
 )
+from flexsid.records.views import Reconstruction
 from flexsid.storage import queue
 from flexsid.storage.derived_runs import find_derived_runs
-from flexsid.storage.encoding import encode
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.snapshot import open_snapshot, take_snapshot
 from flexsid.storage.store import Store
@@ -62,12 +62,23 @@ from flexsid.workflow.global_model.estimates import (
     identify_global_model,
     prepare_global_model,
 )
+from flexsid.workflow.importing.flight_import import store_upload
+from flexsid.workflow.importing.parsed_files import ParsedUpload
+from flexsid.workflow.importing.uploads import ImportRequest, compute_import, prepare_import
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
+from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data.computed_predictions import (
     ComputedPrediction,
     PredictionRequest,
     compute_prediction,
     prepare_prediction,
     store_computed_prediction,
+)
+from flexsid.workflow.modal_data.ground_vibration_test import (
+    ModeSearch,
+    find_modes,
+    identify_mode_search,
+    prepare_mode_search,
 )
 from flexsid.workflow.quality.maneuver_quality import (
     assess_maneuver,
@@ -76,7 +87,7 @@ from flexsid.workflow.quality.maneuver_quality import (
 )
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
-from flexsid.workflow.runs.software_versions import read_versions
+from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
 from flexsid.workflow.validation.aerodynamics_comparison import (
     AerodynamicsQuery,
@@ -129,22 +140,15 @@ class SnapshotTask:
         """Return the store of the records."""
         return open_snapshot(self.snapshot)
 
+    def open_design(self) -> tuple[Store, ExcitationDesign, int, int]:
+        """Return store, design, run and amplitude level of a design query."""
+        assert self.design is not None
+        return self.open(), self.design, self.request.run_id, self.request.level
+
 
 def _id(job: Job) -> int:
     assert job.id is not None
     return job.id
-
-
-def _finish(store: Store, job: Job, result: dict[str, Any] | None, worker: str) -> None:
-    queue.finish_job(store, _id(job), job.attempt, result, read_versions(), worker)
-
-
-def _save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
-    _finish(store, job, encode(outcome), worker)
-
-
-def _prepare_runs(store: Store, run_ids: Sequence[int], request: object) -> SnapshotTask:
-    return SnapshotTask(take_snapshot(store, run_ids=run_ids), request)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +160,8 @@ class Derived(Generic[Result]):
 
 
 def _prepare_prediction(store: Store, run_ids: tuple[int, ...], request: object) -> SnapshotTask:
-    return _prepare_runs(store, (*run_ids, *find_derived_runs(store, run_ids)), request)
+    snapshot = take_snapshot(store, run_ids=(*run_ids, *find_derived_runs(store, run_ids)))
+    return SnapshotTask(snapshot, request)
 
 
 def _compute_flutter(task: SnapshotTask, report: Report) -> Derived[FlutterResult]:
@@ -177,19 +182,14 @@ def _save_flutter(store: Store, job: Job, outcome: Derived[FlutterResult], worke
         stored = store_derived_fits(store, outcome.fits, job, worker)
         flutter = outcome.result.flutter
         flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, stored))
-        _save_result(store, job, replace(outcome.result, flutter=flutter), worker)
+        save_result(store, job, replace(outcome.result, flutter=flutter), worker)
 
 
 def _save_closed_loop(store: Store, job: Job, outcome: Derived[ClosedLoop], worker: str) -> None:
     with store.transaction():
         stored = store_derived_fits(store, outcome.fits, job, worker)
         derived_runs = renumber(outcome.result.derived_runs, stored)
-        _save_result(store, job, replace(outcome.result, derived_runs=derived_runs), worker)
-
-
-def _prepare_simulation(store: Store, job: Job, request: SimulationRequest) -> SnapshotTask:
-    snapshot = take_snapshot(store, run_ids=(request.run_id,))
-    return SnapshotTask(snapshot, request, store.designs.get(request.design_id))
+        save_result(store, job, replace(outcome.result, derived_runs=derived_runs), worker)
 
 
 def _compute_simulation(task: SnapshotTask, report: Report) -> SimulatedManeuver:
@@ -200,38 +200,19 @@ def _compute_simulation(task: SnapshotTask, report: Report) -> SimulatedManeuver
 def _save_simulation(store: Store, job: Job, outcome: SimulatedManeuver, worker: str) -> None:
     with store.transaction():
         stored = store_simulation(store, SIMULATION.read_request(job), outcome, job.author)
-        _finish(store, job, {"simulation_id": stored.id, "run_id": stored.run_id}, worker)
+        save_result(store, job, {"simulation_id": stored.id, "run_id": stored.run_id}, worker)
 
 
 def _save_design(store: Store, job: Job, outcome: ExcitationDesign, worker: str) -> None:
     with store.transaction():
-        _finish(store, job, {"design_id": store.designs.add(outcome).id}, worker)
+        save_result(store, job, {"design_id": store.designs.add(outcome).id}, worker)
 
 
-def _prepare_design_query(store: Store, job: Job, query: DesignQuery) -> SnapshotTask:
+def _prepare_design_query(
+    store: Store, job: Job, query: DesignQuery | SimulationRequest
+) -> SnapshotTask:
     snapshot = take_snapshot(store, run_ids=(query.run_id,))
     return SnapshotTask(snapshot, query, store.designs.get(query.design_id))
-
-
-def _compute_accuracy(task: SnapshotTask, report: Report) -> PredictedAccuracy:
-    assert task.design is not None
-    query: DesignQuery = task.request
-    return predict_accuracy(task.open(), task.design, query.run_id, query.level)
-
-
-def _compute_input_comparison(task: SnapshotTask, report: Report) -> InputComparison:
-    assert task.design is not None
-    query: DesignQuery = task.request
-    return compare_inputs(task.open(), task.design, query.run_id, query.level)
-
-
-def _compute_amplitudes(task: SnapshotTask, report: Report) -> OptimisedAmplitudes:
-    assert task.design is not None
-    query: AmplitudeQuery = task.request
-    return optimise_amplitudes(
-        *(task.open(), task.design, query.run_id),
-        *(query.level, query.deflection, query.load_factor),
-    )
 
 
 def _identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object, ...]:
@@ -239,21 +220,9 @@ def _identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object,
     return *identify_query(store, query.flutter), store.controllers.get(query.controller_id)
 
 
-def _prepare_cross_prediction(store: Store, job: Job, query: CrossPredictionQuery) -> SnapshotTask:
-    maneuver_ids = list_maneuver_ids(store, query)
-    return SnapshotTask(take_snapshot(store, maneuver_ids, query.run_ids), query)
-
-
-def _compute_cross_prediction(task: SnapshotTask, report: Report) -> CrossPredictionMatrix:
-    return compute_cross_predictions(task.open(), task.request, report)
-
-
-def _compute_cross_validation(task: SnapshotTask, report: Report) -> CrossValidation:
-    return cross_validate(task.open(), task.request, report)
-
-
-def _compare_aerodynamics(task: SnapshotTask, report: Report) -> AerodynamicsComparison:
-    return compare_aerodynamics(task.open(), task.request, report)
+def _identify_reconstruction(store: Store, query: ReconstructionQuery) -> tuple[object, ...]:
+    gather_sensors(store, store.maneuvers.get(query.maneuver_id))  # refused at once, not as a job
+    return list_run_contents(store, (), (query.maneuver_id,))
 
 
 def _compute_quality(task: SnapshotTask, report: Report) -> ManeuverQuality:
@@ -265,13 +234,25 @@ def _compute_quality(task: SnapshotTask, report: Report) -> ManeuverQuality:
 def _save_quality(store: Store, job: Job, outcome: ManeuverQuality, worker: str) -> None:
     with store.transaction():
         stored = store_quality(store, outcome)
-        _finish(store, job, {"verdict": stored.verdict.value}, worker)
+        save_result(store, job, {"verdict": stored.verdict.value}, worker)
 
 
 def _save_prediction(store: Store, job: Job, outcome: ComputedPrediction, worker: str) -> None:
     with store.transaction():
         stored = store_computed_prediction(store, outcome)
-        _finish(store, job, {"prediction_id": stored.id}, worker)
+        save_result(store, job, {"prediction_id": stored.id}, worker)
+
+
+def _save_import(store: Store, job: Job, outcome: ParsedUpload, worker: str) -> None:
+    request = IMPORT.read_request(job)
+    with store.transaction():
+        stored = store_upload(store, outcome, request.aircraft_id, confirmed=request.confirmed)
+        result = {
+            "maneuver_id": None if stored.maneuver is None else stored.maneuver.id,
+            "flight_id": None if stored.flight is None else stored.flight.id,
+            "n_channels": len(outcome.channels),
+        }
+        save_result(store, job, result, worker)
 
 
 RUN = Kind(
@@ -308,7 +289,7 @@ SIMULATION = Kind(
     name="preflight-simulation",
     label="Pre-flight simulation",
     request=SimulationRequest,
-    prepare=_prepare_simulation,
+    prepare=_prepare_design_query,
     compute=_compute_simulation,
     save=_save_simulation,
 )
@@ -328,7 +309,6 @@ PREDICTED_FLUTTER = Kind(
     request=PredictedFlutterQuery,
     prepare=lambda store, job, query: prepare_predicted_flutter(store, query),
     compute=compute_predicted_flutter,
-    save=_save_result,
     result=PredictedFlutterResult,
     identify=identify_predicted_flutter,
 )
@@ -348,7 +328,6 @@ GLOBAL_MODEL = Kind(
     request=GlobalModelQuery,
     prepare=lambda store, job, query: prepare_global_model(store, query),
     compute=compute_global_model,
-    save=_save_result,
     result=GlobalModelResult,
     identify=identify_global_model,
 )
@@ -356,9 +335,10 @@ CROSS_PREDICTION = Kind(
     name="cross-prediction",
     label="Cross-prediction",
     request=CrossPredictionQuery,
-    prepare=_prepare_cross_prediction,
-    compute=_compute_cross_prediction,
-    save=_save_result,
+    prepare=lambda store, job, query: SnapshotTask(
+        take_snapshot(store, list_maneuver_ids(store, query), query.run_ids), query
+    ),
+    compute=lambda task, report: compute_cross_predictions(task.open(), task.request, report),
     result=CrossPredictionMatrix,
     identify=identify_cross_prediction,
 )
@@ -366,9 +346,10 @@ CROSS_VALIDATION = Kind(
     name="cross-validation",
     label="Cross-validation",
     request=CrossValidationQuery,
-    prepare=lambda store, job, query: _prepare_runs(store, (query.run_id,), query),
-    compute=_compute_cross_validation,
-    save=_save_result,
+    prepare=lambda store, job, query: SnapshotTask(
+        take_snapshot(store, run_ids=(query.run_id,)), query
+    ),
+    compute=lambda task, report: cross_validate(task.open(), task.request, report),
     result=CrossValidation,
     identify=identify_cross_validation,
 )
@@ -376,9 +357,10 @@ AERODYNAMICS = Kind(
     name="aerodynamics-comparison",
     label="Comparison of aerodynamics",
     request=AerodynamicsQuery,
-    prepare=lambda store, job, query: _prepare_runs(store, (query.run_id,), query),
-    compute=_compare_aerodynamics,
-    save=_save_result,
+    prepare=lambda store, job, query: SnapshotTask(
+        take_snapshot(store, run_ids=(query.run_id,)), query
+    ),
+    compute=lambda task, report: compare_aerodynamics(task.open(), task.request, report),
     result=AerodynamicsComparison,
     identify=identify_aerodynamics,
 )
@@ -387,8 +369,7 @@ PREDICTED_ACCURACY = Kind(
     label="Predicted accuracy",
     request=DesignQuery,
     prepare=_prepare_design_query,
-    compute=_compute_accuracy,
-    save=_save_result,
+    compute=lambda task, report: predict_accuracy(*task.open_design()),
     result=PredictedAccuracy,
     identify=identify_design_query,
 )
@@ -397,8 +378,7 @@ INPUT_COMPARISON = Kind(
     label="Comparison with classic inputs",
     request=DesignQuery,
     prepare=_prepare_design_query,
-    compute=_compute_input_comparison,
-    save=_save_result,
+    compute=lambda task, report: compare_inputs(*task.open_design()),
     result=InputComparison,
     identify=identify_design_query,
 )
@@ -407,10 +387,33 @@ AMPLITUDES = Kind(
     label="Amplitude optimisation",
     request=AmplitudeQuery,
     prepare=_prepare_design_query,
-    compute=_compute_amplitudes,
-    save=_save_result,
+    compute=lambda task, report: optimise_amplitudes(
+        *task.open_design(),
+        deflection=task.request.deflection,
+        load_factor=task.request.load_factor,
+    ),
     result=OptimisedAmplitudes,
     identify=identify_design_query,
+)
+RECONSTRUCTION = Kind(
+    name="motion-reconstruction",
+    label="Motion reconstruction",
+    request=ReconstructionQuery,
+    prepare=lambda store, job, query: SnapshotTask(
+        take_snapshot(store, maneuver_ids=(query.maneuver_id,)), query
+    ),
+    compute=lambda task, report: reconstruct(task.open(), task.request),
+    result=Reconstruction,
+    identify=_identify_reconstruction,
+)
+MODES = Kind(
+    name="mode-identification",
+    label="Mode identification",
+    request=ModeSearch,
+    prepare=lambda store, job, search: prepare_mode_search(store, search),
+    compute=lambda task, report: find_modes(task),
+    result=ModeIdentification,
+    identify=identify_mode_search,
 )
 QUALITY = Kind(
     name="quality-assessment",
@@ -432,6 +435,14 @@ PREDICTION = Kind(
     compute=compute_prediction,
     save=_save_prediction,
 )
+IMPORT = Kind(
+    name="import",
+    label="Import",
+    request=ImportRequest,
+    prepare=lambda store, job, request: prepare_import(store, request),
+    compute=lambda task, report: compute_import(task),
+    save=_save_import,
+)
 
 KINDS: Kinds = {
     kind.name: kind
@@ -450,8 +461,11 @@ KINDS: Kinds = {
         PREDICTED_ACCURACY,
         INPUT_COMPARISON,
         AMPLITUDES,
+        RECONSTRUCTION,
+        MODES,
         QUALITY,
         PREDICTION,
+        IMPORT,
     )
 }
 

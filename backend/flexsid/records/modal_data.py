@@ -399,6 +399,18 @@ class FoundModes:
     unmodelled_hz: tuple[float, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ModeIdentification:
+    """Modes identified from measured responses, with the diagram that they are selected in.
+
+    ``shapes`` (n_modes, n_outputs) are real, per unit eta.
+    """
+
+    diagram: Stabilisation
+    found: FoundModes
+    shapes: np.ndarray
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orthogonality:
     """Shapes over a mass matrix: one on the diagonal; ``worst`` is the largest beside it."""

@@ -18,7 +18,8 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 
 _RECENT = 300  # ended jobs from which typical times are computed
-_DESIGN = "excitation-design"
+_DESIGN, _IMPORT = "excitation-design", "import"
+_STORING = (_DESIGN, _IMPORT, "preflight-simulation", "derivative-prediction")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +35,8 @@ class JobItem:
     """Progress of a job; the job of a run has its id, maneuver and method.
 
     ``position`` is the number of queued jobs that start before, without the fairness between
-    analysts. ``request`` is omitted for designs; ``result_id`` is the stored design.
+    analysts. ``request`` is omitted for designs, and has only the upload of imports. ``result``
+    has the ids of the records that the job stored.
     """
 
     id: int
@@ -44,7 +46,7 @@ class JobItem:
     maneuver_id: int | None
     method: Method | None
     request: dict[str, Any] | None
-    result_id: int | None
+    result: dict[str, Any] | None
     state: RunState
     attempt: int
     priority: int
@@ -59,15 +61,16 @@ class JobItem:
     finished_at: datetime | None
 
 
-_is_design = jobs.c.kind == _DESIGN
+_is_import = jobs.c.kind == _IMPORT
 _shown = (
     *(jobs.c.id, jobs.c.kind, jobs.c.title, maneuvers.c.label, runs.c.maneuver_id, runs.c.method),
     *(jobs.c.state, jobs.c.attempt, jobs.c.priority, jobs.c.after_job_id, jobs.c.progress),
     *(jobs.c.error, jobs.c.worker, jobs.c.author, runs.c.id.label("run_id")),
     *(jobs.c.created_at, jobs.c.started_at, jobs.c.finished_at),
-    # Specifications of designs and results of predictions are large.
-    sa.case((_is_design, None), else_=jobs.c.request).label("request"),
-    sa.case((_is_design, jobs.c.result["design_id"].as_integer())).label("result_id"),
+    # Specifications of designs, mappings of imports and results of predictions are large.
+    sa.case((jobs.c.kind.in_((_DESIGN, _IMPORT)), None), else_=jobs.c.request).label("request"),
+    sa.case((_is_import, jobs.c.request["upload_id"].as_string())).label("upload_id"),
+    sa.case((jobs.c.kind.in_(_STORING), jobs.c.result)).label("result"),
 )
 _jobs = sa.select(*_shown).select_from(
     jobs.outerjoin(runs, runs.c.id == jobs.c.id).outerjoin(
@@ -190,9 +193,17 @@ def count_latest(store: Store, kind: str) -> dict[RunState, int]:
         return count_states(connection.execute(query.group_by(jobs.c.state)).all())
 
 
-def find_newest(store: Store, kind: str, **request: int) -> JobItem | None:
-    """Return the newest job of a kind whose request has these numbers."""
-    equal = [jobs.c.request[name].as_integer() == value for name, value in request.items()]
+def find_newest(store: Store, kind: str, **request: int | str) -> JobItem | None:
+    """Return the newest job of a kind whose request has these values."""
+    equal = [
+        (
+            jobs.c.request[name].as_integer()
+            if isinstance(value, int)
+            else jobs.c.request[name].as_string()
+        )
+        == value
+        for name, value in request.items()
+    ]
     found = _read(
         store, _jobs.where(jobs.c.kind == kind, *equal).order_by(jobs.c.id.desc()).limit(1)
     )
@@ -227,9 +238,11 @@ def _read(store: Store, query: sa.Executable) -> list[JobItem]:
 
 def _build_item(row: RowMapping, position: int | None) -> JobItem:
     values = dict(row)
-    label, progress, error = values.pop("label"), values["progress"], values["error"]
+    label, upload_id = values.pop("label"), values.pop("upload_id")
+    progress, error = values["progress"], values["error"]
     values |= {
         "title": label or values["title"],
+        "request": values["request"] if upload_id is None else {"upload_id": upload_id},
         "method": None if values["method"] is None else Method(values["method"]),
         "state": RunState(values["state"]),
         "position": position,

@@ -103,7 +103,6 @@ export type DesignRequest = Schemas["DesignRequest"];
 export type PreflightSimulationRequest = Schemas["PreflightSimulationRequest"];
 export type ComputePredictionRequest = Schemas["ComputePredictionRequest"];
 export type CatalogueRow = Received<"CatalogueRow">;
-export type Upload = Received<"UploadProgress">;
 export type UploadDetail = Received<"UploadDetail">;
 export type CheckedMapping = Received<"Checked">;
 export type UnitWarning = Received<"UnitWarning">;

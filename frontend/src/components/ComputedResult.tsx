@@ -1,5 +1,6 @@
 import type { ReactNode } from "react";
 import { useStoredResult, type StoredResultOptions } from "../api/useStoredResult";
+import { ComputeButton } from "./ComputeButton";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
@@ -13,7 +14,8 @@ interface Props<T> {
 
 /** A result that the server computes as a job: the job until it has ended, then the result. */
 export function ComputedResult<T>({ options, rows, children }: Props<T>) {
-  const { result, jobId, error, onEnd } = useStoredResult(options);
+  const { result, jobId, error, onEnd, compute } = useStoredResult(options);
+  if (compute !== undefined) return <ComputeButton compute={compute} />;
   if (error !== null) return <ProblemAlert error={error} />;
   if (jobId !== undefined) return <JobWait key={jobId} id={jobId} onEnd={onEnd} />;
   return (

@@ -1,10 +1,12 @@
-import { Alert, Button, Group, Progress, Stack, Text } from "@mantine/core";
+import { Alert, Button, Group, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
-import { useEffect, useRef } from "react";
-import { useDiscardUpload, useImportUpload } from "../api/commands";
-import { uploadStateQuery } from "../api/queries";
+import { useRef } from "react";
+import { useImportUpload } from "../api/commands";
+import { importJobQuery } from "../api/queries";
+import { isOver, type Job } from "../api/types";
 import { ButtonLink } from "./ButtonLink";
+import { JobWait } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
 
 interface Props {
@@ -15,87 +17,41 @@ interface Props {
   onImported: () => void;
 }
 
-/** Starts an import, shows its progress, and links to the result. */
+/** Starts an import, shows its job, and links to the result. */
 export function ImportProgress({ id, text, ready, onImported }: Props) {
-  const state = useQuery(uploadStateQuery(id));
+  const found = useQuery(importJobQuery(id));
   const begin = useImportUpload(id);
-  const cancel = useDiscardUpload(id);
   const cache = useQueryClient();
   const navigate = useNavigate();
   const begun = useRef(false);
-  const upload = state.data;
-  const goesOn = upload?.state === "importing";
+  const job = found.data?.job ?? null;
+  const goesOn = job !== null && !isOver(job.state);
 
-  useEffect(() => {
-    if (!begun.current || upload?.state !== "imported") return;
+  const finish = (ended: Job) => {
+    cache.setQueryData(importJobQuery(id).queryKey, { job: ended });
+    if (!begun.current || ended.state !== "succeeded") return;
     begun.current = false;
     onImported();
     void cache.invalidateQueries({ queryKey: ["maneuvers"] });
     void cache.invalidateQueries({ queryKey: ["flights"] });
-    if (upload.maneuver_id !== null) {
-      void navigate({ to: "/maneuvers/$id", params: { id: upload.maneuver_id } });
-    }
-  }, [upload, onImported, cache, navigate]);
+    const { maneuverId } = imported(ended);
+    if (maneuverId !== null) void navigate({ to: "/maneuvers/$id", params: { id: maneuverId } });
+  };
 
   return (
     <Stack gap="xs" style={{ flex: "1 1 320px", maxWidth: 560 }}>
-      {upload?.state === "failed" && (
-        <Alert color="red" variant="light" title="Nothing was stored" data-testid="import-failed">
-          {upload.message}
-        </Alert>
-      )}
-      {upload?.state === "imported" && (
-        <Alert color="teal" variant="light" title="Imported" data-testid="imported">
-          {upload.maneuver_id !== null ? (
-            <ButtonLink
-              size="xs"
-              variant="default"
-              to="/maneuvers/$id"
-              params={{ id: upload.maneuver_id }}
-            >
-              Open the maneuver
-            </ButtonLink>
-          ) : (
-            <Group gap="sm">
-              {`The whole flight was stored with ${String(upload.n_channels ?? 0)} channels.`}
-              {upload.flight_id !== null && (
-                <ButtonLink
-                  size="xs"
-                  variant="default"
-                  to="/flights/$id"
-                  params={{ id: upload.flight_id }}
-                >
-                  Cut maneuvers
-                </ButtonLink>
-              )}
-            </Group>
-          )}
-        </Alert>
-      )}
+      {job?.state === "succeeded" && <Imported job={job} />}
       {begin.isError && <ProblemAlert error={begin.error} />}
-      {goesOn && (
-        <Progress
-          value={100 * (upload.progress ?? 0)}
-          aria-label="Import"
-          data-testid="import-progress"
-        />
+      {job !== null && job.state !== "succeeded" && (
+        <JobWait key={job.id} id={job.id} onEnd={finish} />
       )}
-      <Group justify="end" gap="sm">
-        {!ready && !goesOn && (
-          <Text size="sm" className="quiet">
-            Resolve the warnings above first.
-          </Text>
-        )}
-        {goesOn ? (
-          <Button
-            variant="default"
-            onClick={() => {
-              cancel.mutate();
-            }}
-          >
-            Cancel
-          </Button>
-        ) : (
+      {!goesOn && (
+        <Group justify="end" gap="sm">
+          {!ready && (
+            <Text size="sm" className="quiet">
+              Resolve the warnings above first.
+            </Text>
+          )}
           <Button
             disabled={!ready}
             loading={begin.isPending}
@@ -110,8 +66,40 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
           >
             Import
           </Button>
-        )}
-      </Group>
+        </Group>
+      )}
     </Stack>
   );
+}
+
+function Imported({ job }: { job: Job }) {
+  const { maneuverId, flightId, channels } = imported(job);
+  return (
+    <Alert color="teal" variant="light" title="Imported" data-testid="imported">
+      {maneuverId !== null ? (
+        <ButtonLink size="xs" variant="default" to="/maneuvers/$id" params={{ id: maneuverId }}>
+          Open the maneuver
+        </ButtonLink>
+      ) : (
+        <Group gap="sm">
+          {`The whole flight was stored with ${String(channels)} channels.`}
+          {flightId !== null && (
+            <ButtonLink size="xs" variant="default" to="/flights/$id" params={{ id: flightId }}>
+              Cut maneuvers
+            </ButtonLink>
+          )}
+        </Group>
+      )}
+    </Alert>
+  );
+}
+
+/** What an import has stored. */
+function imported({ result }: Job) {
+  const id = (key: string) => (typeof result?.[key] === "number" ? result[key] : null);
+  return {
+    maneuverId: id("maneuver_id"),
+    flightId: id("flight_id"),
+    channels: id("n_channels") ?? 0,
+  };
 }

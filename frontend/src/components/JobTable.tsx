@@ -104,7 +104,10 @@ const KINDS: Record<string, string> = {
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
+  "motion-reconstruction": "Motion reconstruction",
+  "mode-identification": "Mode identification",
   "quality-assessment": "Quality assessment",
+  import: "Import",
   "derivative-prediction": "Derivative prediction",
 };
 
@@ -128,10 +131,16 @@ function JobSubject({ job }: { job: Job }) {
         </Link>
       );
     case "excitation-design":
-      return job.result_id === null ? (
-        label
+      return typeof job.result?.design_id === "number" ? (
+        <Link to="/excitation/$id" params={{ id: job.result.design_id }} className="link">
+          {label}
+        </Link>
       ) : (
-        <Link to="/excitation/$id" params={{ id: job.result_id }} className="link">
+        label
+      );
+    case "import":
+      return (
+        <Link to="/import" search={{ upload: String(request.upload_id) }} className="link">
           {label}
         </Link>
       );
@@ -233,6 +242,35 @@ function JobSubject({ job }: { job: Job }) {
             runs: [id("run_id")],
             partition: oneOf(request.partition, PARTITIONS),
             folds: id("folds"),
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "motion-reconstruction": {
+      const modes = request.modes as number[];
+      return (
+        <Link
+          to="/maneuvers/$id"
+          params={{ id: id("maneuver_id") }}
+          search={{ tab: "reconstruction", modes: modes.length > 0 ? modes : undefined }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    }
+    case "mode-identification":
+      return (
+        <Link
+          to="/modal-data"
+          search={{
+            tab: "gvt",
+            responses: id("responses_id"),
+            from_hz: readNumber(request, "low_hz"),
+            to_hz: readNumber(request, "high_hz"),
+            order: id("order"),
           }}
           className="link"
         >

@@ -1,12 +1,16 @@
 import { MultiSelect, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
-import { figureQuery } from "../api/queries";
+import { reconstructionResult } from "../api/queries";
+import { useStoredResult } from "../api/useStoredResult";
 import { integers } from "../lib/urlState";
 import { axisNames } from "../lib/derivatives";
 import { fixed } from "../lib/format";
 import { overFrequency, overTime } from "../lib/band";
 import { BandBar } from "./BandBar";
+import { ComputeButton } from "./ComputeButton";
 import { Figure } from "./Figure";
+import { JobWait } from "./JobWait";
+import { Loaded } from "./Loaded";
+import { ProblemAlert } from "./ProblemAlert";
 import { WindowBar } from "./WindowBar";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
@@ -30,8 +34,9 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
     modes: view.modes,
     domain,
   };
-  const figure = useQuery(figureQuery("reconstruction", params));
-  const meta = (figure.data?.layout.meta ?? {}) as Meta;
+  const stored = reconstructionResult(maneuver.id, view.modes);
+  const { result, jobId, error, onEnd, compute } = useStoredResult(stored);
+  const meta = (result.data?.layout.meta ?? {}) as Meta;
   const shared = domain === "time" ? overTime(view, onChange) : overFrequency(view, onChange);
   const whole = () => {
     shared.onWindow(null);
@@ -97,12 +102,23 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         ) : (
           <BandBar maneuverId={maneuver.id} window={shared.window} onClear={whole} />
         )}
-        <Figure
-          kind="reconstruction"
-          title={domain === "time" ? "Smoothed by a Kalman filter" : "Reconstruction by frequency"}
-          params={params}
-          {...shared}
-        />
+        <ComputeButton compute={compute} />
+        {error !== null && <ProblemAlert error={error} />}
+        {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+        {compute === undefined && jobId === undefined && error === null && (
+          <Loaded query={result} rows={12}>
+            {() => (
+              <Figure
+                kind="reconstruction"
+                title={
+                  domain === "time" ? "Smoothed by a Kalman filter" : "Reconstruction by frequency"
+                }
+                params={params}
+                {...shared}
+              />
+            )}
+          </Loaded>
+        )}
       </div>
     </div>
   );

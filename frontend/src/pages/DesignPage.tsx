@@ -99,8 +99,9 @@ function OneDesign({ design }: { design: Design }) {
         <JobWait
           key={redesign.data.id}
           id={redesign.data.id}
-          onEnd={({ result_id: id }) => {
-            if (id !== null) void anywhere({ to: "/excitation/$id", params: { id } });
+          onEnd={({ result }) => {
+            const id = result?.design_id;
+            if (typeof id === "number") void anywhere({ to: "/excitation/$id", params: { id } });
           }}
         />
       )}

@@ -1,8 +1,8 @@
-import { Progress, Select, Stack } from "@mantine/core";
+import { Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { batchesQuery, importsQuery, jobsQuery, queueQuery } from "../api/queries";
-import { STATES, type Batch, type Upload } from "../api/types";
+import { batchesQuery, jobsQuery, queueQuery } from "../api/queries";
+import { STATES, type Batch } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -52,30 +52,12 @@ const BATCHES: Column<Batch>[] = [
   },
 ];
 
-const IMPORTS: Column<Upload>[] = [
-  {
-    key: "what",
-    header: "Import",
-    render: (one) => (
-      <Link to="/import" search={{ upload: one.id }} className="link">
-        {one.id}
-      </Link>
-    ),
-  },
-  {
-    key: "progress",
-    header: "Progress",
-    render: (one) => <Progress value={100 * (one.progress ?? 0)} w={160} aria-label="Progress" />,
-  },
-];
-
-/** Queue, batches, imports and jobs of all kinds. */
+/** Queue, batches and jobs of all kinds. */
 export function JobsPage() {
   const { state } = route.useSearch();
   const navigate = route.useNavigate();
   const queue = useQuery(queueQuery);
   const batches = useQuery(batchesQuery);
-  const imports = useQuery(importsQuery);
   const jobs = useQuery(jobsQuery({ state }));
   return (
     <>
@@ -94,18 +76,6 @@ export function JobsPage() {
               columns={BATCHES}
               rows={batches.data}
               rowKey={({ batch }) => batch.id}
-              maxHeight={320}
-            />
-          </Section>
-        )}
-        {imports.data !== undefined && imports.data.length > 0 && (
-          <Section title="Imports">
-            <DataTable
-              label="Imports"
-              testId="imports-table"
-              columns={IMPORTS}
-              rows={imports.data}
-              rowKey={(one) => one.id}
               maxHeight={320}
             />
           </Section>

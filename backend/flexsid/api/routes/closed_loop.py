@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from fastapi import APIRouter, status
+from fastapi import APIRouter, Depends
 
-from flexsid.api.analyst import TheAnalyst
-from flexsid.api.context import TheContext, TheStore
-from flexsid.api.routes.flutter import TheFlutterQuery, title_runs
+from flexsid.api.context import TheStore
+from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.serialization import Json, RequiredReference
-from flexsid.api.submission import KnownJob, respond_with_job, submit_job
+from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP
 from flexsid.records import finite_or_none
 from flexsid.records.run import DerivedRun
-from flexsid.storage.job_list import JobItem
+from flexsid.text import count_noun
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 
 router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
@@ -56,34 +56,22 @@ class ClosedLoopStability:
     derived_runs: tuple[DerivedRun, ...]
 
 
-@router.post("/results", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
-def request_closed_loop(
-    context: TheContext,
-    query: TheFlutterQuery,
-    controller_id: RequiredReference,
-    analyst: TheAnalyst,
-) -> Json:
-    """Queue the closed-loop analysis, or return the job of an equal request."""
-    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
-    return submit_job(context, CLOSED_LOOP, request, analyst, title_runs(query))
+async def _read_query(query: TheFlutterQuery, controller_id: RequiredReference) -> ClosedLoopQuery:
+    return ClosedLoopQuery(flutter=query, controller_id=controller_id)
 
 
-@router.get("/results", response_model=KnownJob)
-def get_closed_loop_job(
-    store: TheStore, query: TheFlutterQuery, controller_id: RequiredReference
-) -> Json:
-    """Return the newest job of an equal request; null if there is none."""
-    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
-    return respond_with_job(store, CLOSED_LOOP, request)
+add_job_routes(
+    *(router, "", CLOSED_LOOP, "closed_loop", _read_query),
+    lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
+)
 
 
 @router.get("", response_model=ClosedLoopStability)
 def get_closed_loop(
-    store: TheStore, query: TheFlutterQuery, controller_id: RequiredReference
+    store: TheStore, query: Annotated[ClosedLoopQuery, Depends(_read_query)]
 ) -> Json:
     """Return the stored stability limit and margins of the runs with a controller."""
-    request = ClosedLoopQuery(flutter=query, controller_id=controller_id)
-    found = get_result(store, CLOSED_LOOP, request)
+    found = get_result(store, CLOSED_LOOP, query)
     return Json(
         ClosedLoopStability(
             sentence=found.sentence,

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from fastapi import APIRouter, Depends, status
+from fastapi import APIRouter, Depends
 
-from flexsid.api.analyst import TheAnalyst
-from flexsid.api.context import TheContext, TheStore
+from flexsid.api.context import TheStore
 from flexsid.api.routes.designs import Deflection, Level, Limit
 from flexsid.api.serialization import Identity, Json, RequiredReference
-from flexsid.api.submission import KnownJob, respond_with_job, submit_job
+from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import AMPLITUDES, INPUT_COMPARISON, PREDICTED_ACCURACY
 from flexsid.records.views import ExpectedMode
-from flexsid.storage.job_list import JobItem
+from flexsid.storage.store import Store
 from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
 from flexsid.workflow.excitation.classic_inputs import InputComparison
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, ExpectedErrors
@@ -60,21 +59,18 @@ async def _read_amplitude_query(
 
 TheDesignQuery = Annotated[DesignQuery, Depends(_read_query)]
 TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(_read_amplitude_query)]
-_ACCEPTED: dict[str, Any] = {"response_model": JobItem, "status_code": status.HTTP_202_ACCEPTED}
 
 
-@router.post("/predicted-accuracy/results", **_ACCEPTED)
-def request_predicted_accuracy(
-    context: TheContext, query: TheDesignQuery, analyst: TheAnalyst
-) -> Json:
-    """Queue the prediction of standard errors, or return the job of an equal request."""
-    return submit_job(context, PREDICTED_ACCURACY, query, analyst, _get_title(context.store, query))
+def _get_title(store: Store, query: DesignQuery) -> str:
+    return store.designs.get(query.design_id).name
 
 
-@router.get("/predicted-accuracy/results", response_model=KnownJob)
-def get_predicted_accuracy_job(store: TheStore, query: TheDesignQuery) -> Json:
-    """Return the newest job of an equal request; null if there is none."""
-    return respond_with_job(store, PREDICTED_ACCURACY, query)
+for _path, _kind, _name, _read in (
+    ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy", _read_query),
+    ("/classic-inputs", INPUT_COMPARISON, "input_comparison", _read_query),
+    ("/amplitudes", AMPLITUDES, "amplitudes", _read_amplitude_query),
+):
+    add_job_routes(router, _path, _kind, _name, _read, _get_title)
 
 
 @router.get("/expected-errors", response_model=ExpectedErrors)
@@ -97,47 +93,17 @@ def get_expected_response(store: TheStore, query: TheDesignQuery) -> Json:
     )
 
 
-@router.post("/classic-inputs/results", **_ACCEPTED)
-def request_input_comparison(
-    context: TheContext, query: TheDesignQuery, analyst: TheAnalyst
-) -> Json:
-    """Queue the comparison with classic inputs, or return the job of an equal request."""
-    return submit_job(context, INPUT_COMPARISON, query, analyst, _get_title(context.store, query))
-
-
-@router.get("/classic-inputs/results", response_model=KnownJob)
-def get_input_comparison_job(store: TheStore, query: TheDesignQuery) -> Json:
-    """Return the newest job of an equal request; null if there is none."""
-    return respond_with_job(store, INPUT_COMPARISON, query)
-
-
 @router.get("/classic-inputs", response_model=InputComparison)
 def get_input_comparison(store: TheStore, query: TheDesignQuery) -> Json:
     """Return the stored comparison with doublets, 3-2-1-1s and sweeps of equal limits."""
     return Json(get_result(store, INPUT_COMPARISON, query))
 
 
-@router.post("/amplitudes/results", **_ACCEPTED)
-def request_amplitudes(context: TheContext, query: TheAmplitudeQuery, analyst: TheAnalyst) -> Json:
-    """Queue the optimisation of amplitudes, or return the job of an equal request.
+@router.get("/amplitudes", response_model=OptimisedAmplitudes)
+def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
+    """Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
 
     Limits: largest deflection of any surface [rad] and load factor [g], feedback included;
     if omitted, those of the design.
     """
-    return submit_job(context, AMPLITUDES, query, analyst, _get_title(context.store, query))
-
-
-@router.get("/amplitudes/results", response_model=KnownJob)
-def get_amplitudes_job(store: TheStore, query: TheAmplitudeQuery) -> Json:
-    """Return the newest job of an equal request; null if there is none."""
-    return respond_with_job(store, AMPLITUDES, query)
-
-
-@router.get("/amplitudes", response_model=OptimisedAmplitudes)
-def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
-    """Return the stored amplitudes of minimax relative standard error, and D-optimal ones."""
     return Json(get_result(store, AMPLITUDES, query))
-
-
-def _get_title(store: TheStore, query: DesignQuery) -> str:
-    return store.designs.get(query.design_id).name

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, status
+from fastapi import APIRouter, Depends, Query
 
-from flexsid.api.analyst import TheAnalyst
-from flexsid.api.context import TheContext, TheStore
+from flexsid.api.context import TheStore
 from flexsid.api.serialization import Json
-from flexsid.api.submission import KnownJob, respond_with_job, submit_job
+from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import GlobalModelParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.global_model import GlobalModelSummary
-from flexsid.storage.job_list import JobItem
+from flexsid.text import count_noun
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 
 router = APIRouter(prefix="/global-models", tags=["global model"])
@@ -29,18 +28,10 @@ async def _read_query(
 TheGlobalModelQuery = Annotated[GlobalModelQuery, Depends(_read_query)]
 
 
-@router.post("/results", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
-def request_global_model(
-    context: TheContext, query: TheGlobalModelQuery, analyst: TheAnalyst
-) -> Json:
-    """Queue the global model of these runs, or return the job of an equal request."""
-    return submit_job(context, GLOBAL_MODEL, query, analyst, f"{len(query.run_ids)} runs")
-
-
-@router.get("/results", response_model=KnownJob)
-def get_global_model_job(store: TheStore, query: TheGlobalModelQuery) -> Json:
-    """Return the newest job of an equal request; null if there is none."""
-    return respond_with_job(store, GLOBAL_MODEL, query)
+add_job_routes(
+    *(router, "", GLOBAL_MODEL, "global_model", _read_query),
+    lambda store, query: count_noun(len(query.run_ids), "run"),
+)
 
 
 @router.get("", response_model=GlobalModelSummary)

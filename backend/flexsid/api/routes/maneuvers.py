@@ -21,8 +21,10 @@ from flexsid.api.serialization import (
     describe_sort,
     read_query,
 )
+from flexsid.api.submission import add_job_routes
 from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput
+from flexsid.jobs.kinds import RECONSTRUCTION
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import RunProposal
 from flexsid.storage import bulk
@@ -33,6 +35,7 @@ from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.text import split_ids
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
 
 router = APIRouter(prefix="/maneuvers", tags=["maneuvers"], route_class=JsonRoute)
@@ -99,6 +102,22 @@ def get_run_proposal(
     band = None if low_hz is None or high_hz is None else (low_hz, high_hz)
     further = split_ids(additional_maneuver_ids, "additional_maneuver_ids")
     return propose_run(store, (maneuver_id, *further), band, axis)
+
+
+async def _read_reconstruction(
+    maneuver_id: Identity,
+    modes: Annotated[
+        str | None, Query(description="Mode numbers, separated by commas; by default as resolved.")
+    ] = None,
+) -> ReconstructionQuery:
+    return ReconstructionQuery(maneuver_id=maneuver_id, modes=split_ids(modes, "modes"))
+
+
+# The figure of the reconstruction has its result.
+add_job_routes(
+    *(router, "/{maneuver_id}/reconstruction", RECONSTRUCTION, "reconstruction"),
+    *(_read_reconstruction, lambda store, query: store.maneuvers.get(query.maneuver_id).label),
+)
 
 
 @router.post("", response_model=ManeuverDetail, status_code=201)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter
 from pydantic import Field, StrictBool
 
-from flexsid.api.context import TheContext, TheStore
+from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
 from flexsid.importers.modal_data import (
@@ -20,6 +20,7 @@ from flexsid.records.modal_data import FlutterSummary, ModalKind, ModalTable
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.flutter.flutter_summary import add_warning, save_flutter_summary
+from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data.modal_import import store_modal_data
 
 router = APIRouter(tags=["modal-data"], route_class=JsonRoute)
@@ -54,29 +55,27 @@ class FlutterSummaryRequest(Request):
 
 
 @router.get("/uploads/{upload_id}/modal-data")
-def inspect_modal_files(context: TheContext, upload_id: UploadId) -> ModalFiles:
+def inspect_modal_files(store: TheStore, upload_id: UploadId) -> ModalFiles:
     """Return the modes in the files of an upload, and the information missing for an import."""
-    return inspect_modal_data(context.uploads.sources(upload_id))
+    return inspect_modal_data(open_upload(store, upload_id))
 
 
 @router.post("/uploads/{upload_id}/modal-data", status_code=201)
-def import_modal_data(
-    context: TheContext, upload_id: UploadId, body: ModalDataRequest
-) -> ModalTable:
+def import_modal_data(store: TheStore, upload_id: UploadId, body: ModalDataRequest) -> ModalTable:
     """Import the modes of uploaded files as a modal table, as a new version of its name."""
-    aircraft = context.store.aircraft.get(body.aircraft_id)
-    raw = extract_modal_data(context.uploads.sources(upload_id), body.make_record(ModalDataOptions))
-    return store_modal_data(context.store, aircraft, raw)
+    aircraft = store.aircraft.get(body.aircraft_id)
+    raw = extract_modal_data(open_upload(store, upload_id), body.make_record(ModalDataOptions))
+    return store_modal_data(store, aircraft, raw)
 
 
 @router.post("/uploads/{upload_id}/flutter-summary", status_code=201)
 def import_flutter_summary(
-    context: TheContext, upload_id: UploadId, body: FlutterSummaryRequest
+    store: TheStore, upload_id: UploadId, body: FlutterSummaryRequest
 ) -> FlutterSummary:
     """Import the flutter summary of an uploaded printout, with its flutter speeds."""
-    aircraft = context.store.aircraft.get(body.aircraft_id)
-    sources = context.uploads.sources(upload_id)
-    return save_flutter_summary(context.store, aircraft, sources, body.name, body.speed_unit)
+    aircraft = store.aircraft.get(body.aircraft_id)
+    sources = open_upload(store, upload_id)
+    return save_flutter_summary(store, aircraft, sources, body.name, body.speed_unit)
 
 
 @router.get("/flutter-summaries")

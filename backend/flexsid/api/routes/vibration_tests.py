@@ -7,14 +7,18 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Depends, Query
 from pydantic import Field
 
-from flexsid.api.context import TheContext, TheStore
+from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
+from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import ModeSearchParameters
 from flexsid.importers.responses import ResponseOptions, extract_responses
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import MODES
 from flexsid.records.modal_data import FoundModes, MeasuredResponses, ModalTable, Orthogonality
 from flexsid.storage.paging import Page
 from flexsid.text import LONGEST_FIELD
+from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data import ground_vibration_test
 
 router = APIRouter(tags=["vibration-tests"], route_class=JsonRoute)
@@ -59,9 +63,9 @@ class OrthogonalityRequest(Request):
 
 
 async def _read_mode_search(
-    parameters: Annotated[ModeSearchParameters, Query()],
+    responses_id: Identity, parameters: Annotated[ModeSearchParameters, Query()]
 ) -> ground_vibration_test.ModeSearch:
-    return ground_vibration_test.ModeSearch(**dict(parameters))
+    return ground_vibration_test.ModeSearch(responses_id=responses_id, **dict(parameters))
 
 
 TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_read_mode_search)]
@@ -69,13 +73,13 @@ TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_read_mode_s
 
 @router.post("/uploads/{upload_id}/responses", status_code=201)
 def import_responses(
-    context: TheContext, upload_id: UploadId, body: ResponsesRequest
+    store: TheStore, upload_id: UploadId, body: ResponsesRequest
 ) -> MeasuredResponses:
     """Import the frequency responses of uploaded files."""
-    aircraft = context.store.aircraft.get(body.aircraft_id)
+    aircraft = store.aircraft.get(body.aircraft_id)
     options = body.make_record(ResponseOptions)
-    raw = extract_responses(context.uploads.sources(upload_id), options)
-    return ground_vibration_test.store_responses(context.store, aircraft, raw)
+    raw = extract_responses(open_upload(store, upload_id), options)
+    return ground_vibration_test.store_responses(store, aircraft, raw)
 
 
 @router.get("/measured-responses")
@@ -92,29 +96,39 @@ def get_measured_responses(store: TheStore, responses_id: Identity) -> MeasuredR
     return store.measured_responses.get(responses_id)
 
 
+add_job_routes(
+    *(router, "/measured-responses/{responses_id}/modes", MODES, "modes", _read_mode_search),
+    lambda store, search: store.measured_responses.get(search.responses_id).name,
+)
+
+
 @router.get("/measured-responses/{responses_id}/modes")
-def identify_modes(store: TheStore, responses_id: Identity, search: TheModeSearch) -> FoundModes:
-    """Identify modes from measured frequency responses, with standard deviations."""
-    return ground_vibration_test.find_modes(store, responses_id, search)
+def get_identified_modes(store: TheStore, search: TheModeSearch) -> FoundModes:
+    """Return the stored modes identified from responses, with standard deviations."""
+    return get_result(store, MODES, search).found
 
 
 @router.post("/measured-responses/{responses_id}/modes", status_code=201)
 def save_identified_modes(
     store: TheStore, responses_id: Identity, body: IdentifiedModesRequest
 ) -> ModalTable:
-    """Store identified modes as a GVT modal table, with the mode names of another table (MAC)."""
-    search = body.make_record(ground_vibration_test.ModeSearch)
+    """Store identified modes as a GVT modal table, with the mode names of another table (MAC).
+
+    Their identification is requested before.
+    """
+    search = body.make_record(ground_vibration_test.ModeSearch, responses_id=responses_id)
+    identified = get_result(store, MODES, search)
     return ground_vibration_test.store_found_modes(
-        store, responses_id, search, body.name, body.selected, body.template_id
+        store, identified, body.name, body.selected, body.template_id
     )
 
 
 @router.post("/uploads/{upload_id}/orthogonality")
 def check_orthogonality(
-    context: TheContext, upload_id: UploadId, body: OrthogonalityRequest
+    store: TheStore, upload_id: UploadId, body: OrthogonalityRequest
 ) -> Orthogonality:
     """Check the orthogonality of mode shapes with a mass matrix of an uploaded file."""
-    sources = context.uploads.sources(upload_id)
+    sources = open_upload(store, upload_id)
     return ground_vibration_test.compute_orthogonality(
-        context.store, body.modal_table_id, body.fuel, sources, body.field
+        store, body.modal_table_id, body.fuel, sources, body.field
     )

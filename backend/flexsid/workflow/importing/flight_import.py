@@ -218,11 +218,10 @@ def _refuse_recorded(store: Store, flight: Flight, channels: Sequence[RawChannel
 def _store_channels(
     store: Store,
     upload: ParsedUpload,
-    report: Callable[[float], None],
     repository: Repository[_Recorded],
     build: Callable[..., _Recorded],
 ) -> None:
-    """Store the channels of an upload, some megabytes at once; report the fraction written."""
+    """Store the channels of an upload, some megabytes at once."""
     first = size = 0
     for last, channel in enumerate(upload.channels, start=1):
         size += channel.samples.nbytes
@@ -248,7 +247,6 @@ def _store_channels(
                 for one, array in zip(some, arrays, strict=True)
             ]
         )
-        report(last / len(upload.channels))
         first, size = last, 0
 
 
@@ -403,7 +401,6 @@ def store_upload(
     store: Store,
     upload: ParsedUpload,
     aircraft_id: int | None = None,
-    report: Callable[[float], None] = lambda fraction: None,
     add_builtin_aircraft: AddBuiltinAircraft | None = None,
     *,
     confirmed: bool = False,
@@ -418,8 +415,6 @@ def store_upload(
         Files with their mapping.
     aircraft_id
         Aircraft selected by the user; needed where the mapping names none.
-    report
-        Called with the fraction of samples written; an exception rolls the import back.
     add_builtin_aircraft
         Adds the aircraft that comes with the software when the upload needs it.
     confirmed
@@ -461,12 +456,12 @@ def store_upload(
             if upload.maneuver is None:
                 _refuse_recorded(store, flight, upload.channels)
                 build = partial(FlightChannel, flight_id=flight.id or 0)
-                _store_channels(store, upload, report, store.flight_channels, build)
+                _store_channels(store, upload, store.flight_channels, build)
                 recorded = tuple(store.flight_channels.find(flight_id=flight.id))
             else:
                 maneuver = store_maneuver(store, aircraft, flight, upload.maneuver)
                 build = partial(Channel, maneuver_id=maneuver.id)
-                _store_channels(store, upload, report, store.channels, build)
+                _store_channels(store, upload, store.channels, build)
         tables = tuple(
             store_modal_table(store, aircraft, extract_modal_table(part, sources))
             for part in mapping.modal_tables

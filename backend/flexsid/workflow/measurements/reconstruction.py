@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,41 +46,38 @@ _UNITS = {
 }
 
 
-def reconstruct(
-    store: Store, maneuver_id: int, names: Sequence[str] = (), modes: Sequence[int] = ()
-) -> Reconstruction:
-    """Reconstruct quantities of a maneuver; the force and etaddot of the first mode by default.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReconstructionQuery:
+    """Maneuver, and numbers of the modes; by default those that its sensors resolve."""
+
+    maneuver_id: int
+    modes: tuple[int, ...] = ()
+
+
+def reconstruct(store: Store, query: ReconstructionQuery) -> Reconstruction:
+    """Reconstruct all quantities of a maneuver.
 
     Raises
     ------
     BadInput
-        If a quantity is unknown, or there is no modal table or no sensor with mode shape.
+        If there is no modal table or no sensor with mode shape.
     NotIdentifiable
         If the sensors do not resolve the modes.
     """
-    maneuver = store.maneuvers.get(maneuver_id)
-    sensing = gather_sensors(store, maneuver)
-    model, motion = reconstruct_resolved_modes(sensing, modes)
+    sensing = gather_sensors(store, store.maneuvers.get(query.maneuver_id))
+    model, motion = reconstruct_resolved_modes(sensing, query.modes)
     offered = _list_quantities(model)
-    selected = tuple(names) or (offered[0], *(f"etaddot{n}" for n in model.modes.numbers[:1]))
-    for name in selected:
-        if name not in offered:
-            raise BadInput(
-                f"'{name}' is not reconstructed; available are {', '.join(offered)}",
-                code="unknown-quantity",
-                quantity=name,
-            )
     time_s, smoothed = smooth(store, sensing, model, motion)
     rank, condition = compute_observability(
         model, motion.omega, sensing.measured.instruments, motion.noise
     )
     return Reconstruction(
-        maneuver_id=maneuver_id,
+        maneuver_id=query.maneuver_id,
         modes=model.modes.numbers,
         mode_names=tuple(sensing.table.names[number] for number in model.modes.numbers),
         time_s=time_s,
         frequency_hz=motion.omega / (2.0 * np.pi),
-        traces=tuple(_build_trace(name, model, motion, smoothed) for name in selected),
+        traces=tuple(_build_trace(name, model, motion, smoothed) for name in offered),
         offered=offered,
         n_motions=len(model.motions),
         rank=rank,
@@ -88,6 +86,28 @@ def reconstruct(
         noise_excess=tuple(finite_or_none(e) for e in motion.noise / sensing.noise),
         excluded=sensing.excluded,
     )
+
+
+def select_quantities(found: Reconstruction, names: Sequence[str] = ()) -> Reconstruction:
+    """Return a reconstruction with some of its quantities.
+
+    By default the force, and etaddot of the first mode.
+
+    Raises
+    ------
+    BadInput
+        If a quantity is unknown.
+    """
+    selected = tuple(names) or (found.offered[0], *(f"etaddot{n}" for n in found.modes[:1]))
+    for name in selected:
+        if name not in found.offered:
+            raise BadInput(
+                f"'{name}' is not reconstructed; available are {', '.join(found.offered)}",
+                code="unknown-quantity",
+                quantity=name,
+            )
+    traces = {trace.name: trace for trace in found.traces}
+    return replace(found, traces=tuple(traces[name] for name in selected))
 
 
 def smooth(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,10 +18,10 @@ from flexsid.records.modal_data import (
     MeasuredResponses,
     ModalKind,
     ModalTable,
+    ModeIdentification,
     Orthogonality,
     Stabilisation,
 )
-from flexsid.storage.arrays import Arrays
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_mass_orthogonality, compute_real_shapes
 from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
@@ -42,34 +40,22 @@ _SAME_POLE = 0.01  # relative difference in frequency of a pole and a mode
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeSearch:
-    """Frequency band of the mode search, and the highest model order."""
+    """Responses, frequency band of the mode search, and the highest model order."""
 
+    responses_id: int
     low_hz: float | None = None
     high_hz: float | None = None
     order: int = 40
 
 
 @dataclass(frozen=True, slots=True)
-class _Search:
-    """What a mode search depends on; measured samples by the hash of their content."""
+class ModeTask:
+    """A mode search with the samples of its responses: (n_omega,) [Hz], and per reference."""
 
-    samples: Arrays = field(compare=False)
-    frequency: str
-    values: str
-    quantity: str
-    driving: tuple[tuple[int, int], ...]
-    settings: ModeSearch
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Identification:
-    omega: np.ndarray
+    search: ModeSearch
+    record: MeasuredResponses
+    frequency_hz: np.ndarray
     responses: np.ndarray
-    poles: tuple[StabilizationPole, ...]
-    modes: MeasuredModes
-
-
-_identifying = threading.Lock()
 
 
 def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> MeasuredResponses:
@@ -94,22 +80,74 @@ def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> Meas
         )
 
 
-def compute_stabilisation_diagram(
-    store: Store, responses_id: int, settings: ModeSearch
+def identify_mode_search(store: Store, search: ModeSearch) -> tuple[object, ...]:
+    """Check a mode search, and return all records on which its result depends.
+
+    Raises
+    ------
+    BadInput
+        If the band has too few frequencies.
+    UnknownRecord
+        If there are no such responses.
+    """
+    record = store.measured_responses.get(search.responses_id)
+    _select_band(store, record, search)
+    return (record,)
+
+
+def prepare_mode_search(store: Store, search: ModeSearch) -> ModeTask:
+    """Return a mode search with its samples."""
+    record = store.measured_responses.get(search.responses_id)
+    hertz, inside = _select_band(store, record, search)
+    responses = np.asarray(store.arrays.get(record.arrays["values"]))
+    return ModeTask(search, record, hertz[inside], responses[inside])
+
+
+def find_modes(task: ModeTask) -> ModeIdentification:
+    """Identify modes by maximum likelihood, with standard deviations and stabilisation diagram."""
+    record, responses = task.record, task.responses
+    omega = 2.0 * np.pi * task.frequency_hz
+    driving = tuple(
+        (record.outputs.index(reference), index)
+        for index, reference in enumerate(record.references)
+        if reference in record.outputs
+    )
+    poles = compute_stabilisation(omega, responses, min(task.search.order, omega.size // 2 - 1))
+    modes = identify_modes(omega, responses, find_columns(poles), record.quantity, driving)
+    shapes, collinearity = compute_real_shapes(modes.shapes)
+    return ModeIdentification(
+        diagram=_build_diagram(task, poles, modes),
+        found=FoundModes(
+            responses_id=task.search.responses_id,
+            fit_error=float(np.linalg.norm(modes.fitted - responses) / np.linalg.norm(responses)),
+            scaled=modes.scaled,
+            items=tuple(
+                FoundMode(
+                    frequency_hz=float(modes.omega[k]) / (2.0 * np.pi),
+                    std_hz=float(modes.std_omega[k]) / (2.0 * np.pi),
+                    damping=float(modes.damping[k]),
+                    std_damping=float(modes.std_damping[k]),
+                    n_orders=_count_orders(poles, float(modes.omega[k])),
+                    collinearity=float(collinearity[k]),
+                )
+                for k in range(modes.omega.size)
+            ),
+            unmodelled_hz=tuple(float(one) / (2.0 * np.pi) for one in modes.unmodelled),
+        ),
+        shapes=shapes,
+    )
+
+
+def _build_diagram(
+    task: ModeTask, poles: tuple[StabilizationPole, ...], modes: MeasuredModes
 ) -> Stabilisation:
-    """Compute poles by model order over the band, with the mean response."""
-    record = store.measured_responses.get(responses_id)
-    found = _identify(store, record, settings)
-    modes, poles = found.modes, found.poles
-    size = np.sqrt(np.mean(np.abs(found.responses) ** 2, axis=(1, 2)))
-    fitted = np.sqrt(np.mean(np.abs(modes.fitted) ** 2, axis=(1, 2)))
     return Stabilisation(
-        title=record.name,
-        quantity=record.quantity,
-        frequency_hz=found.omega / (2.0 * np.pi),
-        magnitude=size,
-        fitted=fitted,
-        indicator=compute_mode_indicator(found.responses),
+        title=task.record.name,
+        quantity=task.record.quantity,
+        frequency_hz=task.frequency_hz,
+        magnitude=np.sqrt(np.mean(np.abs(task.responses) ** 2, axis=(1, 2))),
+        fitted=np.sqrt(np.mean(np.abs(modes.fitted) ** 2, axis=(1, 2))),
+        indicator=compute_mode_indicator(task.responses),
         pole_hz=np.array([pole.omega for pole in poles]) / (2.0 * np.pi),
         pole_order=np.array([pole.order for pole in poles]),
         pole_damping=np.array([pole.damping for pole in poles]),
@@ -120,35 +158,9 @@ def compute_stabilisation_diagram(
     )
 
 
-def find_modes(store: Store, responses_id: int, settings: ModeSearch) -> FoundModes:
-    """Identify modes by maximum likelihood, with standard deviations of their parameters."""
-    found = _identify(store, store.measured_responses.get(responses_id), settings)
-    modes = found.modes
-    error = np.linalg.norm(modes.fitted - found.responses) / np.linalg.norm(found.responses)
-    _, straight = compute_real_shapes(modes.shapes)
-    return FoundModes(
-        responses_id=responses_id,
-        fit_error=float(error),
-        scaled=modes.scaled,
-        items=tuple(
-            FoundMode(
-                frequency_hz=float(modes.omega[k]) / (2.0 * np.pi),
-                std_hz=float(modes.std_omega[k]) / (2.0 * np.pi),
-                damping=float(modes.damping[k]),
-                std_damping=float(modes.std_damping[k]),
-                n_orders=_count_orders(found.poles, float(modes.omega[k])),
-                collinearity=float(straight[k]),
-            )
-            for k in range(modes.omega.size)
-        ),
-        unmodelled_hz=tuple(float(one) / (2.0 * np.pi) for one in modes.unmodelled),
-    )
-
-
 def store_found_modes(
     store: Store,
-    responses_id: int,
-    settings: ModeSearch,
+    identified: ModeIdentification,
     name: str,
     indices: tuple[int, ...] | None = None,
     template_id: int | None = None,
@@ -157,8 +169,8 @@ def store_found_modes(
 
     Parameters
     ----------
-    store, responses_id, settings
-        Responses and settings of the mode search.
+    store, identified
+        Store of the responses, and the modes identified from them.
     name
         Name of the table.
     indices
@@ -172,12 +184,12 @@ def store_found_modes(
     BadInput
         If the locations of the points are unknown, or an index is out of range.
     """
-    record = store.measured_responses.get(responses_id)
-    modes = _identify(store, record, settings).modes
-    selected = list(range(modes.omega.size)) if indices is None else list(indices)
-    if not selected or any(not 0 <= place < modes.omega.size for place in selected):
+    found = identified.found
+    record = store.measured_responses.get(found.responses_id)
+    selected = list(range(len(found.items))) if indices is None else list(indices)
+    if not selected or any(not 0 <= place < len(found.items) for place in selected):
         raise BadInput(
-            f"{modes.omega.size} modes were found; select at least one, by index from 0",
+            f"{len(found.items)} modes were found; select at least one, by index from 0",
             code="unknown-mode",
         )
     if "nodes" not in record.arrays:
@@ -187,7 +199,8 @@ def store_found_modes(
         )
     places = np.asarray(store.arrays.get(record.arrays["nodes"]), dtype=float)
     directions = np.asarray(store.arrays.get(record.arrays["directions"]), dtype=float)
-    real, _ = compute_real_shapes(modes.shapes[selected])
+    real = identified.shapes[selected]
+    modes = [found.items[place] for place in selected]
     labels = [int(output.split("+")[0]) for output in record.outputs]
     ids = np.unique(labels)
     rows = {int(node): row for row, node in enumerate(ids)}
@@ -206,9 +219,9 @@ def store_found_modes(
         kind=ModalKind.GVT,
         fuel=np.array([record.fuel]),
         numbers=numbers,
-        omega=modes.omega[None, selected],
-        zeta=modes.damping[None, selected],
-        mass=np.ones((1, len(selected))) if modes.scaled else None,
+        omega=2.0 * np.pi * np.array([[mode.frequency_hz for mode in modes]]),
+        zeta=np.array([[mode.damping for mode in modes]]),
+        mass=np.ones((1, len(selected))) if found.scaled else None,
         node_ids=ids,
         nodes=nodes,
         shape=shape,
@@ -218,7 +231,7 @@ def store_found_modes(
         notes=(
             *record.notes,
             "Shapes are scaled by the driving points to one kg m2."
-            if modes.scaled
+            if found.scaled
             else "Shapes are scaled to one, as no driving point was measured.",
         ),
     )
@@ -267,31 +280,13 @@ def compute_orthogonality(
     )
 
 
-def _identify(store: Store, record: MeasuredResponses, settings: ModeSearch) -> _Identification:
-    """Identify the modes once for the figure, the list and the table that show them."""
-    driving = tuple(
-        (record.outputs.index(reference), index)
-        for index, reference in enumerate(record.references)
-        if reference in record.outputs
-    )
-    search = _Search(
-        samples=store.arrays,
-        frequency=record.arrays["frequency"],
-        values=record.arrays["values"],
-        quantity=record.quantity,
-        driving=driving,
-        settings=settings,
-    )
-    with _identifying:  # the page requests the figure and the list at the same time
-        return _identify_modes(search)
-
-
-@lru_cache(maxsize=4)  # the fit takes seconds; each is of the size of its responses
-def _identify_modes(search: _Search) -> _Identification:
-    hertz = np.asarray(search.samples.get(search.frequency), dtype=float)
-    settings = search.settings
-    low = hertz[0] if settings.low_hz is None else settings.low_hz
-    high = hertz[-1] if settings.high_hz is None else settings.high_hz
+def _select_band(
+    store: Store, record: MeasuredResponses, search: ModeSearch
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the frequencies [Hz], and which of them are in the band of the search."""
+    hertz = np.asarray(store.arrays.get(record.arrays["frequency"]), dtype=float)
+    low = hertz[0] if search.low_hz is None else search.low_hz
+    high = hertz[-1] if search.high_hz is None else search.high_hz
     inside = (hertz >= low) & (hertz <= high) & (hertz > 0)
     if inside.sum() < 10:
         raise BadInput(
@@ -299,12 +294,7 @@ def _identify_modes(search: _Search) -> _Identification:
             f" needed, and responses span {hertz[0]:g} to {hertz[-1]:g} Hz",
             code="too-few-frequencies",
         )
-    omega = 2.0 * np.pi * hertz[inside]
-    responses = np.asarray(search.samples.get(search.values))[inside]
-    poles = compute_stabilisation(omega, responses, min(settings.order, omega.size // 2 - 1))
-    columns = find_columns(poles)
-    modes = identify_modes(omega, responses, columns, search.quantity, search.driving)
-    return _Identification(omega, responses, poles, modes)
+    return hertz, inside
 
 
 def _count_orders(poles: tuple[StabilizationPole, ...], omega: float) -> int:

@@ -35,7 +35,7 @@ function useRefreshManeuver(id: number) {
   const cache = useQueryClient();
   return () =>
     Promise.all(
-      [["conditioning", id], ["quality"], ["figure"]].map((queryKey) =>
+      [["conditioning", id], ["quality"], ["figure"], ["result job"]].map((queryKey) =>
         cache.invalidateQueries({ queryKey }),
       ),
     );

@@ -1,6 +1,7 @@
 /** Sends files and takes them in. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
+import { importJobQuery } from "../queries";
 import type { UploadDetail } from "../types";
 
 export function useUploadFiles() {
@@ -23,19 +24,9 @@ export function useImportUpload(id: string) {
           body: { mapping, confirmed: false },
         }),
       ),
-    onSuccess: (begun) => {
-      cache.setQueryData(["upload", id, "state"], begun);
+    onSuccess: (job) => {
+      cache.setQueryData(importJobQuery(id).queryKey, { job });
     },
-  });
-}
-
-/** Cancels a running import, or deletes the uploaded files. */
-export function useDiscardUpload(id: string) {
-  const cache = useQueryClient();
-  return useMutation({
-    mutationFn: () =>
-      body(api.DELETE("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } } })),
-    onSettled: () => cache.invalidateQueries({ queryKey: ["upload", id, "state"] }),
   });
 }
 

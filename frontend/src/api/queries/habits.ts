@@ -1,7 +1,5 @@
-/** How pages ask: how often, and how a long list is read page by page. */
+/** How a long list is read page by page. */
 import { keepPreviousData } from "@tanstack/react-query";
-
-export const POLL_MS = 500;
 
 /** Options of a list that is read on from where the last page ended. */
 export const PAGED = {

@@ -1,7 +1,8 @@
 /** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
-import { api, body, items } from "../client";
-import type { ManeuverFilters, ModelAxis } from "../types";
+import { address, api, body, items, json } from "../client";
+import type { FigureSpec, ManeuverFilters, ModelAxis } from "../types";
+import type { StoredResultOptions } from "../useStoredResult";
 import { PAGED } from "./habits";
 
 export const maneuversQuery = (filters: ManeuverFilters, sort: string, limit = 50) =>
@@ -36,6 +37,25 @@ export const maneuverQuery = (id: number) =>
         }),
       ),
   });
+
+/** The reconstructed motion, of which figures draw quantities; an equal request is the same job. */
+export const reconstructionResult = (
+  id: number,
+  modes: number[] | undefined,
+): StoredResultOptions<FigureSpec> => {
+  const params = { path: { maneuver_id: id }, query: { modes: modes?.join(",") } };
+  const path = "/api/v1/maneuvers/{maneuver_id}/reconstruction/results";
+  return {
+    key: ["reconstruction", id, modes ?? []],
+    enabled: true,
+    read: (signal) =>
+      json(address("figures/reconstruction", { maneuver_id: id, modes }), {
+        signal,
+      }) as Promise<FigureSpec>,
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
 
 export const conditioningQuery = (id: number) =>
   queryOptions({

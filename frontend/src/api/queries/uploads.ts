@@ -2,13 +2,6 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { api, body, items, json } from "../client";
 import type { FigureSpec } from "../types";
-import { POLL_MS } from "./habits";
-
-export const importsQuery = queryOptions({
-  queryKey: ["uploads"],
-  queryFn: ({ signal }) => items(api.GET("/api/v1/uploads", { signal })),
-  refetchInterval: 4 * POLL_MS,
-});
 
 export const uploadQuery = (id: string) =>
   queryOptions({
@@ -18,17 +11,17 @@ export const uploadQuery = (id: string) =>
     staleTime: Infinity,
   });
 
-export const uploadStateQuery = (id: string) =>
+/** The newest job that imports an upload. */
+export const importJobQuery = (id: string) =>
   queryOptions({
-    queryKey: ["upload", id, "state"],
+    queryKey: ["upload", id, "import"],
     queryFn: ({ signal }) =>
       body(
-        api.GET("/api/v1/uploads/{upload_id}/state", {
+        api.GET("/api/v1/uploads/{upload_id}/import", {
           params: { path: { upload_id: id } },
           signal,
         }),
       ),
-    refetchInterval: (query) => (query.state.data?.state === "importing" ? 300 : false),
   });
 
 export const mappingCheckQuery = (id: string, mapping: string) =>

@@ -1,6 +1,8 @@
 /** Measured responses of a vibration test, and the modes in them. */
-import { keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { queryOptions } from "@tanstack/react-query";
+import type { FoundModes } from "../types";
 import { api, body, items } from "../client";
+import type { StoredResultOptions } from "../useStoredResult";
 
 export const measuredResponsesQuery = (aircraftId: number) =>
   queryOptions({
@@ -14,19 +16,19 @@ export const measuredResponsesQuery = (aircraftId: number) =>
       ),
   });
 
-export const foundModesQuery = (
+/** The modes of a band; an equal request is the same job. */
+export const foundModesResult = (
   id: number,
   query: { low_hz?: number; high_hz?: number; order: number },
-) =>
-  queryOptions({
-    queryKey: ["measured-responses", "modes", id, query],
-    queryFn: ({ signal }) =>
-      body(
-        api.GET("/api/v1/measured-responses/{responses_id}/modes", {
-          params: { path: { responses_id: id }, query },
-          signal,
-        }),
-      ),
-    placeholderData: keepPreviousData,
-    retry: false,
-  });
+): StoredResultOptions<FoundModes> => {
+  const params = { path: { responses_id: id }, query };
+  const path = "/api/v1/measured-responses/{responses_id}/modes/results";
+  return {
+    key: ["measured-responses", "modes", id, query],
+    enabled: true,
+    read: (signal) =>
+      body(api.GET("/api/v1/measured-responses/{responses_id}/modes", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};

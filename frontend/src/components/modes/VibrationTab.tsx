@@ -11,9 +11,10 @@ import {
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useSaveFoundModes } from "../../api/commands";
-import { foundModesQuery, measuredResponsesQuery } from "../../api/queries";
+import { foundModesResult, measuredResponsesQuery } from "../../api/queries";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/format";
+import { ComputedResult } from "../ComputedResult";
 import { DataTable } from "../DataTable";
 import { Empty } from "../Empty";
 import { Figure } from "../Figure";
@@ -48,7 +49,6 @@ interface OneProps extends Pick<TabProps, "usable" | "view" | "onChange"> {
 
 function OneSet({ known, responses, usable, view, onChange }: OneProps) {
   const query = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 40 };
-  const found = useQuery(foundModesQuery(responses.id, query));
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <div className="split split-early">
@@ -94,22 +94,24 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
         </Text>
       </Stack>
       <Stack gap="md">
-        <div className="panel" style={{ padding: 12 }}>
-          <Figure
-            kind="stabilisation"
-            title="Stabilisation diagram over the mean response"
-            params={{ responses_id: responses.id, ...query }}
-            height={560}
-          />
-        </div>
-        <Loaded query={found} rows={6}>
-          {(data) => (
-            <Found
-              key={`${String(responses.id)} ${JSON.stringify(query)}`}
-              {...{ found: data, query, usable, onChange }}
-            />
+        <ComputedResult options={foundModesResult(responses.id, query)} rows={6}>
+          {(found) => (
+            <>
+              <div className="panel" style={{ padding: 12 }}>
+                <Figure
+                  kind="stabilisation"
+                  title="Stabilisation diagram over the mean response"
+                  params={{ responses_id: responses.id, ...query }}
+                  height={560}
+                />
+              </div>
+              <Found
+                key={`${String(responses.id)} ${JSON.stringify(query)}`}
+                {...{ found, query, usable, onChange }}
+              />
+            </>
           )}
-        </Loaded>
+        </ComputedResult>
       </Stack>
     </div>
   );
