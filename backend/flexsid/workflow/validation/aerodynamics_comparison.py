@@ -203,7 +203,7 @@ def _fit(task: EstimationTask, report: Report) -> _Fitted:
     corrected, estimate = refit_with_leakage_correction(
         task, every, parameters, estimate, report, PRIOR_SPREAD
     )
-    adequacy = assess_model_adequacy(task, corrected, parameters, estimate, PRIOR_SPREAD)
+    adequacy, _ = assess_model_adequacy(task, corrected, parameters, estimate, PRIOR_SPREAD)
     flutter = _predict_flutter(task, parameters, estimate)
     return _Fitted(held_out, estimate, adequacy, flutter)
 
