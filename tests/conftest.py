@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import postgresql as postgresql_server
 import pytest
+from preloaded import use_preloaded
 from threadpoolctl import threadpool_limits
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, SensorKind, Surface
@@ -92,13 +93,15 @@ def postgresql() -> Iterator[postgresql_server.Cluster]:
     cluster.remove()
 
 
-# Tests of database statements and concurrency run on both databases; tests of other layers
-# run on the second database only with ``--every-database``.
+# Tests of database statements and concurrency run on both databases, named by the beginning of file
+# and test; tests of other layers run on the second database only with ``--every-database``.
 _BOTH = (
     *("storage/", "jobs/", "api/test_batches.py", "api/test_resources.py", "api/test_decisions.py"),
-    *("api/test_uploads.py", "api/test_model_structures.py", "workflow/test_ingest.py"),
+    *("api/test_model_structures.py", "workflow/test_ingest.py"),
     "api/test_hostile_input.py",
-    *("api/test_searches.py", "workflow/test_recordings.py", "cli/"),
+    *("api/test_searches.py::test_interrupted", "workflow/test_recordings.py"),
+    *("cli/test_commands.py::test_a_run_is_executed", "cli/test_commands.py::test_files_are"),
+    *("cli/test_commands.py::test_each_damage", "cli/test_commands.py::test_an_intact"),
 )
 
 
@@ -145,7 +148,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     ]
     if any("backend" in name for name in own):
         return
-    where = metafunc.definition.path.relative_to(Path(__file__).parent).as_posix()
+    file = metafunc.definition.path.relative_to(Path(__file__).parent).as_posix()
+    where = f"{file}::{metafunc.definition.name}"
     both = metafunc.config.getoption("--every-database") or where.startswith(_BOTH)
     metafunc.parametrize("backend", ["sqlite", "postgresql"] if both else ["sqlite"])
 
@@ -294,8 +298,10 @@ def live_url(
     """Address of a running server with one flown maneuver and an EE run of it."""
     file = tmp_path_factory.mktemp("live") / "flown.db"
     shutil.copy(flown_file, file)
-    with listening(f"sqlite:///{file}") as url:
-        yield url
+    with pytest.MonkeyPatch.context() as patch:
+        use_preloaded(patch)
+        with listening(f"sqlite:///{file}") as url:
+            yield url
 
 
 @pytest.fixture(scope="session")

@@ -79,7 +79,6 @@ def test_a_database_that_restarts_is_waited_for(
         assert kinds.count("succeeded") == 1
 
 
-@pytest.mark.parametrize("backend", ["sqlite"])
 def test_a_scheduler_that_goes_away_is_waited_for(
     store: Store,
     add_job: AddJob,
@@ -101,7 +100,6 @@ def test_a_scheduler_that_goes_away_is_waited_for(
         own.close()
 
 
-@pytest.mark.parametrize("backend", ["sqlite"])
 def test_a_run_without_a_worker_waits_in_the_queue_and_health_is_degraded(
     store: Store,
     add_job: AddJob,

@@ -280,7 +280,6 @@ def test_a_full_disk_loses_no_result(
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 1)
 
 
-@pytest.mark.parametrize("executor", [None], ids=["local"])
 def test_a_claim_that_was_stored_but_not_confirmed_is_repeated(
     store: Store,
     add_job: AddJob,

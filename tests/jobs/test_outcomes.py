@@ -1,0 +1,218 @@
+"""The result of every kind of job is stored once, whatever attempts were lost before."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from flexsid.demo.flex28 import load_truth
+from flexsid.demo.vibration_test import build_measured_responses
+from flexsid.errors import Conflict
+from flexsid.jobs import kinds
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kind import submit
+from flexsid.records.job import Job
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.records.search import SearchSettings, StructureSearch
+from flexsid.storage import queue
+from flexsid.storage.store import Store
+from flexsid.storage.tables import metadata
+from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery
+from flexsid.workflow.excitation.excitation_designs import (
+    DesignOrder,
+    compute_design,
+    specify_design,
+)
+from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
+from flexsid.workflow.excitation.preflight_simulation import SimulationRequest
+from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
+from flexsid.workflow.importing.uploads import ImportRequest, add_upload
+from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
+from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
+from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.structure_determination.searches import add_search
+from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+
+_STRUCTURE = Structure(modes=(7, 9), fixed={})
+# The attempts, log and lease of a job change whether its result is stored or not.
+_OF_THE_QUEUE = {"jobs", "job_events", "leases"}
+_SHORT = ("import", "quality-assessment", "mode-identification")
+MAPPING = """
+[aircraft]
+name = "FLEX-28"
+[flight]
+number = 7
+[time]
+column = "t_s"
+[[channels]]
+column = "q"
+unit = "deg/s"
+role = "output"
+"""
+
+
+@pytest.fixture
+def flown(flown_url: str) -> Iterator[Store]:
+    opened = Store.open(flown_url)
+    yield opened
+    opened.close()
+
+
+def _add_run(store: Store) -> Job:
+    run = EstimationRun(
+        maneuver_id=1, method=Method.EE, structure=_STRUCTURE, settings=RunSettings()
+    )
+    return store.jobs.get(queue.add(store, run).id or 0)
+
+
+def _add_search(store: Store) -> Job:
+    search = StructureSearch(
+        aircraft_id=1,
+        maneuver_ids=(1,),
+        method=Method.EE,
+        structure=_STRUCTURE,
+        settings=SearchSettings(resamplings=0),
+    )
+    return store.jobs.get(add_search(store, search).job_id or 0)
+
+
+def _order_design() -> DesignOrder:
+    peak = float(np.deg2rad(1.0))
+    specification = specify_design(503, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
+    return DesignOrder(name="FTA 503", specification=specification, fta=503)
+
+
+def _query_design(store: Store) -> DesignQuery:
+    """A design for a run of output error, both stored now."""
+    run = EstimationRun(
+        maneuver_id=1, method=Method.OE, structure=_STRUCTURE, settings=RunSettings()
+    )
+    estimated = execute_run(store, run, kinds.RUN, lambda progress: None)
+    design = store.designs.add(compute_design(_order_design(), lambda progress: None))
+    return DesignQuery(design_id=design.id or 0, run_id=estimated.id or 0, level=1)
+
+
+def _simulate(store: Store) -> Job:
+    query = _query_design(store)
+    request = SimulationRequest(design_id=query.design_id, run_id=query.run_id, level=1)
+    return submit(store, kinds.SIMULATION, request)
+
+
+def _optimise_amplitudes(store: Store) -> Job:
+    query = _query_design(store)
+    request = AmplitudeQuery(design_id=query.design_id, run_id=query.run_id, level=1)
+    return submit(store, kinds.AMPLITUDES, request)
+
+
+def _identify_modes(store: Store) -> Job:
+    responses = build_measured_responses(load_truth(), 1, store.arrays.put)
+    number = store.measured_responses.add(responses).id or 0
+    request = ModeSearch(responses_id=number, low_hz=2.0, high_hz=6.0, order=8)
+    return submit(store, kinds.MODES, request)
+
+
+def _predict_derivatives(store: Store) -> Job:
+    panel = PlanformPanel(
+        left=(0.0, 0.0, 0.0),
+        left_chord=1.0,
+        right=(0.5, 4.0, 0.0),
+        right_chord=0.5,
+        chordwise=2,
+        spanwise=3,
+    )
+    request = PredictionRequest(aircraft_id=1, source="lattice", panels=(panel,))
+    return submit(store, kinds.PREDICTION, request)
+
+
+def _import_files(store: Store, folder: Path) -> Job:
+    file = folder / "record.csv"
+    file.write_text("t_s,q\n" + "".join(f"{k / 50:.2f},{k % 7}\n" for k in range(100)))
+    upload = add_upload(store, [file], [file.name])
+    return submit(store, kinds.IMPORT, ImportRequest(upload_id=upload.id, mapping=MAPPING))
+
+
+_FLUTTER = FlutterQuery(run_ids=(1,))
+_REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
+    kinds.RUN.name: lambda store, folder: _add_run(store),
+    kinds.SEARCH.name: lambda store, folder: _add_search(store),
+    kinds.DESIGN.name: lambda store, folder: submit(store, kinds.DESIGN, _order_design()),
+    kinds.SIMULATION.name: lambda store, folder: _simulate(store),
+    kinds.FLUTTER.name: lambda store, folder: submit(store, kinds.FLUTTER, _FLUTTER),
+    kinds.CLOSED_LOOP.name: lambda store, folder: submit(
+        store, kinds.CLOSED_LOOP, ClosedLoopQuery(flutter=_FLUTTER, controller_id=1)
+    ),
+    kinds.CROSS_PREDICTION.name: lambda store, folder: submit(
+        store, kinds.CROSS_PREDICTION, CrossPredictionQuery(run_ids=(1,))
+    ),
+    kinds.CROSS_VALIDATION.name: lambda store, folder: submit(
+        store, kinds.CROSS_VALIDATION, CrossValidationQuery(run_id=1, folds=2)
+    ),
+    kinds.PREDICTED_ACCURACY.name: lambda store, folder: submit(
+        store, kinds.PREDICTED_ACCURACY, _query_design(store)
+    ),
+    kinds.INPUT_COMPARISON.name: lambda store, folder: submit(
+        store, kinds.INPUT_COMPARISON, _query_design(store)
+    ),
+    kinds.AMPLITUDES.name: lambda store, folder: _optimise_amplitudes(store),
+    kinds.RECONSTRUCTION.name: lambda store, folder: submit(
+        store, kinds.RECONSTRUCTION, ReconstructionQuery(maneuver_id=1, modes=(7, 9))
+    ),
+    kinds.MODES.name: lambda store, folder: _identify_modes(store),
+    kinds.QUALITY.name: lambda store, folder: submit(
+        store, kinds.QUALITY, kinds.QualityRequest(maneuver_id=1)
+    ),
+    kinds.PREDICTION.name: lambda store, folder: _predict_derivatives(store),
+    kinds.IMPORT.name: _import_files,
+}
+
+
+def test_every_kind_has_a_request() -> None:
+    assert set(_REQUESTS) == set(kinds.KINDS)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=() if n in _SHORT else pytest.mark.long) for n in sorted(_REQUESTS)],
+)
+def test_a_result_is_stored_once_by_the_last_attempt(
+    flown: Store, tmp_path: Path, name: str
+) -> None:
+    kind = kinds.KINDS[name]
+    requested = _REQUESTS[name](flown, tmp_path)
+    first = queue.claim(flown, requested.id)
+    assert first is not None
+    task = pickle.loads(pickle.dumps(kind.prepare(flown, first, kind.read_request(first))))
+    queue.requeue_orphans(flown)  # the server was killed
+    second = queue.claim(flown, requested.id)
+    assert second is not None
+    outcome = pickle.loads(pickle.dumps(kind.compute(task, lambda progress: None)))
+    before = _count_rows(flown)
+    with pytest.raises(queue.StaleAttempt):
+        kind.save(flown, first, outcome, "worker")
+    assert _count_rows(flown) == before, "the result of the lost attempt"
+    kind.save(flown, second, outcome, "worker")
+    after = _count_rows(flown)
+    with pytest.raises(Conflict):
+        kind.save(flown, second, outcome, "worker")
+    assert _count_rows(flown) == after, "the same result twice"
+    ended = flown.jobs.get(requested.id or 0)
+    assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
+    if kind.result is not None:
+        assert isinstance(kind.read_result(ended), kind.result)
+
+
+def _count_rows(store: Store) -> dict[str, int]:
+    with store.database.reading() as connection:
+        return {
+            name: connection.scalar(sa.select(sa.func.count()).select_from(table)) or 0
+            for name, table in metadata.tables.items()
+            if name not in _OF_THE_QUEUE
+        }
