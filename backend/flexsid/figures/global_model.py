@@ -172,7 +172,7 @@ def _draw_points(value: DerivativeSlice, kind: str, symbol: Symbol) -> Spec:
 
 def _describe_condition(value: DerivativeSlice) -> str:
     others = [
-        f"{symbol.label} = {number * symbol.display_factor:.4g} {symbol.display_unit}"
+        f"{symbol.label} = {number * symbol.display_factor:.4g} {symbol.display_unit.strip('1')}"
         for quantity, number in zip(value.variables, value.condition, strict=True)
         if quantity is not value.along and (symbol := describe(_SYMBOLS[quantity]))
     ]

@@ -29,7 +29,7 @@ export function GlobalModelSettings({ view, onChange }: Props) {
     .flatMap((page) => page.items)
     .map((run) => ({
       value: String(run.id),
-      label: `${run.method} ${String(run.id)}: ${run.modes.join(" ")}, ${run.maneuver_label}`,
+      label: `${run.method} ${String(run.id)}: ${run.modes.join(" ") || "rigid"}, ${run.maneuver_label}`,
     }));
   const listed = new Set(offered.map((one) => one.value));
   const selected = (view.runs ?? []).map(String);
@@ -48,6 +48,7 @@ export function GlobalModelSettings({ view, onChange }: Props) {
         clearable
         hidePickedOptions
         maxDropdownHeight={320}
+        styles={{ pillsList: { maxHeight: 240, overflowY: "auto" } }}
         data-testid="global-model-runs"
         data={[...offered, ...others]}
         value={selected}

@@ -28,6 +28,8 @@ type Score = GlobalModelSummary["scores"][number];
 type Outlier = GlobalModelSummary["outliers"][number];
 
 const LEAST_RUNS = 4;
+/** Smaller probabilities are not resolved. */
+const LEAST_SHOWN = 1e-9;
 
 interface ViewProps {
   view: GlobalModelView;
@@ -120,9 +122,7 @@ function Model({ model, query, view, onChange }: ModelProps) {
         <DataTable
           label="Derivatives"
           testId="global-derivatives"
-          columns={derivativeColumns(model, (derivative) => {
-            onChange({ derivative });
-          })}
+          columns={listColumns(model)}
           rows={model.derivatives}
           rowKey={(row) => row.name}
           isSelected={(row) => row.name === view.derivative}
@@ -229,25 +229,12 @@ const STEPS: Record<Variable, { size: number; text: string }> = {
   alpha_rad: { size: Math.PI / 180, text: "deg" },
 };
 
-function derivativeColumns(
-  model: GlobalModelSummary,
-  onName: (name: string) => void,
-): Column<Derivative>[] {
+function listColumns(model: GlobalModelSummary): Column<Derivative>[] {
   return [
     {
       key: "name",
       header: "Derivative",
-      render: (row) => (
-        <button
-          type="button"
-          className="link"
-          onClick={() => {
-            onName(row.name);
-          }}
-        >
-          <DerivativeName name={row.name} />
-        </button>
-      ),
+      render: (row) => <DerivativeName name={row.name} />,
     },
     numeric("value", "Value ± σ", (row) => {
       const shown = withError(row.value, row.std_error);
@@ -281,7 +268,9 @@ const OUTLIERS: Column<Outlier>[] = [
   { key: "sentence", header: "Deviation", wraps: true, render: (row) => row.sentence },
   numeric("chi", "χ²", (row) => fixed(row.chi_square, 0)),
   numeric("n", "Derivatives", (row) => row.n_derivatives),
-  numeric("p", "P", (row) => significant(row.probability, 2)),
+  numeric("p", "P", (row) =>
+    row.probability < LEAST_SHOWN ? "< 1e-9" : significant(row.probability, 2),
+  ),
 ];
 
 const SCORES: Column<Score>[] = [
@@ -293,7 +282,7 @@ const SCORES: Column<Score>[] = [
   numeric("degree", "Unpenalised degree", (row) => row.degree),
   numeric("density", "Log density of an estimate", (row) => fixed(row.log_density, 3)),
   numeric("rms", "rms / σ", (row) => fixed(row.rms, 2)),
-  numeric("inside", "Within 2σ", (row) => percent(row.share_inside)),
+  numeric("inside", "Within 2σ", (row) => percent(row.share_inside), "%"),
 ];
 
 function nextCondition(model: GlobalModelSummary): string {
@@ -304,5 +293,5 @@ function nextCondition(model: GlobalModelSummary): string {
     const { label, unit, factor } = quantity(key);
     return `${label.toLowerCase()} ${significant((next.condition[number] ?? 0) * factor, 3)} ${unit}`;
   });
-  return `${note}. One more run at ${at.join(", ")} reduces the mean variance most, by ${percent(next.reduction, 1)}`;
+  return `${note}. One more run at ${at.join(", ")} reduces the mean variance most, by ${percent(next.reduction, 1)} %`;
 }
