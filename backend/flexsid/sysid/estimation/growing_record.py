@@ -9,10 +9,13 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.estimation.end_states import add_end_states, remove_free_motion
-from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
+
+_APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,12 +84,22 @@ def fit_growing_record(
 
     Notes
     -----
+    A few iterations of maximum likelihood lead near the optimum. The fit weighted with the noise
+    spectrum follows from there, as after the flight: in turbulence the likelihood with one
+    covariance of the noise has an optimum that is many times less precise. Where the record
+    has too few frequencies for a noise spectrum, that optimum is the result.
+
     Frequencies closer than 1/T share noise: as after the flight, variances are multiplied by the
     number of frequencies per 1/T.
     """
     whole = add_end_states(parameters, experiment)
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
-    found = maximize([experiment], whole, settings)
+    near = maximize([experiment], whole, replace(settings, max_iterations=_APPROACH))
+    found = weight_by_noise_spectrum(
+        [experiment], whole, replace(near, outcome=Outcome.CONVERGED), settings
+    )
+    if found.noise is None or not found.noise.converged or found.values is near.values:
+        found = maximize([experiment], replace(whole, start=near.values), settings)
     complete = remove_free_motion(experiment, replace(whole, start=found.values))
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)

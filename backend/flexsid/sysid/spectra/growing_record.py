@@ -79,7 +79,7 @@ class GrowingRecord:
         """Names of the channels, in order of the groups."""
         return tuple(name for group in self.groups for name in group.names)
 
-    def append(self, start_s: float, samples: Sequence[Float[np.ndarray, "n_new n_group"]]) -> None:
+    def append(self, start_s: float, samples: Sequence[np.ndarray]) -> None:
         """Add the next samples of every group; after ``close`` they begin a new stretch.
 
         Parameters
@@ -87,7 +87,7 @@ class GrowingRecord:
         start_s
             Time of the first of them, in all groups. [s]
         samples
-            Of every group, over the same time.
+            Of every group, (n_new, n_channels), over the same time.
         """
         if not self._open:
             self._open = [

@@ -1,0 +1,1 @@
+"""Live identification: streams, their processing, and alarms."""

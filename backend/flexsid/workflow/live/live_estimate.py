@@ -1,0 +1,160 @@
+"""Estimate from the spectra of a growing record: derivatives, poles, flutter speed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import ndtr
+
+from flexsid.errors import NotIdentifiable
+from flexsid.records import finite_or_none
+from flexsid.records.live import LiveEstimate, LiveMode
+from flexsid.sysid.estimation.growing_record import (
+    fit_growing_record,
+    select_resolved_frequencies,
+)
+from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.model.sensors import SensorRows
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.growing_record import GrowingSpectra
+from flexsid.sysid.stability.bands import UncertainDerivatives
+from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
+from flexsid.sysid.stability.prediction import (
+    FlutterPrediction,
+    IdentifiedModes,
+    predict_flutter,
+)
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.workflow.aircraft.aircraft_models import (
+    compute_input_correction,
+    get_output_instrument,
+)
+from flexsid.workflow.live.live_task import LiveTask
+
+_BAND = (0.35, 2.0)  # of the airspeed: range of the flutter search, as of stored runs
+
+
+class LiveFit:
+    """Fits of one maneuver in sequence, each from the values of the one before.
+
+    Parameters
+    ----------
+    task
+        Model, start and priors.
+    """
+
+    def __init__(self, task: LiveTask) -> None:
+        self._task = task
+        self._parameters = task.parameters
+        omega, aircraft = task.omega, task.aircraft
+        corrections = [compute_input_correction(aircraft, n, omega) for n in task.inputs]
+        self._corrections = np.stack(corrections, axis=1)
+        instruments = [get_output_instrument(aircraft, o).response(omega) for o in task.outputs]
+        self._instruments = np.stack(instruments, axis=1)
+
+    def estimate(
+        self, spectra: GrowingSpectra, trim: np.ndarray, excluded: Collection[str]
+    ) -> LiveEstimate:
+        """Estimate from all spectra so far.
+
+        Parameters
+        ----------
+        spectra
+            Of the recorded channels, in SI units.
+        trim
+            Trim value of every channel.
+        excluded
+            Channels without data over the whole record; outputs that need them are omitted.
+
+        Raises
+        ------
+        NotIdentifiable
+            If an input is excluded, or the data are too few.
+        """
+        task = self._task
+        lost = [name for name in task.inputs if name in excluded]
+        if lost:
+            raise NotIdentifiable(
+                f"no estimate without the deflection of {', '.join(lost)}; repeat the maneuver"
+            )
+        usable = [
+            k
+            for k, output in enumerate(task.outputs)
+            if not any(part.name in excluded for part, _ in output.terms)
+        ]
+        outputs = [task.outputs[k] for k in usable]
+        picked = select_resolved_frequencies(task.omega, spectra.duration_s)
+        omega = task.omega[picked]
+        moved = spectra.remove_trim(trim)[picked]
+        place = {name: k for k, name in enumerate(spectra.names)}
+        u = moved[:, [place[name] for name in task.inputs]] * self._corrections[picked]
+        z = np.stack(
+            [sum(w * moved[:, place[part.name]] for part, w in o.terms) for o in outputs], axis=1
+        )
+        names = tuple(output.name for output in outputs)
+        rows = SensorRows(names, task.model.sensors.polynomial[:, usable])
+        experiment = output_error(
+            replace(task.model, sensors=rows),
+            FrequencyData(omega, u, task.inputs),
+            FrequencyData(omega, z, names),
+            self._instruments[picked][:, usable],
+            edges_s=spectra.edges_s,
+        )
+        fit = fit_growing_record(experiment, self._parameters, spectra.duration_s, task.priors)
+        found = fit.estimate
+        if found.outcome.is_optimum:
+            self._parameters = replace(self._parameters, start=found.values)
+        poles = compute_named_poles(
+            task.model,
+            task.parameters,
+            found.values,
+            found.corrected_covariance,
+            task.mode_names,
+        )
+        prediction = _predict(task, found.values, found.corrected_covariance)
+        crossing, std = prediction.crossing, prediction.total_std
+        beyond = None
+        if crossing is not None and np.isfinite(std) and task.next_airspeed_m_s is not None:
+            beyond = float(ndtr((task.next_airspeed_m_s - crossing.airspeed) / std))
+        return LiveEstimate(
+            duration_s=spectra.duration_s,
+            converged=found.outcome.is_optimum,
+            modes=tuple(_describe_mode(pole) for pole in poles if pole.value.imag > 0.0),
+            names=found.names,
+            values=tuple(found.values.tolist()),
+            std_errors=tuple(finite_or_none(std) for std in found.std_errors.tolist()),
+            flutter_m_s=None if crossing is None else float(crossing.airspeed),
+            flutter_std_m_s=None if crossing is None else finite_or_none(std),
+            next_point_probability=beyond,
+            excluded=tuple(sorted(excluded)),
+        )
+
+
+def _predict(task: LiveTask, values: np.ndarray, covariance: np.ndarray) -> FlutterPrediction:
+    parameters, model = task.parameters, task.model
+    known = np.isfinite(covariance).all()
+    identified = IdentifiedModes(
+        Aeroelastic(model.condition, model.modes, parameters.table(values)),
+        UncertainDerivatives(
+            parameters.rows,
+            parameters.columns,
+            covariance if known else np.full(covariance.shape, np.nan),
+        ),
+        task.stiffness,
+    )
+    speed = model.condition.airspeed
+    return predict_flutter(identified, (_BAND[0] * speed, _BAND[1] * speed))
+
+
+def _describe_mode(pole: NamedPole) -> LiveMode:
+    std = finite_or_none(pole.damping_std)
+    return LiveMode(
+        name=pole.name,
+        frequency=pole.frequency,
+        frequency_std=finite_or_none(pole.frequency_std),
+        damping=pole.damping,
+        damping_std=std,
+        instability_probability=None if not std else float(ndtr(-pole.damping / std)),
+    )

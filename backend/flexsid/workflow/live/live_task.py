@@ -1,0 +1,163 @@
+"""LiveTask: everything that the processing of a stream needs, without a database."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.live import StreamChannel, StreamHeader
+from flexsid.records.maneuver import Role
+from flexsid.records.run import EstimationRun
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.stability.prediction import StiffnessError
+from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
+from flexsid.workflow.measurements.recording import ManeuverMeasurement, list_command_names
+from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
+from flexsid.workflow.runs.estimation import prepare
+from flexsid.workflow.runs.estimation_task import (
+    EstimationTask,
+    get_first_start,
+    select_free_parameters,
+)
+
+FRAME_S = 0.05
+"""Length of a frame: transforms are updated as often. [s]"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveTask:
+    """Model, start and priors of a fit, and the stream that it is fitted to.
+
+    ``parts`` are the recorded channels behind each output, ``commands`` those of the excitation.
+    ``limits`` are the lowest and highest value of channels in their native unit;
+    ``next_airspeed_m_s`` is that of the next test point, None if there is none.
+    """
+
+    header: StreamHeader
+    model: AeroelasticModel
+    aircraft: Aircraft
+    inputs: tuple[str, ...]
+    outputs: tuple[OutputDefinition, ...]
+    commands: tuple[str, ...]
+    omega: np.ndarray
+    parameters: Parameters
+    priors: Mapping[str, tuple[float, float]]
+    mode_names: tuple[str, ...]
+    stiffness: StiffnessError
+    next_airspeed_m_s: float | None = None
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def prepare_live_task(
+    store: Store,
+    run: EstimationRun,
+    next_airspeed_m_s: float | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[LiveTask, ManeuverMeasurement]:
+    """Prepare the processing of a stream like one maneuver, by the settings of a run of it.
+
+    Parameters
+    ----------
+    store
+        The campaign.
+    run
+        Run of the maneuver that is replayed, or of one with the same excitation and channels.
+    next_airspeed_m_s
+        Airspeed of the next test point. [m/s]
+    limits
+        Limits of channels.
+
+    Returns
+    -------
+    tuple
+        The task, and the samples of the maneuver.
+
+    Raises
+    ------
+    BadInput
+        As ``prepare`` of a run; if the excitation was not recorded, or a limit is of an unknown
+        channel.
+    """
+    task = prepare(store, run)
+    measurement = task.maneuver_tasks[0].measurement
+    if not measurement.has_commands:
+        raise BadInput(
+            "a live stream needs the recorded excitation of every input: it marks begin and end "
+            f"of a maneuver; record {', '.join(list_command_names(measurement.excited.inputs))}",
+            code="no-commands",
+        )
+    known = {channel.name for channel, _ in measurement.recording.channels}
+    for name in limits or {}:
+        if name not in known:
+            raise BadInput(
+                f"there is no channel '{name}' in the stream, which has {', '.join(sorted(known))}",
+                code="unknown-channel",
+                channel=name,
+            )
+    commands = list_command_names(measurement.excited.inputs)
+    used = {*measurement.inputs, *commands}
+    used |= {part.name for output in measurement.outputs for part, _ in output.terms}
+    channels = tuple(
+        StreamChannel(name=c.name, unit=c.unit, role=c.role, rate_hz=c.rate_hz)
+        for c, _ in measurement.recording.channels
+        if c.name in used
+    )
+    live = LiveTask(
+        header=StreamHeader(channels=channels, frame_s=FRAME_S),
+        model=task.model,
+        aircraft=measurement.aircraft,
+        inputs=measurement.inputs,
+        outputs=measurement.outputs,
+        commands=commands,
+        omega=measurement.frequencies.omega,
+        parameters=select_free_parameters(task, get_first_start(task), ()),
+        priors=task.list_priors(PRIOR_SPREAD),
+        mode_names=task.mode_names,
+        stiffness=_read_stiffness_error(store, run, task),
+        next_airspeed_m_s=next_airspeed_m_s,
+        limits=dict(limits or {}),
+    )
+    check_header(live.header)
+    return live, measurement
+
+
+def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask) -> StiffnessError:
+    """Read the standard deviation of the modal frequencies, as for the run after the flight."""
+    maneuver = store.maneuvers.get(run.maneuver_id)
+    modes, _ = load_modes_of_model(
+        store,
+        maneuver.aircraft_id,
+        run.modal_table_id,
+        run.damping_table_id,
+        task.structure.modes,
+    )
+    relative = np.full(len(task.model.modes.numbers), modes.frequency_std)
+    return StiffnessError(relative, task.model.condition.dynamic_pressure)
+
+
+def check_header(header: StreamHeader) -> None:
+    """Refuse a frame that is not a whole number of samples of every channel.
+
+    Raises
+    ------
+    BadInput
+        Naming the channel.
+    """
+    for channel in header.channels:
+        count = channel.rate_hz * header.frame_s
+        if count < 1.0 or abs(count - round(count)) > 1e-6:
+            raise BadInput(
+                f"channel '{channel.name}' has {count:g} samples in a frame of {header.frame_s:g} "
+                "s; frames need a whole number of samples of every channel",
+                code="uneven-frame",
+                channel=channel.name,
+            )
+    if not any(channel.role is Role.INPUT for channel in header.channels):
+        raise BadInput("the stream has no measured surface", code="no-input")

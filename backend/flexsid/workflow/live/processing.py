@@ -1,0 +1,357 @@
+"""Processing of a stream: checks, transforms, an estimate every second, alarms.
+
+Everything depends on the frames and their times only, never on the clock of the computer: a
+replay has the same results at any speed. Memory does not grow with the length of a stream.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.records.live import (
+    AlarmKind,
+    ChannelHealth,
+    Frame,
+    LiveAlarm,
+    LiveEstimate,
+    LivePhase,
+    LiveState,
+    StreamChannel,
+)
+from flexsid.records.maneuver import Role
+from flexsid.sysid.estimation.leakage import compute_delays
+from flexsid.sysid.preparation.stream_checks import StreamChecks
+from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
+from flexsid.units import to_si
+from flexsid.workflow.aircraft.aircraft_models import (
+    compute_input_correction,
+    get_output_instrument,
+)
+from flexsid.workflow.live.live_estimate import LiveFit
+from flexsid.workflow.live.live_task import LiveTask
+
+_PATIENCE = 5  # frames (0.25 s) that a missing one is waited for: more than the usual jitter
+_COMMANDED = 1e-4  # rad; a smaller excitation is none
+_TRIM_S = 2.0  # before the excitation, over which trim values are averaged [s]
+_LEAD_S = 0.5  # of trim that belongs to the record [s]
+_QUIET_S = 3.0  # without excitation, after which a maneuver has ended [s]
+_FIRST_ESTIMATE_S = 3.0  # of a record: less than a period of the lowest modes is not enough [s]
+_EXCLUDED_S = 1.0  # without valid samples, after which a channel no longer takes part [s]
+_UNSTABLE = 0.9  # probability of negative damping that raises an alarm
+_BEYOND = 0.05  # probability of a flutter speed below the next point that raises an alarm
+_CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
+
+
+class LiveProcessor:
+    """State of one stream. Frames go in, a state for every second of the record comes out.
+
+    Parameters
+    ----------
+    task
+        Model, channels and settings.
+    """
+
+    def __init__(self, task: LiveTask) -> None:
+        self._task = task
+        self._groups = task.header.groups
+        self._shapes = task.header.frame_shapes
+        self._frame_s = task.header.frame_s
+        self._names = tuple(channel.name for group in self._groups for channel in group)
+        delays = _compute_channel_delays(task)
+        self._channel_groups = [
+            ChannelGroup(
+                group[0].rate_hz, tuple(c.name for c in group), tuple(delays[c.name] for c in group)
+            )
+            for group in self._groups
+        ]
+        self._is_command = np.array([name in task.commands for name in self._names])
+        self._limits = [
+            np.array([task.limits.get(c.name, (-np.inf, np.inf)) for c in group]).T
+            for group in self._groups
+        ]
+        self._waiting: dict[int, Frame] = {}
+        self._expected: int | None = None
+        self._newest = 0
+        self._start_s = 0.0
+        self._lost = self._late = 0
+        self._checks = [
+            StreamChecks(g[0].rate_hz, len(g), np.array([c.role is not Role.COMMAND for c in g]))
+            for g in self._groups
+        ]
+        self._taken = 0
+        self._trim_blocks: deque[tuple[float, list[np.ndarray]]] = deque(
+            maxlen=round(_TRIM_S / self._frame_s)
+        )
+        self._phase = LivePhase.TRIM
+        self._estimate: LiveEstimate | None = None
+        self._alarms: list[LiveAlarm] = []
+        self._reason = "no excitation yet"
+        self._reset()
+
+    def _reset(self) -> None:
+        """Begin to wait for the next maneuver."""
+        self._record = GrowingRecord(self._task.omega, self._channel_groups)
+        self._fit = LiveFit(self._task)
+        self._trim = np.zeros(len(self._names))
+        self._begun_s = self._quiet_s = 0.0
+        self._missing = np.zeros(len(self._names))
+        self._absent = np.zeros(len(self._names))
+        self._spikes = np.zeros(len(self._names), dtype=int)
+        self._frozen = np.zeros(len(self._names), dtype=bool)
+        self._excluded = np.zeros(len(self._names), dtype=bool)
+        self._evidence: dict[tuple[AlarmKind, str], int] = {}
+
+    def push(self, frame: Frame) -> list[LiveState]:
+        """Process the next frame that arrived; return the states that it completes.
+
+        Frames may arrive in another order within a quarter of a second.
+
+        Raises
+        ------
+        BadInput
+            If a frame has other samples than the header states.
+        """
+        shapes = tuple(samples.shape for samples in frame.samples)
+        if shapes != self._shapes:
+            raise BadInput(
+                f"frame {frame.number} has samples of shape {shapes}; by the header of the stream "
+                f"{self._shapes} are expected",
+                code="bad-frame",
+                frame=frame.number,
+            )
+        return list(self._push(frame))
+
+    def finish(self) -> list[LiveState]:
+        """Process what still waits at the end of the stream; return the last states."""
+        return list(self._finish())
+
+    def _push(self, frame: Frame) -> Iterator[LiveState]:
+        if self._expected is None:
+            self._expected = self._taken = frame.number
+            self._start_s = frame.time_s - frame.number * self._frame_s
+        if frame.number < self._expected or frame.number in self._waiting:
+            self._late += 1
+            return
+        self._waiting[frame.number] = frame
+        self._newest = max(self._newest, frame.number)
+        while self._waiting:
+            own = self._waiting.pop(self._expected, None)
+            if own is None:
+                if self._newest - self._expected < _PATIENCE:
+                    return
+                self._lost += 1
+            yield from self._accept(self._expected, own)
+            self._expected += 1
+
+    def _finish(self) -> Iterator[LiveState]:
+        while self._waiting and self._expected is not None:
+            own = self._waiting.pop(self._expected, None)
+            self._lost += own is None
+            yield from self._accept(self._expected, own)
+            self._expected += 1
+        parts = zip(self._checks, self._groups, strict=True)
+        ahead = max(check.lookahead / group[0].rate_hz for check, group in parts)
+        for _ in range(int(np.ceil(ahead / self._frame_s))):
+            yield from self._accept(self._expected or 0, None)
+        if self._phase is LivePhase.EXCITED:
+            yield self._end(self._start_s + self._taken * self._frame_s)
+
+    def _accept(self, number: int, frame: Frame | None) -> Iterator[LiveState]:
+        """Take one frame in order, None for a lost one, and process what the checks release."""
+        time_s = self._start_s + number * self._frame_s
+        raised = len(self._alarms)
+        for k, (group, shape) in enumerate(zip(self._groups, self._shapes, strict=True)):
+            if frame is None:
+                self._checks[k].append(np.full(shape, np.nan))
+                continue
+            self._check_limits(time_s, group, frame.samples[k], self._limits[k])
+            si = [
+                to_si(column, c.unit) for column, c in zip(frame.samples[k].T, group, strict=True)
+            ]
+            self._checks[k].append(np.stack(si, axis=1))
+        if len(self._alarms) > raised:
+            yield self._describe(time_s + self._frame_s)
+        while all(c.ready >= n for c, (n, _) in zip(self._checks, self._shapes, strict=True)):
+            yield from self._process()
+
+    def _process(self) -> Iterator[LiveState]:
+        """Process one frame of checked samples."""
+        time_s = self._start_s + self._taken * self._frame_s
+        self._taken += 1
+        excited = self._phase is LivePhase.EXCITED
+        checked = [
+            check.take(n, moving=excited)
+            for check, (n, _) in zip(self._checks, self._shapes, strict=True)
+        ]
+        blocks = [one.samples for one in checked]
+        commanded = self._is_commanded(blocks)
+        if excited:
+            self._spikes += np.concatenate([one.spikes for one in checked])
+            self._frozen = np.concatenate([one.frozen for one in checked])
+            self._grow(time_s, blocks)
+        else:
+            if commanded and len(self._trim_blocks) * self._frame_s >= _LEAD_S:
+                self._begin(time_s, blocks)
+            self._trim_blocks.append((time_s, blocks))
+        if commanded:
+            self._quiet_s = time_s
+        end_s = time_s + self._frame_s
+        if self._phase is LivePhase.EXCITED and end_s - self._quiet_s >= _QUIET_S:
+            yield self._end(end_s)
+        elif _crosses_second(time_s, end_s):
+            if self._phase is LivePhase.EXCITED:
+                self._update_estimate(end_s)
+            yield self._describe(end_s)
+
+    def _begin(self, time_s: float, blocks: list[np.ndarray]) -> None:
+        """Begin a maneuver: trim values, and a record from shortly before the excitation on."""
+        self._reset()
+        self._phase, self._begun_s = LivePhase.EXCITED, time_s
+        # Limits are checked when frames arrive, the excitation is found a little later.
+        self._estimate, self._alarms = None, [a for a in self._alarms if a.time_s >= time_s]
+        self._reason = f"the first estimate follows after {_FIRST_ESTIMATE_S:g} s"
+        trims = [
+            np.concatenate([one[k] for _, one in self._trim_blocks])
+            for k in range(len(self._groups))
+        ]
+        means = [np.nansum(x, axis=0) / np.maximum(np.isfinite(x).sum(axis=0), 1) for x in trims]
+        self._trim = np.concatenate(means)
+        lead = round(_LEAD_S / self._frame_s)
+        for at_s, one in [*self._trim_blocks][-lead:]:
+            self._grow(at_s, one)
+        self._grow(time_s, blocks)
+        self._trim_blocks.clear()
+
+    def _end(self, end_s: float) -> LiveState:
+        """End a maneuver with an estimate of all of it."""
+        self._update_estimate(end_s)
+        self._phase = LivePhase.ENDED
+        return self._describe(end_s)
+
+    def _grow(self, time_s: float, blocks: list[np.ndarray]) -> None:
+        """Add a frame to the record; a gap in a channel that takes part ends the stretch."""
+        absent = np.concatenate([np.isnan(x).any(axis=0) for x in blocks])
+        self._missing += absent * self._frame_s
+        self._absent = np.where(absent, self._absent + self._frame_s, 0.0)
+        lost = (self._absent >= _EXCLUDED_S) & ~self._is_command
+        # An outage of the telemetry ends for all channels at once; they return.
+        if not lost[~self._is_command].all():
+            self._excluded |= lost
+        if (absent & ~self._excluded & ~self._is_command).any():
+            self._record.close()
+        else:
+            self._record.append(time_s, [np.nan_to_num(x) for x in blocks])
+
+    def _is_commanded(self, blocks: list[np.ndarray]) -> bool:
+        """Whether any input is excited; a lost frame is no end of an excitation."""
+        values = np.concatenate([np.abs(x).max(axis=0) for x in blocks])[self._is_command]
+        if np.isnan(values).any():
+            return self._phase is LivePhase.EXCITED
+        return bool((values > _COMMANDED).any())
+
+    def _update_estimate(self, end_s: float) -> None:
+        """Estimate from the record so far, and compare the result with the alarms."""
+        spectra = self._record.compute_spectra()
+        if spectra.duration_s < _FIRST_ESTIMATE_S:
+            self._reason = f"{spectra.duration_s:.1f} of {_FIRST_ESTIMATE_S:g} s recorded"
+            return
+        excluded = {n for n, out in zip(self._names, self._excluded, strict=True) if out}
+        try:
+            estimate = self._fit.estimate(spectra, self._trim, excluded)
+        except (FlexsidError, np.linalg.LinAlgError) as error:
+            self._reason = f"no estimate: {error}"
+            return
+        self._estimate = estimate
+        self._reason = "" if estimate.converged else "the estimate did not converge"
+        self._raise_alarms(end_s, estimate)
+
+    def _raise_alarms(self, time_s: float, estimate: LiveEstimate) -> None:
+        unstable = {
+            (AlarmKind.UNSTABLE, mode.name): (
+                f"damping ratio {mode.damping:.3f} ± {2.0 * (mode.damping_std or 0.0):.3f} (2 "
+                f"sigma) at {mode.frequency:.2f} rad/s: negative with probability "
+                f"{mode.instability_probability:.2f}"
+            )
+            for mode in estimate.modes
+            if (mode.instability_probability or 0.0) >= _UNSTABLE
+        }
+        if (estimate.next_point_probability or 0.0) >= _BEYOND:
+            unstable[AlarmKind.NEXT_POINT, "flutter"] = (
+                f"flutter speed {estimate.flutter_m_s:.1f} ± "
+                f"{2.0 * (estimate.flutter_std_m_s or 0.0):.1f} m/s (2 sigma): below the next "
+                f"test point with probability {estimate.next_point_probability:.2f}"
+            )
+        self._evidence = {key: self._evidence.get(key, 0) + 1 for key in unstable}
+        for (kind, subject), count in self._evidence.items():
+            if count == _CONFIRMATIONS:
+                evidence = unstable[kind, subject]
+                self._alarms.append(
+                    LiveAlarm(kind=kind, time_s=time_s, subject=subject, evidence=evidence)
+                )
+
+    def _check_limits(
+        self,
+        time_s: float,
+        group: tuple[StreamChannel, ...],
+        samples: np.ndarray,
+        limits: np.ndarray,
+    ) -> None:
+        """Raise an alarm when a channel leaves its limits, before any other processing."""
+        with np.errstate(invalid="ignore"):
+            outside = ((samples < limits[0]) | (samples > limits[1])).any(axis=0)
+        raised = {alarm.subject for alarm in self._alarms if alarm.kind is AlarmKind.LIMIT}
+        for channel, low, high, out in zip(group, *limits, outside, strict=True):
+            if out and channel.name not in raised:
+                evidence = f"beyond {low:g} to {high:g} {channel.unit}"
+                self._alarms.append(
+                    LiveAlarm(
+                        kind=AlarmKind.LIMIT,
+                        time_s=time_s,
+                        subject=channel.name,
+                        evidence=evidence,
+                    )
+                )
+
+    def _describe(self, time_s: float) -> LiveState:
+        defective = (self._missing > 0.0) | (self._spikes > 0) | self._excluded | self._frozen
+        return LiveState(
+            time_s=time_s,
+            phase=self._phase,
+            maneuver_s=0.0 if self._phase is LivePhase.TRIM else time_s - self._begun_s,
+            lost_frames=self._lost,
+            late_frames=self._late,
+            health=tuple(
+                ChannelHealth(
+                    name=self._names[k],
+                    missing_s=float(self._missing[k]),
+                    spikes=int(self._spikes[k]),
+                    is_frozen=bool(self._frozen[k]),
+                    is_excluded=bool(self._excluded[k]),
+                )
+                for k in np.flatnonzero(defective)
+            ),
+            estimate=self._estimate,
+            reason=self._reason,
+            alarms=tuple(self._alarms),
+        )
+
+
+def _crosses_second(begin_s: float, end_s: float) -> bool:
+    return np.floor(end_s + 1e-6) > np.floor(begin_s + 1e-6)
+
+
+def _compute_channel_delays(task: LiveTask) -> dict[str, float]:
+    """Compute the delay of the instruments of every channel; commands have none. [s]"""
+    omega, aircraft = task.omega, task.aircraft
+    responses = {
+        name: 1.0 / compute_input_correction(aircraft, name, omega) for name in task.inputs
+    }
+    for output in task.outputs:
+        response = get_output_instrument(aircraft, output).response(omega)
+        responses |= {part.name: response for part, _ in output.terms}
+    delays = compute_delays(np.stack(list(responses.values()), axis=1), omega)
+    return dict.fromkeys(task.commands, 0.0) | dict(zip(responses, delays.tolist(), strict=True))

@@ -1,0 +1,217 @@
+"""A user relies on: what is known of a maneuver in flight is right, or its lack is named."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.errors import BadInput
+from flexsid.records.live import AlarmKind, Frame, LivePhase, LiveState
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.sysid.stability.flutter import track_roots
+from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.workflow.live.live_task import LiveTask, prepare_live_task
+from flexsid.workflow.live.packets import decode_frames, encode_frame
+from flexsid.workflow.live.processing import LiveProcessor
+from flexsid.workflow.live.replay import Replay, pace
+
+MODES = (7, 9)
+OUTPUTS = ("alpha", "q", "az_egi", "az_ofs", "az_oas", "s_bend1s", "s_bend2s")
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Task and frames of a simulated maneuver, and what flew."""
+
+    task: LiveTask
+    frames: tuple[Frame, ...]
+    flown: FlownManeuver
+
+    def find_flutter(self) -> float:
+        """True flutter speed of the two modes that fly. [m/s]"""
+        model = self.task.model
+        speeds = np.linspace(0.35, 2.0, 120) * model.condition.airspeed
+        aircraft = Aeroelastic(model.condition, model.modes, self.flown.truth)
+        crossing = track_roots(aircraft, speeds).flutter
+        assert crossing is not None
+        return crossing.airspeed
+
+
+def build_stream(folder, ratio: float) -> Stream:
+    address = f"sqlite:///{folder}/flexsid.db"
+    upgrade(address)
+    store = Store.open(address)
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=ratio, modes_in_truth=len(MODES), seed=3)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    run = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=MODES, fixed={}, outputs=OUTPUTS),
+        settings=RunSettings(),
+    )
+    next_speed = 1.05 * maneuver.condition.airspeed_m_s
+    task, measurement = prepare_live_task(store, run, next_speed)
+    frames = tuple(Replay(task.header, measurement).frames())
+    store.close()
+    return Stream(task, frames, flown)
+
+
+@pytest.fixture(scope="module")
+def stream(tmp_path_factory) -> Stream:
+    return build_stream(tmp_path_factory.mktemp("slow"), 0.8)
+
+
+def process(task: LiveTask, frames: Iterable[Frame]) -> list[LiveState]:
+    processor = LiveProcessor(task)
+    states = [state for frame in frames for state in processor.push(frame)]
+    return states + processor.finish()
+
+
+@pytest.fixture(scope="module")
+def clean(stream: Stream) -> list[LiveState]:
+    return process(stream.task, stream.frames)
+
+
+def compute_deviation(stream: Stream, state: LiveState) -> float:
+    """Deviation of all derivatives from the truth in standard errors, rms."""
+    assert state.estimate is not None
+    one, truth = state.estimate, stream.flown.truth.named()
+    true = np.array([truth[name] for name in one.names])
+    std = np.array([np.nan if s is None else s for s in one.std_errors])
+    return float(np.sqrt(np.mean(((np.array(one.values) - true) / std) ** 2)))
+
+
+def check_flutter_speeds(stream: Stream, states: list[LiveState]) -> None:
+    """The true flutter speed lies within three standard errors in every state."""
+    true = stream.find_flutter()
+    for state in states:
+        assert state.estimate is not None
+        found, std = state.estimate.flutter_m_s, state.estimate.flutter_std_m_s
+        assert found is not None
+        assert std is not None
+        assert abs(found - true) < 3.0 * std
+
+
+def test_the_flutter_speed_is_known_within_its_interval_after_a_few_seconds(stream, clean):
+    phases = [state.phase for state in clean]
+    assert phases == sorted(phases, key=list(LivePhase).index)
+    assert phases[-1] is LivePhase.ENDED
+    found = [s for s in clean if s.estimate is not None and s.maneuver_s >= 5.0]
+    assert found[0].maneuver_s < 6.0
+    check_flutter_speeds(stream, found)
+    stds = [s.estimate.flutter_std_m_s or np.inf for s in found if s.maneuver_s <= 12.0]
+    assert 2.0 * stds[-1] < 0.02 * stream.find_flutter()
+    assert compute_deviation(stream, clean[-1]) < 1.7
+    assert not clean[-1].alarms
+    assert not clean[-1].health
+
+
+def test_a_replay_has_bit_equal_results_at_any_speed(stream, clean):
+    """A clock that only advances by sleeping, and one that is too slow."""
+    frames = stream.frames[:140]
+    results = []
+    for speed in (1.0, 10.0, 100.0):
+        now = [0.0]
+
+        def sleep(seconds: float, now: list[float] = now) -> None:
+            now[0] += seconds
+
+        def clock(now: list[float] = now) -> float:
+            now[0] += 0.003
+            return now[0]
+
+        paced = pace(frames, stream.task.header.frame_s, speed, clock, sleep)
+        results.append(process(stream.task, paced))
+        assert now[0] >= 0.99 * len(frames) * stream.task.header.frame_s / speed
+    assert results[0] == results[1] == results[2]
+    assert results[0][4] == clean[4]
+    with pytest.raises(BadInput, match="not possible"):
+        list(pace(frames, 0.05, 0.0))
+
+
+def test_lost_late_and_frozen_data_are_named_and_bias_nothing(stream):
+    """1 % of frames lost, 100 ms of jitter, a frozen gauge, an outage of five seconds."""
+    rng = np.random.default_rng(2)
+    names = [[channel.name for channel in group] for group in stream.task.header.groups]
+    group = next(k for k, g in enumerate(names) if "s_bend1r" in g)
+    column = names[group].index("s_bend1r")
+    frames = []
+    for frame in stream.frames:
+        if rng.random() < 0.01 or 14.0 <= frame.time_s < 19.0:
+            continue
+        samples = [x.copy() for x in frame.samples]
+        if frame.time_s >= 8.0:
+            samples[group][:, column] = 12.5
+        if frame.number % 40 == 7:
+            samples[group][3, (column + 1) % len(names[group])] += 1e6  # a spike
+        frames.append(replace(frame, samples=tuple(samples)))
+    order = np.argsort([f.number + rng.uniform(0.0, 2.0) for f in frames], kind="stable")
+    states = process(stream.task, [frames[k] for k in order])
+    last = states[-1]
+    count = stream.frames[-1].number + 1
+    assert last.lost_frames == count - len(frames)
+    health = {one.name: one for one in last.health}
+    assert health["s_bend1r"].is_excluded
+    assert not any(one.is_excluded for name, one in health.items() if name != "s_bend1r")
+    spiked = names[group][(column + 1) % len(names[group])]
+    assert health[spiked].spikes >= 5
+    assert health["bfs"].missing_s > 5.0
+    assert last.estimate is not None
+    assert last.estimate.excluded == ("s_bend1r",)
+    assert compute_deviation(stream, last) < 1.7
+    check_flutter_speeds(stream, [s for s in states if s.maneuver_s > 5.0])
+
+
+def test_memory_does_not_grow_with_the_record(stream):
+    processor, sizes = LiveProcessor(stream.task), []
+    for frame in stream.frames[:240]:
+        processor.push(frame)
+        if frame.number in (119, 239):
+            sizes.append(len(pickle.dumps(processor)))
+    assert sizes[1] == pytest.approx(sizes[0], rel=0.01)
+
+
+def test_alarms_name_their_evidence(stream, tmp_path):
+    beyond = build_stream(tmp_path, 1.09)
+    task = replace(beyond.task, limits={"q": (-1.0, 0.01)})
+    states = process(task, beyond.frames[:180])
+    alarms = {alarm.kind: alarm for alarm in states[-1].alarms}
+    assert set(alarms) == set(AlarmKind)
+    unstable = alarms[AlarmKind.UNSTABLE]
+    assert unstable.subject == "SW1B"
+    assert "negative with probability" in unstable.evidence
+    assert unstable.time_s < 9.0
+    (group,) = (g for g in task.header.groups if any(c.name == "q" for c in g))
+    k, column = task.header.groups.index(group), [c.name for c in group].index("q")
+    first = next(f for f in beyond.frames if f.samples[k][:, column].max() > 0.01)
+    assert alarms[AlarmKind.LIMIT].time_s == pytest.approx(first.time_s)
+    assert alarms[AlarmKind.LIMIT].subject == "q"
+
+
+def test_frames_are_packed_for_the_network_without_loss(stream):
+    frame = stream.frames[70]
+    packed = encode_frame(frame) + encode_frame(stream.frames[71])
+    first, second = decode_frames(packed, stream.task.header)
+    assert (first.number, second.number) == (70, 71)
+    assert first.time_s == frame.time_s
+    for sent, received in zip(frame.samples, first.samples, strict=True):
+        assert np.array_equal(np.float32(sent), np.float32(received))
+    with pytest.raises(BadInput, match="bytes"):
+        decode_frames(packed[:-3], stream.task.header)
+    with pytest.raises(BadInput, match="FXS1"):
+        decode_frames(b"\0" * len(packed), stream.task.header)
+    wrong = replace(frame, samples=frame.samples[:-1])
+    with pytest.raises(BadInput, match="header"):
+        LiveProcessor(stream.task).push(wrong)
