@@ -106,11 +106,14 @@ def compute_free_motion(
     system = model.state_space(derivatives)
     n = system.A.shape[0]
     s = 1j * omega
-    R = np.linalg.inv(s[:, None, None] * np.eye(n) - system.A)
-    picked = np.array([extra.mode for extra in extras])
+    # All ends share the response of a state; they differ in their time only.
+    picked, place = np.unique([extra.mode for extra in extras], return_inverse=True)
+    unit = np.broadcast_to(np.eye(n, dtype=complex)[:, picked], (s.size, n, picked.size))
+    states = np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, unit)
     at = np.array([edges_s[extra.output] for extra in extras])
-    states = R[:, :, picked] * np.exp(-np.outer(s, at))[:, None, :]
-    return FreeMotion(system.C @ states, states[:, model.variable_states()])
+    phase = np.exp(-np.outer(s, at))[:, None, :]
+    outputs, variables = system.C @ states, states[:, model.variable_states()]
+    return FreeMotion(outputs[:, :, place] * phase, variables[:, :, place] * phase)
 
 
 def remove_free_motion(experiment: Experiment, parameters: Parameters) -> Experiment:
