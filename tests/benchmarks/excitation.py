@@ -24,11 +24,23 @@ from collections.abc import Callable
 import numpy as np
 from scipy import fft, optimize
 
+from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.excitation.catalogue import CATALOGUE
+from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.excitation.extrema import evaluate_peak_factor
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.peak_factor import schroeder_phases
 from flexsid.sysid.excitation.phase_search import PATIENT, QUICK, THOROUGH, Effort, search_phases
+from flexsid.sysid.model.aeroelastic import StateSpace
+from flexsid.sysid.model.instruments import Butterworth, Instrument
+from flexsid.sysid.simulation.airframe import assemble_airframe
+from flexsid.sysid.simulation.preflight_simulation import simulate_flight
+from flexsid.sysid.simulation.recording import (
+    SensorErrors,
+    apply_instruments,
+    apply_sensor_errors,
+)
+from flexsid.sysid.simulation.turbulence import Turbulence, generate_gust
 
 FIRST = 6
 
@@ -119,8 +131,82 @@ def _best_within(spectrum: HarmonicSpectrum, seconds: float, seed: int) -> tuple
         best, spent, searches = min(best, found.peak_factor), spent + took, searches + 1
 
 
+def preflight_vs_real_time(seconds: float = 60.0, rate_hz: float = 400.0) -> dict[str, object]:
+    """Simulated over computing time of a flight of FLEX-28 with limits and turbulence.
+
+    Eight modes, 60 recorded channels with instruments and errors, a digital loop from pitch rate
+    to a surface, and limits of rate and acceleration that are active in part of the samples.
+    """
+    truth = load_truth()
+    condition = truth.condition_at(38.6, 0.5)
+    frame = assemble_airframe(condition, truth.modes_at(0.5, 8), truth.derivatives_at(0.5, 8))
+    names = ("alpha", "q", "theta", *(f"x{k}" for k in range(frame.n_x - 3)))
+    rng = np.random.default_rng(1)
+    rows = np.zeros((60, frame.n_x))
+    rows[0, 1] = 1.0
+    rows[1:] = rng.normal(size=(59, 7)) @ np.eye(7, frame.n_x)
+    outputs = ("q", *(f"y{k}" for k in range(59)))
+    plant = StateSpace(
+        frame.state_matrix,
+        np.column_stack([frame.input_matrix, frame.gust_rates]),
+        rows,
+        np.zeros((60, len(frame.inputs) + 1)),
+        names,
+        (*frame.inputs, "gust"),
+        outputs,
+    )
+    law = StateSpace(
+        np.array([[-30.0]]), np.array([[30.0]]), np.array([[0.05]]), np.zeros((1, 1)),
+        ("lag",), ("q",), (frame.inputs[0],),
+    )  # fmt: skip
+    aid = CATALOGUE[506]
+    tones = [HarmonicSpectrum(own, np.full(own.size, 0.003)) for own in aid.harmonics(6).values()]
+    n_samples = round(seconds * rate_hz)
+    cycles = np.arange(n_samples) / (24.0 * rate_hz)
+    excitation = np.column_stack(
+        [
+            np.sin(
+                2 * np.pi * np.outer(cycles, own.harmonics) + schroeder_phases(own.amplitudes)
+            ).sum(axis=1)
+            * 0.003
+            for own in tones
+        ]
+    )
+    servo = truth.actuator
+    limited = ActuatorLimits(
+        natural_frequency=servo.natural_frequency,
+        damping=servo.damping,
+        delay_s=servo.delay_s,
+        rate=0.9,
+        acceleration=60.0,
+        position=0.1,
+    )
+    instrument = Instrument(elements=(Butterworth(order=4, corner=440.0),), delay_s=0.01)
+    begin = time.process_time()
+    gust = generate_gust(Turbulence.LIGHT, 38.6, n_samples, rate_hz, rng)
+    moved = simulate_flight(
+        plant,
+        [*(limited for _ in frame.inputs), Instrument()],
+        np.column_stack([excitation, gust]),
+        rate_hz,
+        law,
+        0.01,
+    )
+    read = apply_instruments(moved.outputs, rate_hz, [instrument] * 60)
+    apply_sensor_errors(read, rate_hz, SensorErrors(quantum=1e-4, dropout=0.001), rng)
+    spent = time.process_time() - begin
+    return {
+        "name": "preflight_vs_real_time",
+        "ratio": round(seconds / spent, 1),
+        "cpu_s": round(spent, 3),
+        "limited_share": round(float(moved.limited.any(axis=1).mean()), 3),
+        "bar": "ratio >= 30",
+    }
+
+
 def main() -> None:
     """Measure and print."""
+    print(json.dumps(preflight_vs_real_time()), flush=True)
     inputs = build_spectra()
     quick = measure(search(QUICK), inputs)
     thorough = measure(search(THOROUGH), inputs)

@@ -76,7 +76,6 @@ def test_a_closed_loop_follows_its_equations():
         C=np.array([[1.0, 0.0]]), D=np.zeros((1, 1)),
         states=("theta", "alpha"), inputs=("bfs",), outputs=("theta",),
     )  # fmt: skip
-    actuators = build_instrument_chain([Instrument()], ("bfs",))
     law = StateSpace(
         np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.full((1, 1), -2.0), (), ("theta",),
         ("bfs",),
@@ -84,7 +83,7 @@ def test_a_closed_loop_follows_its_equations():
     rate = 1000.0
     excitation = np.zeros((3000, 1))
     excitation[:1000] = 0.1
-    moved = simulate_flight(plant, actuators, np.zeros(1), excitation, rate, law)
+    moved = simulate_flight(plant, [Instrument()], excitation, rate, law)
     time = np.arange(3000) / rate
     step = 0.05 * (1.0 - np.exp(-2.0 * time))
     expected = np.where(time < 1.0, step, step[1000] * np.exp(-2.0 * (time - 1.0)))
@@ -99,6 +98,4 @@ def test_what_nobody_holds_is_refused():
     )  # fmt: skip
     excitation = np.full((4000, 1), 0.1)
     with pytest.raises(BadInput, match="needs a controller"):
-        simulate_flight(
-            plant, build_instrument_chain([Instrument()], ("bfs",)), np.zeros(1), excitation, 400.0
-        )
+        simulate_flight(plant, [Instrument()], excitation, 400.0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from flexsid.sysid.excitation.designer import DesignSpecification
+from flexsid.sysid.simulation.loop_margins import LoopMargins
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,8 +27,31 @@ class ExcitationDesign:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SurfaceUse:
+    """Use of a surface in a simulation: largest deflection, and share of time at a limit.
+
+    [rad], [1]
+    """
+
+    name: str
+    deflection_peak: float
+    limited: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopChecks:
+    """Surfaces of a pre-flight simulation, and margins of its loop, none in open loop."""
+
+    surfaces: tuple[SurfaceUse, ...]
+    margins: tuple[LoopMargins, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PreflightSimulation:
-    """Design, amplitude, model and controller of a pre-flight simulation, with its run."""
+    """Design, amplitude, model and controller of a pre-flight simulation, with its run.
+
+    ``checks`` is None for simulations before they were recorded.
+    """
 
     design_id: int
     level: int
@@ -35,5 +59,6 @@ class PreflightSimulation:
     controller_id: int | None
     maneuver_id: int
     run_id: int
+    checks: LoopChecks | None = None
     created_at: datetime | None = None
     id: int | None = None

@@ -294,6 +294,7 @@ preflight_simulations = table(
     refers_to("controller_id", "controllers", required=False),
     refers_to("maneuver_id", "maneuvers", ondelete="CASCADE"),
     refers_to("run_id", "runs", ondelete="CASCADE"),
+    json("checks", required=False),
     moment("created_at"),
 )
 

@@ -15,9 +15,10 @@ from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActuatorLimits:
-    """Second-order actuator behind a delay and its limits; no limit where it is None.
+    """Second-order actuator behind a delay, its limits and freeplay; no limit where it is None.
 
-    [rad/s], [1], [s], [unit], [unit/s], [unit/s2] with the unit of the command.
+    [rad/s], [1], [s], [unit], [unit/s], [unit/s2], [unit] with the unit of the command. Freeplay
+    is the whole play of the surface about the actuator.
     """
 
     natural_frequency: float
@@ -26,6 +27,7 @@ class ActuatorLimits:
     position: float | None = None
     rate: float | None = None
     acceleration: float | None = None
+    freeplay: float = 0.0
 
     def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
         """Deflection over command. [1]"""
@@ -59,7 +61,8 @@ def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits)
     """Evaluate a design as sampled at a rate [Hz], and the deflections behind the actuators.
 
     The multisine is at the amplitude to be flown. The periodic response of the actuator of
-    every surface is exact and linear, so that limits are compared with the unlimited deflection.
+    every surface is exact and linear, so that limits are compared with the unlimited deflection,
+    without freeplay.
     """
     samples = multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -45,3 +46,48 @@ def apply_instruments(
         spectra *= instrument.response(omega)[:, None]
         recorded[:, columns] = fft.irfft(spectra, length, axis=0)[:n_samples]
     return recorded
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorErrors:
+    """Errors of recorded channels, all in the unit of the channel.
+
+    ``channels`` are their names, all outputs if empty. ``quantum`` is the step of the converter,
+    ``limit`` its full scale, ``dropout`` the share of samples that repeat the one before [1], and
+    ``skew_s`` a further delay. [s]
+    """
+
+    channels: tuple[str, ...] = ()
+    quantum: float = 0.0
+    limit: float | None = None
+    dropout: float = 0.0
+    skew_s: float = 0.0
+
+
+def apply_sensor_errors(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    errors: SensorErrors,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "n_samples n_channels"]:
+    """Apply skew, clipping, quantisation and dropouts to channels, in this order.
+
+    Parameters
+    ----------
+    samples, rate_hz
+        One column per channel, with noise. [unit], [Hz]
+    errors
+        Of these channels.
+    rng
+        Source of the times of dropouts, which are independent and differ between channels.
+    """
+    late = [Instrument(delay_s=errors.skew_s)] * samples.shape[1]
+    found = samples if errors.skew_s == 0.0 else apply_instruments(samples, rate_hz, late)
+    if errors.limit is not None:
+        found = np.clip(found, -errors.limit, errors.limit)
+    if errors.quantum > 0.0:
+        found = errors.quantum * np.round(found / errors.quantum)
+    lost = rng.random(samples.shape) < errors.dropout
+    lost[0] = False
+    last = np.maximum.accumulate(np.where(lost, 0, np.arange(len(found))[:, None]), axis=0)
+    return np.take_along_axis(found, last, axis=0)

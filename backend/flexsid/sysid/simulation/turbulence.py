@@ -1,8 +1,8 @@
-"""Dryden turbulence as the angle of attack, or of sideslip, that it adds."""
+"""Dryden turbulence and discrete gusts as the angle of attack, or of sideslip, that they add."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -70,6 +70,33 @@ def generate_gust(
     white = sigma * np.sqrt(T * rate_hz) * rng.standard_normal(lead + n_samples)
     b, a = signal.bilinear([np.sqrt(3.0) * T, 1.0], [T * T, 2.0 * T, 1.0], rate_hz)
     return signal.lfilter(b, a, white)[lead:]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DiscreteGust:
+    """One-minus-cosine gust: peak speed [m/s], gradient distance to it [m], time of its start [s].
+
+    Positive upward, or from the right in the lateral-directional axis.
+    """
+
+    peak_m_s: float
+    gradient_m: float
+    start_s: float = 0.0
+
+
+def compute_discrete_gust(
+    gust: DiscreteGust, airspeed: float, n_samples: int, rate_hz: float
+) -> Float[np.ndarray, " n_samples"]:
+    """Compute alpha_g = w_g/V of a discrete gust. [rad]
+
+    Notes
+    -----
+    w_g = (w/2) (1 - cos(pi s/H)) for 0 <= s <= 2 H along the path s = V t. Source: CS 25.341(a).
+    """
+    path = airspeed * (np.arange(n_samples) / rate_hz - gust.start_s)
+    inside = (path >= 0.0) & (path <= 2.0 * gust.gradient_m)
+    shape = 0.5 * (1.0 - np.cos(np.pi * path / gust.gradient_m))
+    return gust.peak_m_s / airspeed * np.where(inside, shape, 0.0)
 
 
 def add_gust_input(

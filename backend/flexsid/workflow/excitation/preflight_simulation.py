@@ -9,16 +9,32 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, SensorKind, Surface
-from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.excitation import (
+    ExcitationDesign,
+    LoopChecks,
+    PreflightSimulation,
+    SurfaceUse,
+)
 from flexsid.records.maneuver import Channel, Excitation, Flight, Maneuver, Role
 from flexsid.records.run import EstimationRun, Progress, RunState, Start
 from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.model.laws import build_instrument_chain
+from flexsid.sysid.excitation.checks import ActuatorLimits
+from flexsid.sysid.model.instruments import Instrument, SecondOrder
+from flexsid.sysid.simulation.loop_margins import compute_loop_margins
 from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
-from flexsid.sysid.simulation.recording import apply_instruments
-from flexsid.sysid.simulation.turbulence import Turbulence, add_gust_input, generate_gust
+from flexsid.sysid.simulation.recording import (
+    SensorErrors,
+    apply_instruments,
+    apply_sensor_errors,
+)
+from flexsid.sysid.simulation.turbulence import (
+    DiscreteGust,
+    Turbulence,
+    add_gust_input,
+    compute_discrete_gust,
+    generate_gust,
+)
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     define_outputs,
@@ -38,6 +54,7 @@ from flexsid.workflow.runs.run_identity import add_hashes
 _TRIM_S, _SETTLE_S = 2.0, 4.0
 _LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
 _GUST_SEED = 797  # separates the seed of the turbulence from that of the noise
+_DROPOUT_SEED = 811  # and that of dropouts from both
 _RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
 _NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
@@ -66,14 +83,35 @@ class SimulationResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SurfaceLimits:
+    """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos.
+
+    [rad], [rad/s], [rad/s2], [rad], [s]; None where there is no limit.
+    """
+
+    position: float | None = None
+    rate: float | None = None
+    acceleration: float | None = None
+    freeplay: float = 0.0
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationRequest:
-    """Design and its amplitude, the run whose model flies it, a controller, and turbulence."""
+    """Design and its amplitude, the run whose model flies it, a controller, and imperfections.
+
+    Of several sensor errors with a channel the last applies to it. The gust starts a time after
+    the start of the record.
+    """
 
     design_id: int
     run_id: int
     level: int = 1
     controller_id: int | None = None
     turbulence: Turbulence = Turbulence.NONE
+    limits: SurfaceLimits | None = None
+    sensors: tuple[SensorErrors, ...] = ()
+    gust: DiscreteGust | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +123,7 @@ class SimulatedManeuver:
     rate_hz: float
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    checks: LoopChecks
 
 
 def simulate_design(
@@ -120,7 +159,6 @@ def simulate_design(
     excitation = _sample_excitation(
         at, multisine.sample, multisine.inputs, multisine.period_s, rate
     )
-    servos = {name: _get_servo(aircraft, name) for name in at.model.inputs}
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
         raise BadInput(
@@ -129,35 +167,52 @@ def simulate_design(
         )
     lead = round(_LEAD_S * rate) if request.turbulence is not Turbulence.NONE else 0
     excitation = np.vstack([np.zeros((lead, excitation.shape[1])), excitation])
-    gust = generate_gust(
-        request.turbulence,
-        flown.condition.airspeed_m_s,
-        len(excitation),
-        rate,
-        np.random.default_rng([run_id, _GUST_SEED]),
-    )
+    airspeed = flown.condition.airspeed_m_s
+    rng = np.random.default_rng([run_id, _GUST_SEED])
+    gust = generate_gust(request.turbulence, airspeed, len(excitation), rate, rng)
+    if request.gust is not None:
+        discrete = replace(request.gust, start_s=request.gust.start_s + lead / rate)
+        gust += compute_discrete_gust(discrete, airspeed, len(excitation), rate)
     plant = add_gust_input(
         at.model,
         at.parameters.table(at.parameters.start),
         _measure_flow(define_outputs(aircraft, at.model.outputs)),
     )
-    chain = [*(servos[name] for name in at.model.inputs), Instrument()]
+    servos = [_get_servo(aircraft, name) for name in at.model.inputs]
+    law = None if controller is None else interpolate_controller(controller, airspeed)
+    delay_s = 0.0 if controller is None else controller.delay_s
     moved = simulate_flight(
         plant,
-        build_instrument_chain(chain, plant.inputs),
-        np.array([one.delay_s for one in chain]),
+        [*(_limit_servo(servo, request.limits) for servo in servos), Instrument()],
         np.column_stack([excitation, gust]),
         rate,
-        None
-        if controller is None
-        else interpolate_controller(controller, flown.condition.airspeed_m_s),
-        0.0 if controller is None else controller.delay_s,
+        law,
+        delay_s,
         lambda share: report(Progress(fraction=0.9 * share, message="Simulating")),
+    )
+    margins = ()
+    if law is not None:
+        later = 0.0 if request.limits is None else request.limits.delay_s
+        margins = compute_loop_margins(
+            *(plant, [*servos, Instrument()], law, delay_s + later, rate)
+        )
+    checks = LoopChecks(
+        surfaces=tuple(
+            SurfaceUse(
+                name=name,
+                deflection_peak=float(np.abs(moved.deflections[lead:, k]).max()),
+                limited=float(moved.limited[lead:, k].mean()),
+            )
+            for k, name in enumerate(at.model.inputs)
+        ),
+        margins=margins,
     )
     report(Progress(fraction=0.9, message="Recording"))
     channels = [
         (name, unit, role, samples[lead:])
-        for name, unit, role, samples in _simulate_channels(at, aircraft, moved, excitation, rate)
+        for name, unit, role, samples in _simulate_channels(
+            at, aircraft, moved, excitation, rate, request.sensors
+        )
     ]
     maneuver = Maneuver(
         aircraft_id=flown.aircraft_id,
@@ -177,9 +232,10 @@ def simulate_design(
         ),
         note=f"Simulated with the model of run {run_id}, "
         + ("no controller" if controller is None else controller.name)
-        + (f", {request.turbulence} turbulence" if lead else ""),
+        + (f", {request.turbulence} turbulence" if lead else "")
+        + _describe_imperfections(request),
     )
-    return SimulatedManeuver(maneuver, channels, rate, at.model.inputs, at.model.outputs)
+    return SimulatedManeuver(maneuver, channels, rate, at.model.inputs, at.model.outputs, checks)
 
 
 def store_simulation(
@@ -245,6 +301,7 @@ def store_simulation(
                 controller_id=request.controller_id,
                 maneuver_id=maneuver.id or 0,
                 run_id=run.id or 0,
+                checks=simulated.checks,
             )
         )
 
@@ -325,6 +382,7 @@ def _simulate_channels(
     moved: SimulatedFlight,
     excitation: np.ndarray,
     rate: float,
+    errors: tuple[SensorErrors, ...],
 ) -> list[tuple[str, str, Role, np.ndarray]]:
     """Simulate the recorded channels: surfaces, noisy outputs, excitation; in SI."""
     model, surfaces = at.model, {surface.name: surface for surface in aircraft.surfaces}
@@ -344,6 +402,7 @@ def _simulate_channels(
         moved.outputs, rate, [get_output_instrument(aircraft, o) for o in outputs]
     )
     read += _simulate_unmodelled(at, excitation, rate) + _draw_noise(at, read.shape[0], rate)
+    read = _disturb_outputs(at, read, rate, errors)
     units = {"accelerometer": "m/s2", "gyro": "rad/s", "strain": "strain"}
     rows = [(name, "rad", Role.INPUT, seen[:, k]) for k, name in enumerate(model.inputs)]
     rows += [
@@ -355,6 +414,36 @@ def _simulate_channels(
         for k, name in enumerate(model.inputs)
     ]
     return rows
+
+
+def _disturb_outputs(
+    at: PredictionModel, read: np.ndarray, rate: float, errors: tuple[SensorErrors, ...]
+) -> np.ndarray:
+    """Apply errors of recording to outputs, the last that names a channel.
+
+    Raises
+    ------
+    BadInput
+        If an error names a channel that is no output of the model.
+    """
+    outputs = at.model.outputs
+    of_channel: dict[str, SensorErrors] = {}
+    for one in errors:
+        for name in one.channels or outputs:
+            if name not in outputs:
+                raise BadInput(
+                    f"the model of run {at.run.id} has no output '{name}' for sensor errors; it has"
+                    f" {', '.join(outputs)}",
+                    code="unknown-channel",
+                    channel=name,
+                )
+            of_channel[name] = one
+    found = read.copy()
+    rng = np.random.default_rng([at.run.id or 0, _DROPOUT_SEED])
+    for name, one in of_channel.items():
+        column = [outputs.index(name)]
+        found[:, column] = apply_sensor_errors(read[:, column], rate, one, rng)
+    return found
 
 
 def _simulate_unmodelled(at: PredictionModel, excitation: np.ndarray, rate: float) -> np.ndarray:
@@ -388,3 +477,40 @@ def _draw_noise(at: PredictionModel, n_samples: int, rate: float) -> np.ndarray:
 def _get_servo(aircraft: Aircraft, name: str) -> Instrument:
     surface = next((one for one in aircraft.surfaces if one.name == name), Surface(name=name))
     return aircraft.instruments.get(surface.servo or surface.actuator or "", Instrument())
+
+
+def _limit_servo(servo: Instrument, limits: SurfaceLimits | None) -> Instrument | ActuatorLimits:
+    """Return a servo with limits.
+
+    Raises
+    ------
+    BadInput
+        If the servo is not of second order.
+    """
+    if limits is None:
+        return servo
+    element = servo.elements[0] if len(servo.elements) == 1 else None
+    if not isinstance(element, SecondOrder):
+        raise BadInput(
+            "limits and freeplay need servos of second order; define the servo of every surface of"
+            " the aircraft by natural frequency and damping, or simulate without limits",
+            code="servo-not-second-order",
+        )
+    return ActuatorLimits(
+        natural_frequency=element.natural_frequency,
+        damping=element.damping,
+        delay_s=servo.delay_s + limits.delay_s,
+        position=limits.position,
+        rate=limits.rate,
+        acceleration=limits.acceleration,
+        freeplay=limits.freeplay,
+    )
+
+
+def _describe_imperfections(request: SimulationRequest) -> str:
+    named = (
+        (request.gust is not None, "discrete gust"),
+        (request.limits is not None, "limited surfaces"),
+        (bool(request.sensors), "sensor errors"),
+    )
+    return "".join(f", {name}" for given, name in named if given)
