@@ -426,6 +426,8 @@ export const designView = view((search) => ({
   level: integer(search.level),
   /** Actuator: natural frequency [rad/s], deflection [deg] and rate [deg/s] limits. */
   actuator: number(search.actuator),
+  /** Airspeed of the target modes [m/s]. */
+  airspeed: number(search.airspeed),
   position: number(search.position),
   rate: number(search.rate),
   /** Output-error run whose derivatives the design would be flown for. */

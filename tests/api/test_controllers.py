@@ -93,6 +93,10 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     assert ended(client, begun.headers["location"])["state"] == "succeeded"
     (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
     assert one["simulation"]["controller_id"] == controller
+    checks = one["simulation"]["checks"]
+    assert {row["limited"] for row in checks["surfaces"]} == {0.0}
+    assert {row["surface"] for row in checks["margins"]} <= {"bfs", "wf1s", "wf2s", "wf3s", "wf4s"}
+    assert all(row["modulus"] > 0.1 for row in checks["margins"])
     ended(client, f"/api/v1/jobs/{one['simulation']['run_id']}")
     (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
     assert one["state"] == "succeeded"
@@ -100,3 +104,18 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     assert client.delete(f"{URL}/{controller}").json()["code"] == "controller-used"
     missing = client.post(f"{design}/preflight-simulations", json=body | {"controller_id": 999})
     assert missing.status_code == 404
+
+    limits = {"rate": 0.05, "position": 0.008, "freeplay": 0.001, "delay_s": 0.005}
+    wrong = {"limits": limits, "sensors": [{"channels": ["nosuch"], "dropout": 0.1}]}
+    begun = client.post(f"{design}/preflight-simulations", json=body | wrong)
+    assert ended(client, begun.headers["location"])["state"] == "failed"
+    sensors = [{"quantum": 1e-3, "limit": 20.0, "dropout": 0.02}]
+    gust = {"peak_m_s": 1.0, "gradient_m": 30.0, "start_s": 1.0}
+    full = body | {"limits": limits, "sensors": sensors, "gust": gust}
+    begun = client.post(f"{design}/preflight-simulations", json=full)
+    assert begun.status_code == 202, begun.text
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    (limited, _) = client.get(f"{design}/preflight-simulations").json()["items"]
+    surfaces = limited["simulation"]["checks"]["surfaces"]
+    assert max(row["limited"] for row in surfaces) > 0.01
+    assert max(row["deflection_peak"] for row in surfaces) <= 0.008 + 1e-9

@@ -157,7 +157,20 @@ def test_target_modes_within_band_are_listed(client: TestClient):
         assert {name for name, held in found.items() if held} == within
         assert {name for name, held in found.items() if not held} == outside
         assert all(name in result["sentence"] for name in outside)
-        assert ("do not reach" in result["sentence"]) == bool(outside)
+        assert all(mode["harmonics_per_surface"] >= 3 for mode in result["modes"] if name in within)
+    listed = f"{URL}/catalogue/targets?aircraft_id={aircraft}&airspeed_m_s=38&period_s=24"
+    every = client.get(listed).json()["items"]
+    assert [row["number"] for row in every][:3] == [500, 503, 506]
+    row = every[2]
+    assert (row["resolution_hz"], row["harmonics_per_surface"]) == (pytest.approx(1 / 24), 65)
+    assert {"SP", "SW1B", "SWL"} <= {mode["name"] for mode in row["modes"]}
+    assert row["reaches_targets"]
+    assert set(every[9]["missing"]) == {"DR", "RS"}, "no lateral prediction"
+    in_flight = {"fta": 500, "aircraft_id": aircraft, "airspeed_m_s": 59.0, "name": "fast"}
+    made = client.post(URL, json=FTA_503 | in_flight).json()
+    highest = max(max(own["harmonics"]) for own in made["specification"]["inputs"]) / 24.0
+    assert highest > 7.0, "the short period is at 3.6 Hz there"
+    assert client.post(URL, json=FTA_503 | {"airspeed_m_s": 59.0}).status_code == 422
     wrong = client.post(
         URL, json=FTA_503 | {"fta": None, "aircraft_id": aircraft, "inputs": [
             {"name": "bfs", "harmonics": [3]}

@@ -11,9 +11,11 @@ from flexsid.errors import BadInput
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band
-from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.sysid.simulation.recording import SensorErrors
+from flexsid.sysid.simulation.turbulence import DiscreteGust, Turbulence
 from flexsid.workflow.excitation import excitation_designs
-from flexsid.workflow.excitation.target_modes import find_reach
+from flexsid.workflow.excitation.preflight_simulation import SimulationRequest, SurfaceLimits
+from flexsid.workflow.excitation.target_modes import RowBand, TargetQuery, find_row_band
 
 Effort = Literal["quick", "thorough", "patient"]
 Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
@@ -48,7 +50,8 @@ class DesignRequest(Request):
     """A row of Table 1 by ``fta``, or ``inputs`` by their harmonics, or ``bands``.
 
     ``peaks`` are the low, medium and high amplitudes of an input with relative peak 1 [rad], at
-    most 60 deg. With ``aircraft_id`` the band of a row includes its target modes on that aircraft.
+    most 60 deg. With ``aircraft_id`` the band of a row includes its target modes on that aircraft,
+    in flight at ``airspeed_m_s``, or structural modes in vacuo without it.
     """
 
     name: Title
@@ -57,6 +60,9 @@ class DesignRequest(Request):
     peaks: tuple[Positive, Positive, Positive]
     fta: Annotated[int, Field(strict=True, ge=1, le=9999)] | None = None
     aircraft_id: Id | None = None
+    airspeed_m_s: Annotated[float, Field(strict=True, gt=0.0, le=1000.0)] | None = None
+    fuel_fraction: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.5
+    altitude_m: Annotated[float, Field(strict=True, ge=-1000.0, le=11_000.0)] = 0.0
     first_harmonic: Harmonic = 1
     inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
     bands: Annotated[tuple[BandRequest, ...], Field(max_length=40)] = ()
@@ -73,16 +79,20 @@ class DesignRequest(Request):
                 "aircraft_id is valid with fta only; omit it with inputs or bands, which define"
                 " their frequencies"
             )
+        if self.airspeed_m_s is not None and self.aircraft_id is None:
+            raise BadInput("airspeed_m_s is valid with aircraft_id only; give both or neither")
         if self.fta is not None:
+            band = self._find_band(store, self.fta)
             return excitation_designs.specify_design(
                 self.fta,
                 self.duration_s,
                 self.rate_hz,
-                self.first_harmonic,
+                band.first,
                 self.peaks,
                 self.effort,
                 self.seed,
-                None if self.aircraft_id is None else find_reach(store, self.fta, self.aircraft_id),
+                band.last,
+                band.bands,
             )
         if self.bands:
             bands = tuple(
@@ -93,6 +103,17 @@ class DesignRequest(Request):
                 bands, self.duration_s, self.rate_hz, self.peaks, self.effort, self.seed
             )
         return self.make_record(DesignSpecification)
+
+    def _find_band(self, store: Store, fta: int) -> RowBand:
+        if self.aircraft_id is None:
+            return RowBand(self.first_harmonic, None, ())
+        query = TargetQuery(
+            aircraft_id=self.aircraft_id,
+            airspeed_m_s=self.airspeed_m_s,
+            fuel_fraction=self.fuel_fraction,
+            altitude_m=self.altitude_m,
+        )
+        return find_row_band(store, fta, query, self.duration_s, self.first_harmonic)
 
 
 class RescaleRequest(Request):
@@ -110,10 +131,57 @@ class RedesignRequest(Request):
     effort: Effort = "thorough"
 
 
+class SurfaceLimitsRequest(Request):
+    """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos."""
+
+    position: Annotated[float, Field(gt=0.0, le=1.05, description="[rad]")] | None = None
+    rate: Annotated[float, Field(gt=0.0, le=50.0, description="[rad/s]")] | None = None
+    acceleration: Annotated[float, Field(gt=0.0, le=1e5, description="[rad/s2]")] | None = None
+    freeplay: Annotated[float, Field(ge=0.0, le=0.2, description="[rad]")] = 0.0
+    delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
+class SensorErrorsRequest(Request):
+    """Errors of recorded channels in their SI unit; of all outputs without ``channels``."""
+
+    channels: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
+    quantum: Annotated[float, Field(ge=0.0, le=1e5, allow_inf_nan=False)] = 0.0
+    limit: Positive | None = None
+    dropout: Annotated[float, Field(ge=0.0, lt=1.0, description="Share of the samples.")] = 0.0
+    skew_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
+class DiscreteGustRequest(Request):
+    """One-minus-cosine gust: peak speed, gradient distance, start in the record."""
+
+    peak_m_s: Annotated[float, Field(ge=-50.0, le=50.0)]
+    gradient_m: Annotated[float, Field(gt=0.0, le=1000.0)]
+    start_s: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+
+
 class PreflightSimulationRequest(Request):
-    """Run whose model is simulated, amplitude level, controller (none: open loop), turbulence."""
+    """Run whose model is simulated, amplitude level, controller (none: open loop), imperfections.
+
+    Of several sensor errors with a channel the last applies to it.
+    """
 
     run_id: Id
     level: Annotated[int, Field(strict=True, ge=0, le=2)] = 1
     controller_id: Id | None = None
     turbulence: Turbulence = Turbulence.NONE
+    limits: SurfaceLimitsRequest | None = None
+    sensors: Annotated[tuple[SensorErrorsRequest, ...], Field(max_length=50)] = ()
+    gust: DiscreteGustRequest | None = None
+
+    def to_simulation(self, design_id: int) -> SimulationRequest:
+        """Return the request of the simulation of a design."""
+        return SimulationRequest(
+            design_id=design_id,
+            run_id=self.run_id,
+            level=self.level,
+            controller_id=self.controller_id,
+            turbulence=self.turbulence,
+            limits=None if self.limits is None else self.limits.make_record(SurfaceLimits),
+            sensors=tuple(one.make_record(SensorErrors) for one in self.sensors),
+            gust=None if self.gust is None else self.gust.make_record(DiscreteGust),
+        )

@@ -299,22 +299,28 @@ class ExpectedMode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetMode:
-    """A structural mode that a design targets, with its frequencies over fuel. [Hz]
+    """A mode that a design targets, its frequency [Hz] and damping ratio in flight.
 
-    ``group`` is LE or HE of Table 1, or "all" for a design that is no row of it.
+    ``group`` is PH, SP, DR, RS, LE or HE of Table 1, or "all" for a structural mode and a design
+    that is no row of it; ``number`` is that of the modal table, None for rigid-body modes.
+    ``harmonics_per_surface`` is the least number of harmonics of a surface between ``low_hz`` and
+    ``high_hz``.
     """
 
-    number: int
+    number: int | None
     name: str
     group: str
+    frequency_hz: float
+    damping: float | None
     low_hz: float
     high_hz: float
     in_band: bool
+    harmonics_per_surface: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetModes:
-    """The band of a design [Hz] and the structural modes it targets; ``sentence`` compares them."""
+    """The band of a design [Hz] and the modes it targets; ``sentence`` compares them."""
 
     low_hz: float
     high_hz: float

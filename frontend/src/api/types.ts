@@ -81,6 +81,7 @@ export type DesignChecks = Received<"DesignChecks">;
 export type ExpectedError = Received<"ExpectedError">;
 export type ExpectedMode = Received<"ExpectedMode">;
 export type TargetMode = Received<"TargetMode">;
+export type RowTargets = Received<"RowTargets">;
 export type ExpectedErrors = Received<"ExpectedErrors">;
 export type ExpectedSummary = Received<"ExpectedSummary">;
 export type ComparedInput = Received<"ComparedInput">;

@@ -1,11 +1,11 @@
-import { Button, Group, Select, Stack, Text } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { useSimulatePreflight } from "../api/commands";
 import { controllersQuery, preflightSimulationsQuery } from "../api/queries";
 import type { Design, SimulationResult, SimulatedDerivative } from "../api/types";
-import { fixed, withError } from "../lib/format";
+import { degrees, fixed, withError } from "../lib/format";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Empty } from "./Empty";
@@ -34,6 +34,36 @@ const TURBULENCE = [
   { value: "moderate", label: "Moderate (Dryden)" },
 ];
 
+/** Limits of the surfaces as typed [deg], [deg/s], [deg/s2]; undefined where there is none. */
+interface Limits {
+  position?: number | undefined;
+  rate?: number | undefined;
+  acceleration?: number | undefined;
+  freeplay?: number | undefined;
+}
+
+const LIMITS = [
+  ["position", "Deflection limit [deg]"],
+  ["rate", "Rate limit [deg/s]"],
+  ["acceleration", "Acceleration limit [deg/s²]"],
+  ["freeplay", "Freeplay [deg]"],
+] as const;
+
+const radians = (value: number | undefined) =>
+  value === undefined ? undefined : (value * Math.PI) / 180;
+
+/** The surfaces of a request; null where no field is given. */
+const limitsOf = (limits: Limits) =>
+  Object.values(limits).every((one) => one === undefined)
+    ? null
+    : {
+        position: radians(limits.position) ?? null,
+        rate: radians(limits.rate) ?? null,
+        acceleration: radians(limits.acceleration) ?? null,
+        freeplay: radians(limits.freeplay) ?? 0,
+        delay_s: 0,
+      };
+
 interface Props {
   design: Design;
   level: number;
@@ -48,6 +78,8 @@ export function PreflightPart({ design, level, run }: Props) {
   const cache = useQueryClient();
   const [controller, setController] = useState<string | null>(null);
   const [turbulence, setTurbulence] = useState<Turbulence>("none");
+  const [limits, setLimits] = useState<Limits>({});
+  const [dropout, setDropout] = useState<number | undefined>(undefined);
   const known = controllers.data ?? [];
   const selected = controller ?? String(known[0]?.id ?? "");
   return (
@@ -79,6 +111,31 @@ export function PreflightPart({ design, level, run }: Props) {
                 setTurbulence((value ?? "none") as Turbulence);
               }}
             />
+            {LIMITS.map(([key, label]) => (
+              <NumberInput
+                key={key}
+                label={label}
+                placeholder="none"
+                min={0}
+                w={180}
+                value={limits[key] ?? ""}
+                onChange={(next) => {
+                  const value = typeof next === "number" && next > 0 ? next : undefined;
+                  setLimits((previous) => ({ ...previous, [key]: value }));
+                }}
+              />
+            ))}
+            <NumberInput
+              label="Sensor dropouts [%]"
+              placeholder="none"
+              min={0}
+              max={50}
+              w={160}
+              value={dropout ?? ""}
+              onChange={(next) => {
+                setDropout(typeof next === "number" && next > 0 ? next : undefined);
+              }}
+            />
             <Button
               loading={simulate.isPending}
               data-testid="simulate-preflight"
@@ -89,6 +146,11 @@ export function PreflightPart({ design, level, run }: Props) {
                   level,
                   controller_id: Number.isInteger(id) && id > 0 ? id : null,
                   turbulence,
+                  limits: limitsOf(limits),
+                  sensors:
+                    dropout === undefined
+                      ? []
+                      : [{ channels: [], quantum: 0, dropout: dropout / 100, skew_s: 0 }],
                 });
               }}
             >
@@ -160,6 +222,7 @@ function One({ result }: { result: SimulationResult }) {
         </Group>
       }
     >
+      {simulation.checks !== null && <Checks checks={simulation.checks} />}
       {derivatives.length === 0 ? (
         <Text size="sm">The estimation is {result.state}.</Text>
       ) : (
@@ -179,5 +242,65 @@ function One({ result }: { result: SimulationResult }) {
         </>
       )}
     </Section>
+  );
+}
+
+type LoopChecks = NonNullable<SimulationResult["simulation"]["checks"]>;
+type SurfaceUse = LoopChecks["surfaces"][number];
+
+const decibels = (gain: number | null) => (gain === null ? null : 20 * Math.log10(gain));
+
+/** Surfaces at their limits, and margins of the loop broken at each of them. */
+function Checks({ checks }: { checks: LoopChecks }) {
+  const marginsOf = (row: SurfaceUse) => checks.margins.find((one) => one.surface === row.name);
+  const columns: Column<SurfaceUse>[] = [
+    { key: "name", header: "Surface", render: (row) => row.name },
+    {
+      key: "peak",
+      header: "Largest deflection",
+      unit: "deg",
+      numeric: true,
+      render: (row) => fixed(degrees(row.deflection_peak), 2),
+    },
+    {
+      key: "limited",
+      header: "Time at a limit",
+      unit: "%",
+      numeric: true,
+      render: (row) => fixed(100 * row.limited, 1),
+    },
+    {
+      key: "gain",
+      header: "Gain margin",
+      unit: "dB",
+      numeric: true,
+      render: (row) => fixed(decibels(marginsOf(row)?.gain ?? null), 1),
+    },
+    {
+      key: "phase",
+      header: "Phase margin",
+      unit: "deg",
+      numeric: true,
+      render: (row) => {
+        const phase = marginsOf(row)?.phase ?? null;
+        return fixed(phase === null ? null : degrees(phase), 1);
+      },
+    },
+    {
+      key: "modulus",
+      header: "Least distance from −1",
+      numeric: true,
+      render: (row) => fixed(marginsOf(row)?.modulus ?? null, 2),
+    },
+  ];
+  return (
+    <DataTable
+      label="Surfaces and loop"
+      testId="simulated-surfaces"
+      columns={columns}
+      rows={checks.surfaces}
+      rowKey={(row) => row.name}
+      isSelected={(row) => row.limited > 0}
+    />
   );
 }

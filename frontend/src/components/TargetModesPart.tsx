@@ -1,4 +1,4 @@
-import { Alert, Select } from "@mantine/core";
+import { Alert, Group, NumberInput, Select } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { aircraftQuery, targetModesQuery } from "../api/queries";
 import type { Design, TargetMode } from "../api/types";
@@ -13,50 +13,89 @@ const COLUMNS: Column<TargetMode>[] = [
   { key: "group", header: "Target", render: (mode) => mode.group },
   {
     key: "frequency",
-    header: "Frequency in vacuo",
+    header: "Frequency",
     unit: "Hz",
     numeric: true,
-    render: (mode) =>
-      fixed(mode.low_hz, 2) === fixed(mode.high_hz, 2)
-        ? fixed(mode.low_hz, 2)
-        : `${fixed(mode.low_hz, 2)}–${fixed(mode.high_hz, 2)}`,
+    render: (mode) => fixed(mode.frequency_hz, 2),
+  },
+  {
+    key: "damping",
+    header: "Damping ratio",
+    numeric: true,
+    render: (mode) => fixed(mode.damping, 3),
+  },
+  {
+    key: "about",
+    header: "Band about it",
+    unit: "Hz",
+    numeric: true,
+    render: (mode) => `${fixed(mode.low_hz, 2)}–${fixed(mode.high_hz, 2)}`,
+  },
+  {
+    key: "harmonics",
+    header: "Harmonics per surface",
+    numeric: true,
+    render: (mode) => mode.harmonics_per_surface,
   },
   { key: "band", header: "In the band", render: (mode) => (mode.in_band ? "yes" : "no") },
 ];
+
+const LEAST_HARMONICS = 3;
+const isShort = (mode: TargetMode) => !mode.in_band || mode.harmonics_per_surface < LEAST_HARMONICS;
 
 interface Props {
   design: Design;
   /** Aircraft of the modes; the first one where undefined. */
   aircraft: number | undefined;
-  onChange: (aircraft: number | undefined) => void;
+  /** Airspeed of the modes [m/s]; in vacuo where undefined. */
+  airspeed: number | undefined;
+  onChange: (part: { aircraft?: number | undefined; airspeed?: number | undefined }) => void;
 }
 
-/** The band of a design against the structural modes that it is to excite. */
-export function TargetModesPart({ design, aircraft, onChange }: Props) {
+/** The harmonics of a design about the modes that it is to excite. */
+export function TargetModesPart({ design, aircraft, airspeed, onChange }: Props) {
   const known = useQuery(aircraftQuery);
   const selected = aircraft ?? known.data?.[0]?.id;
-  const targets = useQuery(targetModesQuery(design.id, selected));
+  const targets = useQuery(targetModesQuery(design.id, selected, airspeed));
   return (
-    <Section title="Target modes" note="Frequencies of the modal table, over all fuel weights">
+    <Section
+      title="Target modes"
+      note={
+        airspeed === undefined
+          ? "Structural modes in vacuo, over all fuel weights; with an airspeed those in flight"
+          : "In flight at sea level and half fuel, by the predictions of the aircraft"
+      }
+    >
       {known.data?.length === 0 ? (
         <Empty title="No aircraft">Import an aircraft with its modal table first.</Empty>
       ) : (
         <>
-          <Select
-            label="Aircraft"
-            mb="sm"
-            w={300}
-            allowDeselect={false}
-            data={(known.data ?? []).map((one) => ({ value: String(one.id), label: one.name }))}
-            value={selected === undefined ? null : String(selected)}
-            onChange={(id) => {
-              onChange(id === null ? undefined : Number(id));
-            }}
-          />
+          <Group mb="sm" align="end">
+            <Select
+              label="Aircraft"
+              w={300}
+              allowDeselect={false}
+              data={(known.data ?? []).map((one) => ({ value: String(one.id), label: one.name }))}
+              value={selected === undefined ? null : String(selected)}
+              onChange={(id) => {
+                onChange({ aircraft: id === null ? undefined : Number(id) });
+              }}
+            />
+            <NumberInput
+              label="Airspeed [m/s]"
+              placeholder="in vacuo"
+              w={150}
+              min={0}
+              value={airspeed ?? ""}
+              onChange={(next) => {
+                onChange({ airspeed: typeof next === "number" && next > 0 ? next : undefined });
+              }}
+            />
+          </Group>
           <Loaded query={targets} rows={4}>
             {(found) => (
               <>
-                {design.fta !== null && found.modes.some((mode) => !mode.in_band) ? (
+                {design.fta !== null && found.modes.some(isShort) ? (
                   <Alert color="orange" mb="sm">
                     {found.sentence}
                   </Alert>
@@ -68,8 +107,8 @@ export function TargetModesPart({ design, aircraft, onChange }: Props) {
                   testId="target-modes"
                   columns={COLUMNS}
                   rows={found.modes}
-                  rowKey={(mode) => mode.number}
-                  isSelected={(mode) => !mode.in_band}
+                  rowKey={(mode) => mode.number ?? mode.name}
+                  isSelected={isShort}
                 />
               </>
             )}

@@ -111,6 +111,8 @@ export function requestOf(draft: DesignDraft) {
     duration_s: draft.duration,
     rate_hz: draft.rate,
     peaks: [low * RADIAN, medium * RADIAN, high * RADIAN] as [number, number, number],
+    fuel_fraction: 0.5,
+    altitude_m: 0,
     first_harmonic: 1,
     inputs: [],
     bands,

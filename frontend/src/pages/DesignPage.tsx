@@ -148,9 +148,8 @@ function OneDesign({ design }: { design: Design }) {
             <TargetModesPart
               design={design}
               aircraft={view.aircraft}
-              onChange={(aircraft) => {
-                change({ aircraft });
-              }}
+              airspeed={view.airspeed}
+              onChange={change}
             />
             <Checks design={design} level={level} view={view} onChange={change} />
             <div className="panel" style={{ padding: 12 }}>

@@ -2,8 +2,8 @@ import { Button, Group, NumberInput, Select, Stack, Tabs } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useSearchDesign } from "../api/commands";
-import { aircraftQuery, catalogueQuery, designsQuery } from "../api/queries";
-import type { CatalogueRow, Design, DesignRequest } from "../api/types";
+import { aircraftQuery, catalogueQuery, designsQuery, rowTargetsQuery } from "../api/queries";
+import type { CatalogueRow, Design, DesignRequest, RowTargets } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { ImportDesignForm } from "../components/ImportDesignForm";
@@ -101,11 +101,27 @@ export function ExcitationPage() {
     first: 6,
     peak: 2,
     aircraft: "",
+    airspeed: 0,
   });
   const { period, rate, first, peak } = draft;
+  const airspeed = draft.airspeed > 0 ? draft.airspeed : undefined;
   const known = (aircraft.data ?? []).map((one) => ({ value: String(one.id), label: one.name }));
   // The first aircraft is the default; without an aircraft the band of the catalogue is used.
   const aircraftId = draft.aircraft === "" ? (known[0]?.value ?? NONE) : draft.aircraft;
+  const targets = useQuery(
+    rowTargetsQuery(
+      aircraftId === NONE
+        ? null
+        : {
+            aircraft_id: Number(aircraftId),
+            airspeed_m_s: airspeed,
+            period_s: period,
+            first_harmonic: Math.round(first),
+          },
+    ),
+  );
+  const targetsOf = (row: CatalogueRow) =>
+    aircraftId === NONE ? undefined : targets.data?.find((one) => one.number === row.number);
   const set = (key: "period" | "rate" | "first" | "peak") => (value: number) => {
     setDraft((previous) => ({ ...previous, [key]: value }));
   };
@@ -117,6 +133,9 @@ export function ExcitationPage() {
     name: `FTA ${row.number}`,
     fta: row.number,
     aircraft_id: aircraftId === NONE ? null : Number(aircraftId),
+    airspeed_m_s: aircraftId === NONE ? null : (airspeed ?? null),
+    fuel_fraction: 0.5,
+    altitude_m: 0,
     duration_s: period * row.periods,
     rate_hz: rate,
     first_harmonic: first,
@@ -146,6 +165,36 @@ export function ExcitationPage() {
       render: (row) => (row.throttles === 0 ? "" : `${row.throttles} × ${row.throttle_harmonics}`),
     },
     { key: "targets", header: "Modes", render: (row) => row.targets },
+    {
+      key: "band",
+      header: "Band",
+      unit: "Hz",
+      numeric: true,
+      render: (row) => {
+        const found = targetsOf(row);
+        return found === undefined ? "" : `${fixed(found.low_hz, 2)}–${fixed(found.high_hz, 2)}`;
+      },
+    },
+    {
+      key: "resolution",
+      header: "Resolution",
+      unit: "Hz",
+      numeric: true,
+      render: (row) => fixed(targetsOf(row)?.resolution_hz ?? null, 4),
+    },
+    {
+      key: "reached",
+      header: "Harmonics per surface about targets",
+      wraps: true,
+      render: (row) => describeTargets(targetsOf(row)),
+    },
+    {
+      key: "least",
+      header: "Least duration",
+      unit: "s",
+      numeric: true,
+      render: (row) => fixed(targetsOf(row)?.least_duration_s ?? null, 0),
+    },
     {
       key: "make",
       header: "",
@@ -232,12 +281,27 @@ export function ExcitationPage() {
                     if (next !== null) setDraft((previous) => ({ ...previous, aircraft: next }));
                   }}
                 />
+                <NumberInput
+                  label="Airspeed [m/s]"
+                  placeholder="in vacuo"
+                  w={150}
+                  min={0}
+                  disabled={aircraftId === NONE}
+                  value={airspeed ?? ""}
+                  onChange={(next) => {
+                    setDraft((previous) => ({
+                      ...previous,
+                      airspeed: typeof next === "number" ? next : 0,
+                    }));
+                  }}
+                />
                 <PositiveInput
                   label="Body flap, medium [deg]"
                   value={peak}
                   onChange={set("peak")}
                 />
               </Group>
+              {targets.isError && <ProblemAlert error={targets.error} />}
               <Loaded query={catalogue} rows={24}>
                 {(rows) => (
                   <DataTable
@@ -246,6 +310,7 @@ export function ExcitationPage() {
                     columns={columns}
                     rows={rows}
                     rowKey={(row) => row.number}
+                    isSelected={(row) => targetsOf(row)?.reaches_targets === false}
                   />
                 )}
               </Loaded>
@@ -271,6 +336,17 @@ export function ExcitationPage() {
       </Stack>
     </>
   );
+}
+
+/** Harmonics about each target; targets without a predicted frequency are named. */
+function describeTargets(row: RowTargets | undefined): string {
+  if (row === undefined) return "";
+  const found = row.modes.map(
+    (mode) =>
+      `${mode.name} ${mode.in_band ? String(mode.harmonics_per_surface) : "outside the band"}`,
+  );
+  const missing = row.missing.map((group) => `${group} not predicted`);
+  return [...found, ...missing].join(", ");
 }
 
 interface PositiveInputProps {

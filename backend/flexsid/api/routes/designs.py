@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, File, Form, Query, Response, UploadFile, status
+from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
@@ -35,7 +35,12 @@ from flexsid.workflow.excitation import (
     preflight_simulation,
 )
 from flexsid.workflow.excitation.excitation_designs import DesignOrder
-from flexsid.workflow.excitation.target_modes import compare_target_modes
+from flexsid.workflow.excitation.target_modes import (
+    RowTargets,
+    TargetQuery,
+    compare_target_modes,
+    list_row_targets,
+)
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
@@ -52,6 +57,26 @@ Rate = Annotated[
     float | None,
     Query(ge=1e-6, le=50.0, allow_inf_nan=False, description="[rad/s], at most 50 (2900 deg/s)."),
 ]
+
+
+async def _read_target_query(
+    aircraft_id: RequiredReference,
+    airspeed_m_s: Annotated[
+        float | None,
+        Query(gt=0.0, le=1000.0, description="Without it structural modes in vacuo. [m/s]"),
+    ] = None,
+    fuel_fraction: Annotated[float, Query(ge=0.0, le=1.0)] = 0.5,
+    altitude_m: Annotated[float, Query(ge=-1000.0, le=11_000.0, description="[m]")] = 0.0,
+) -> TargetQuery:
+    return TargetQuery(
+        aircraft_id=aircraft_id,
+        airspeed_m_s=airspeed_m_s,
+        fuel_fraction=fuel_fraction,
+        altitude_m=altitude_m,
+    )
+
+
+TheTargetQuery = Annotated[TargetQuery, Depends(_read_target_query)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,6 +145,17 @@ def list_catalogue() -> Json:
     return Json(Page(items=list(excitation_designs.list_flight_test_aids())))
 
 
+@router.get("/catalogue/targets", response_model=Page[RowTargets])
+def list_catalogue_targets(
+    store: TheStore,
+    query: TheTargetQuery,
+    period_s: Annotated[float, Query(gt=0.1, le=1000.0, description="T of Table 1. [s]")] = 24.0,
+    first_harmonic: Annotated[int, Query(ge=1, le=1000)] = 1,
+) -> Json:
+    """List band, resolution and harmonics about the target modes of all rows on an aircraft."""
+    return Json(Page(items=list(list_row_targets(store, query, period_s, first_harmonic))))
+
+
 @router.get("/{design_id}", response_model=ExcitationDesign)
 def get_design(store: TheStore, design_id: Identity) -> Json:
     """Return one design."""
@@ -163,13 +199,9 @@ def check_design(
 
 
 @router.get("/{design_id}/target-modes", response_model=TargetModes)
-def get_target_modes(
-    store: TheStore,
-    design_id: Identity,
-    aircraft_id: RequiredReference,
-) -> Json:
-    """Compare the band of a design with its target modes on an aircraft."""
-    return Json(compare_target_modes(store, store.designs.get(design_id), aircraft_id))
+def get_target_modes(store: TheStore, design_id: Identity, query: TheTargetQuery) -> Json:
+    """Compare the harmonics of a design with its target modes on an aircraft."""
+    return Json(compare_target_modes(store, store.designs.get(design_id), query))
 
 
 @router.post(
@@ -219,13 +251,7 @@ def simulate_design(
     design = context.store.designs.get(design_id)
     if body.controller_id is not None:
         context.store.controllers.get(body.controller_id)
-    request = preflight_simulation.SimulationRequest(
-        design_id=design_id,
-        run_id=body.run_id,
-        level=body.level,
-        controller_id=body.controller_id,
-        turbulence=body.turbulence,
-    )
+    request = body.to_simulation(design_id)
     return submit_job(context, SIMULATION, request, analyst, design.name)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Int
 
 from flexsid.sysid.excitation.multisine import assign_harmonics
+from flexsid.sysid.excitation.targets import HARMONICS_PER_SURFACE, spread_harmonics
 
 ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
 """Structural modes of LE and HE by their place in order of frequency: modes 7-8 and 9-14 of the
@@ -47,6 +49,11 @@ class FlightTestAid:
         return surfaces, throttles
 
     @property
+    def rigid_targets(self) -> tuple[str, ...]:
+        """Rigid-body modes among the targets: PH, SP, DR, RS."""
+        return tuple(group for group in self.targets.split() if group not in ELASTIC_GROUPS)
+
+    @property
     def elastic_targets(self) -> tuple[str, ...]:
         """Groups of structural modes among the targets: LE, HE."""
         return tuple(group for group in self.targets.split() if group in ELASTIC_GROUPS)
@@ -72,7 +79,7 @@ class FlightTestAid:
         return self.periods * brief.harmonics_per_input * brief.surfaces
 
     def harmonics(
-        self, first: int = 1, last: int | None = None
+        self, first: int = 1, last: int | None = None, bands: Sequence[tuple[float, float]] = ()
     ) -> dict[str, Int[np.ndarray, " n_tones"]]:
         """Assign harmonics of the design's own duration; throttles have the lowest.
 
@@ -84,14 +91,20 @@ class FlightTestAid:
             Highest harmonic that the surfaces have to reach; by default that of
             ``highest_harmonic``. The number of harmonics stays that of Table 1: they are
             spread evenly, or consecutive where they reach further by themselves.
+        bands
+            Lowest and highest harmonic about each target, where the harmonics are denser.
         """
         surfaces, throttles = self.input_names()
         low = assign_harmonics(throttles, self.throttle_harmonics, 1)
         lowest = max(first, 1 + len(throttles) * self.throttle_harmonics)
-        steps = np.arange(self.harmonics_per_input * len(surfaces))
         needed = (self.highest_harmonic() if last is None else last) or 0
-        reach = max(needed - lowest, steps[-1])
-        dealt = lowest + steps * reach // steps[-1]
+        dealt = spread_harmonics(
+            self.harmonics_per_input * len(surfaces),
+            lowest,
+            needed,
+            bands,
+            HARMONICS_PER_SURFACE * len(surfaces),
+        )
         return {name: dealt[index :: len(surfaces)] for index, name in enumerate(surfaces)} | low
 
 

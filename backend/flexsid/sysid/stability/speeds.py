@@ -209,3 +209,19 @@ def name_roots(
     motion, root = linear_sum_assignment(-participation)
     leading[root] = motion
     return tuple(motions[k] for k in leading)
+
+
+def compute_named_roots(aircraft: Aeroelastic) -> dict[str, complex]:
+    """Compute the roots of an aircraft at its own condition by motion. [rad/s]
+
+    Of a pair it is the root above the real axis. A motion that leads several roots has the one
+    that oscillates fastest.
+    """
+    condition = aircraft.condition
+    family = build_state_family(aircraft, np.array([condition.airspeed]), condition.density)
+    modal = decompose_states(family.A)
+    upper = np.flatnonzero(np.imag(modal.values[0]) >= 0.0)
+    participation = compute_participation(modal, 0, family.membership)[:, upper]
+    names = name_roots(participation, aircraft.motions)
+    found = zip(names, modal.values[0, upper].tolist(), strict=True)
+    return dict(sorted(found, key=lambda pair: pair[1].imag))

@@ -52,7 +52,8 @@ def specify_design(
     peaks: tuple[float, float, float],
     effort: str = "thorough",
     seed: int = 0,
-    reach_hz: float | None = None,
+    last_harmonic: int | None = None,
+    bands: tuple[tuple[float, float], ...] = (),
 ) -> DesignSpecification:
     """Specify a design for a flight test aid of Table 1.
 
@@ -70,18 +71,19 @@ def specify_design(
         Largest deflection of the body flap at three amplitudes. [unit of the command]
     effort, seed
         Of the search for phases.
-    reach_hz
-        Frequency that the harmonics of the surfaces have to reach; by default the band of the
-        row's targets in Table 1. [Hz]
+    last_harmonic
+        Harmonic that those of the surfaces have to reach; by default that of the band of the
+        row's targets in Table 1.
+    bands
+        Lowest and highest harmonic about each target mode.
     """
     aid = find_flight_test_aid(fta)
-    last = None if reach_hz is None else int(np.ceil(reach_hz * duration_s))
     scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
     inputs = tuple(
         InputSpecification(
             name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0)
         )
-        for name, own in aid.harmonics(first_harmonic, last).items()
+        for name, own in aid.harmonics(first_harmonic, last_harmonic, bands).items()
     )
     return DesignSpecification(
         duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed

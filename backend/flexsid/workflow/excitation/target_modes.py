@@ -1,63 +1,184 @@
-"""Target modes of a design, and which of them lie within its band."""
+"""Target modes of a design in flight, and the harmonics that it has about each of them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import TargetMode, TargetModes
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.catalogue import ELASTIC_GROUPS, FlightTestAid
+from flexsid.sysid.excitation.catalogue import CATALOGUE, ELASTIC_GROUPS, FlightTestAid
 from flexsid.sysid.excitation.designer import DesignSpecification
+from flexsid.sysid.excitation.targets import (
+    HARMONICS_PER_SURFACE,
+    Target,
+    build_rigid_target,
+    build_structural_target,
+    count_harmonics,
+    find_least_duration,
+)
+from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.stability.speeds import Aeroelastic, compute_named_roots
+from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_values,
+    list_predicted_modes,
+    select_prediction,
+)
+from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.excitation.excitation_designs import find_flight_test_aid
-from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
+from flexsid.workflow.modal_data.modal_tables import AircraftModes, load_modes_of_model
 
-_ABOVE = 1.05  # of a mode's in-vacuo frequency: harmonics on both sides of its peak
 _RIGID_HZ = 0.1  # free-free models give rigid modes as numerical zeros
 _ALL = "all"  # group of the structural modes of a design outside Table 1
+_PHUGOID = "PH"
+_POLES = {"SP": "SP", "DR": "DR", "RS": "roll"}
+"""Poles of the models by rigid-body target of Table 1. The models have no phugoid."""
 
 
-def find_reach(store: Store, fta: int, aircraft_id: int) -> float | None:
-    """Return the frequency that a row of Table 1 has to reach on an aircraft. [Hz]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TargetQuery:
+    """Aircraft and flight condition of the target modes.
 
-    None where the row targets no structural mode of the aircraft.
+    Without an airspeed only structural modes are targets, at their frequencies in vacuo over all
+    fuel weights. The fuel fraction is half by default.
+    """
+
+    aircraft_id: int
+    airspeed_m_s: float | None = None
+    fuel_fraction: float = 0.5
+    altitude_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RowTargets:
+    """A row of Table 1 on an aircraft: band, resolution [Hz] and harmonics about its targets.
+
+    ``least_duration_s`` is the shortest duration with three harmonics of every surface about each
+    target; ``missing`` are targets without a predicted frequency.
+    """
+
+    number: int
+    duration_s: float
+    least_duration_s: float
+    low_hz: float
+    high_hz: float
+    resolution_hz: float
+    harmonics_per_surface: int
+    modes: tuple[TargetMode, ...]
+    missing: tuple[str, ...]
+    reaches_targets: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RowBand:
+    """First and last harmonic of a row on an aircraft, and those about each target."""
+
+    first: int
+    last: int | None
+    bands: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _FlightModes:
+    """Structural modes of an aircraft, and its roots at a condition by motion; None on ground."""
+
+    modes: AircraftModes
+    fuel: float
+    airspeed_m_s: float | None
+    roots: dict[str, complex]
+
+
+def list_row_targets(
+    store: Store, query: TargetQuery, period_s: float, first_harmonic: int = 1
+) -> tuple[RowTargets, ...]:
+    """Compare all rows of Table 1 with their target modes on an aircraft.
+
+    Parameters
+    ----------
+    store, query
+        Aircraft and flight condition.
+    period_s
+        T of Table 1. [s]
+    first_harmonic
+        Lowest harmonic of the surfaces; lower where a target requires it.
 
     Raises
     ------
     BadInput
-        If Table 1 lacks the row, or the aircraft has no modal table.
+        If the condition is impossible.
     """
-    aid = find_flight_test_aid(fta)
-    modes = load_modes(store, *find_modal_tables(store, aircraft_id, None, None))
-    highest = [target[3] for target in _list_targets(modes, aid)]
-    return _ABOVE * max(highest) if highest else None
-
-
-def compare_target_modes(store: Store, design: ExcitationDesign, aircraft_id: int) -> TargetModes:
-    """Compare the band of a design with the structural modes that it targets on an aircraft.
-
-    A design outside Table 1 is compared with all structural modes.
-
-    Raises
-    ------
-    BadInput
-        If the aircraft has no modal table.
-    """
-    store.aircraft.get(aircraft_id)
-    modes = load_modes(store, *find_modal_tables(store, aircraft_id, None, None))
-    aid = None if design.fta is None else find_flight_test_aid(design.fta)
-    low, high = find_band(design.specification)
-    found = tuple(
-        TargetMode(
-            number=number,
-            name=modes.names[number],
-            group=group,
-            low_hz=lowest,
-            high_hz=highest,
-            in_band=low <= lowest and highest <= high,
+    flight = _load_flight_modes(store, query)
+    rows = []
+    for aid in CATALOGUE.values():
+        targets = _list_targets(flight, aid)
+        duration = period_s * aid.periods
+        band = _find_row_band(targets, duration, first_harmonic)
+        surfaces, _ = aid.input_names()
+        dealt = aid.harmonics(band.first, band.last, band.bands)
+        harmonics = {name: dealt[name].tolist() for name in surfaces}
+        every = [harmonic for own in harmonics.values() for harmonic in own]
+        low, high = min(every) / duration, max(every) / duration
+        modes = _compare(targets, harmonics, duration, (low, high))
+        known = {target.group for target in targets}
+        groups = aid.targets.split() if query.airspeed_m_s is not None else aid.elastic_targets
+        rows.append(
+            RowTargets(
+                number=aid.number,
+                duration_s=duration,
+                least_duration_s=find_least_duration(targets, len(surfaces)),
+                low_hz=low,
+                high_hz=high,
+                resolution_hz=1.0 / duration,
+                harmonics_per_surface=aid.harmonics_per_input,
+                modes=modes,
+                missing=tuple(group for group in groups if group not in known),
+                reaches_targets=all(_is_reached(mode) for mode in modes),
+            )
         )
-        for group, number, lowest, highest in _list_targets(modes, aid)
-    )
+    return tuple(rows)
+
+
+def find_row_band(
+    store: Store, fta: int, query: TargetQuery, duration_s: float, first_harmonic: int
+) -> RowBand:
+    """Find the harmonics that a row of Table 1 needs for its targets on an aircraft.
+
+    Raises
+    ------
+    BadInput
+        If Table 1 lacks the row, or the condition is impossible.
+    """
+    targets = _list_targets(_load_flight_modes(store, query), find_flight_test_aid(fta))
+    return _find_row_band(targets, duration_s, first_harmonic)
+
+
+def compare_target_modes(store: Store, design: ExcitationDesign, query: TargetQuery) -> TargetModes:
+    """Compare the harmonics of a design with the modes that it targets on an aircraft.
+
+    A design outside Table 1 is compared with all modes.
+
+    Raises
+    ------
+    BadInput
+        If the condition is impossible.
+    """
+    aid = None if design.fta is None else find_flight_test_aid(design.fta)
+    targets = _list_targets(_load_flight_modes(store, query), aid)
+    low, high = find_band(design.specification)
+    throttles = () if aid is None else aid.input_names()[1]
+    harmonics = {
+        own.name: list(own.harmonics)
+        for own in design.specification.inputs
+        if own.name not in throttles
+    }
+    found = _compare(targets, harmonics, design.specification.duration_s, (low, high))
     return TargetModes(
         low_hz=low, high_hz=high, modes=found, sentence=_describe(low, high, found, aid)
     )
@@ -69,10 +190,103 @@ def find_band(specification: DesignSpecification) -> tuple[float, float]:
     return min(every) / specification.duration_s, max(every) / specification.duration_s
 
 
-def _list_targets(
-    modes: AircraftModes, aid: FlightTestAid | None
-) -> list[tuple[str, int, float, float]]:
-    """List group, number, lowest and highest frequency over fuel [Hz] of the target modes."""
+def _find_row_band(targets: tuple[Target, ...], duration_s: float, first_harmonic: int) -> RowBand:
+    if not targets:
+        return RowBand(first_harmonic, None, ())
+    lowest = int(np.floor(min(target.low_hz for target in targets) * duration_s))
+    last = int(np.ceil(max(target.high_hz for target in targets) * duration_s))
+    bands = tuple((one.low_hz * duration_s, one.high_hz * duration_s) for one in targets)
+    return RowBand(max(1, min(first_harmonic, lowest)), last, bands)
+
+
+def _compare(
+    targets: tuple[Target, ...],
+    harmonics: dict[str, list[int]],
+    duration_s: float,
+    band: tuple[float, float],
+) -> tuple[TargetMode, ...]:
+    return tuple(
+        TargetMode(
+            number=target.number,
+            name=target.name,
+            group=target.group,
+            frequency_hz=target.frequency_hz,
+            damping=target.damping,
+            low_hz=target.low_hz,
+            high_hz=target.high_hz,
+            in_band=band[0] <= target.frequency_hz <= band[1],
+            harmonics_per_surface=count_harmonics(harmonics, duration_s, target),
+        )
+        for target in targets
+    )
+
+
+def _is_reached(mode: TargetMode) -> bool:
+    return mode.in_band and mode.harmonics_per_surface >= HARMONICS_PER_SURFACE
+
+
+def _load_flight_modes(store: Store, query: TargetQuery) -> _FlightModes:
+    """Load the modes of an aircraft, and the roots of its predictions at a condition."""
+    aircraft = store.aircraft.get(query.aircraft_id)
+    modes, _ = load_modes_of_model(store, query.aircraft_id, None, None, ())
+    fuel, airspeed = query.fuel_fraction, query.airspeed_m_s
+    if airspeed is None:
+        return _FlightModes(modes, fuel, None, {})
+    known = {"airspeed": airspeed, "altitude": query.altitude_m, "fuel_fraction": fuel}
+    condition = build_flight_condition(aircraft, complete_condition(aircraft, known))
+    roots: dict[str, complex] = {}
+    for body in RIGID_BODIES.values():
+        roots |= _compute_roots(store, aircraft, modes, fuel, condition, body)
+    return _FlightModes(modes, fuel, airspeed, roots)
+
+
+def _compute_roots(
+    store: Store,
+    aircraft: Aircraft,
+    modes: AircraftModes,
+    fuel: float,
+    condition: FlightCondition,
+    body: RigidBody,
+) -> dict[str, complex]:
+    """Compute the roots of an axis with the prediction of most derivatives; none without one.
+
+    A prediction without the rigid-body motion of the axis, or an aircraft without its inertia, has
+    none either.
+    """
+    numbers = tuple(n for n in modes.table.numbers if modes.belongs_to(n, body))
+    prediction = select_prediction(store, aircraft.id or 0, None, numbers, (), body)
+    has_motion = prediction is not None and (
+        f"{body.coefficients[0]}_{body.motions[0]}" in prediction.names
+    )
+    has_inertia = not body.acts_by_gravity or (
+        condition.roll_inertia > 0.0 and condition.yaw_inertia > 0.0
+    )
+    if prediction is None or not has_motion or not has_inertia:
+        return {}
+    numbers = list_predicted_modes(prediction, numbers, body)
+    values = interpolate_values(store, prediction, fuel)
+    derivatives = DerivativeTable.from_names(numbers, (), values, body)
+    structure = modes.table.at(fuel).select(numbers)
+    return compute_named_roots(Aeroelastic(condition, structure, derivatives))
+
+
+def _list_targets(flight: _FlightModes, aid: FlightTestAid | None) -> tuple[Target, ...]:
+    """List the targets of a row, or all of a design outside Table 1, that have a frequency."""
+    found = []
+    for name in (_PHUGOID, *_POLES) if aid is None else aid.rigid_targets:
+        if name == _PHUGOID and flight.airspeed_m_s is not None:
+            # Lanchester: omega = sqrt(2) g / V, of an exchange of height and speed.
+            hz = np.sqrt(2.0) * GRAVITY / flight.airspeed_m_s / (2.0 * np.pi)
+            found.append(build_rigid_target(name, float(hz), None))
+        elif _POLES.get(name) in flight.roots:
+            root = flight.roots[_POLES[name]]
+            hz = abs(root) / (2.0 * np.pi)
+            found.append(build_rigid_target(name, hz, -root.real / abs(root)))
+    return (*found, *_list_structural_targets(flight, aid))
+
+
+def _list_structural_targets(flight: _FlightModes, aid: FlightTestAid | None) -> list[Target]:
+    modes = flight.modes
     hz = modes.table.omega / (2.0 * np.pi)
     order = [
         int(column) for column in np.argsort(hz.mean(axis=0)) if hz[:, column].min() > _RIGID_HZ
@@ -85,9 +299,19 @@ def _list_targets(
     for group, columns in groups.items():
         for column in order[columns]:
             number = modes.table.numbers[column]
-            if symmetric is None or modes.symmetric[number] == symmetric:
+            if symmetric is not None and modes.symmetric[number] != symmetric:
+                continue
+            root = flight.roots.get(str(number))
+            damping = float(np.interp(flight.fuel, modes.table.fuel, modes.table.zeta[:, column]))
+            if root is not None:
+                low = high = abs(root) / (2.0 * np.pi)
+                damping = -root.real / abs(root)
+            elif flight.airspeed_m_s is not None:
+                low = high = float(np.interp(flight.fuel, modes.table.fuel, hz[:, column]))
+            else:
                 low, high = float(hz[:, column].min()), float(hz[:, column].max())
-                found.append((group, number, low, high))
+            name = modes.names[number]
+            found.append(build_structural_target(name, group, number, (low, high), damping))
     return found
 
 
@@ -96,20 +320,23 @@ def _describe(
 ) -> str:
     band = f"The harmonics span {low:.3g} to {high:.4g} Hz"
     if aid is not None and not found:
-        return f"{band}; the row targets no structural mode of this aircraft."
-    outside = [mode for mode in found if not mode.in_band]
+        return f"{band}; the row has no target with a predicted frequency on this aircraft."
     if aid is None:
         within = ", ".join(mode.name for mode in found if mode.in_band) or "none"
-        return f"{band}. Structural modes in this band: {within}."
-    if not outside:
-        return f"{band} and cover all target modes of the row."
+        return f"{band}. Modes in this band: {within}."
+    short = [mode for mode in found if not _is_reached(mode)]
+    if not short:
+        return (
+            f"{band}, with {HARMONICS_PER_SURFACE} or more harmonics of every surface about all"
+            " target modes of the row."
+        )
     missing = ", ".join(
-        f"{mode.group} {mode.name} ({mode.low_hz:.4g} Hz)"
-        if f"{mode.low_hz:.4g}" == f"{mode.high_hz:.4g}"
-        else f"{mode.group} {mode.name} ({mode.low_hz:.4g} to {mode.high_hz:.4g} Hz over fuel)"
-        for mode in outside
+        f"{mode.name} ({mode.frequency_hz:.4g} Hz, "
+        + (f"{mode.harmonics_per_surface} harmonics)" if mode.in_band else "outside the band)")
+        for mode in short
     )
     return (
-        f"{band} and do not reach these target modes of the row: {missing}. Design the row for this"
-        " aircraft, or shorten the period."
+        f"{band}, with fewer than {HARMONICS_PER_SURFACE} harmonics of a surface about these target"
+        f" modes of the row: {missing}. Design the row for this aircraft and condition, or extend"
+        " the period."
     )

@@ -27,17 +27,46 @@ export const catalogueQuery = queryOptions({
   staleTime: Infinity,
 });
 
-export const targetModesQuery = (id: number, aircraftId: number | undefined) =>
+export const targetModesQuery = (
+  id: number,
+  aircraftId: number | undefined,
+  airspeed: number | undefined,
+) =>
   queryOptions({
-    queryKey: ["designs", id, "targets", aircraftId],
+    queryKey: ["designs", id, "targets", aircraftId, airspeed],
     queryFn: ({ signal }) =>
       body(
         api.GET("/api/v1/designs/{design_id}/target-modes", {
-          params: { path: { design_id: id }, query: { aircraft_id: aircraftId ?? 0 } },
+          params: {
+            path: { design_id: id },
+            query: { aircraft_id: aircraftId ?? 0, airspeed_m_s: airspeed },
+          },
           signal,
         }),
       ),
     enabled: aircraftId !== undefined,
+  });
+
+export interface RowCondition {
+  aircraft_id: number;
+  airspeed_m_s?: number | undefined;
+  period_s: number;
+  first_harmonic: number;
+}
+
+/** Target modes of every row of the catalogue on an aircraft. */
+export const rowTargetsQuery = (condition: RowCondition | null) =>
+  queryOptions({
+    queryKey: ["designs", "catalogue", "targets", condition],
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/designs/catalogue/targets", {
+          params: { query: condition ?? { aircraft_id: 0, period_s: 1 } },
+          signal,
+        }),
+      ),
+    enabled: condition !== null,
+    placeholderData: keepPreviousData,
   });
 
 export interface Actuator {
