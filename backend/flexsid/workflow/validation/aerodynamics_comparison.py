@@ -260,7 +260,7 @@ def _describe(
     quasi_steady: _Fitted,
     source: str,
 ) -> str:
-    size = f"{abs(difference.value):.3g} ± {difference.std_error:.2g}"
+    size = f"{abs(difference.value):.0f} ± {difference.std_error:.0f}"
     flutter = (
         f" Flutter: {_describe_speed(quasi_steady)} quasi-steady, {_describe_speed(shaped)} with "
         "the frequency shape."
