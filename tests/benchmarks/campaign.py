@@ -6,6 +6,10 @@ checks of clock, samples and units, and one transaction per maneuver. The same b
 written with plain sqlite3, one row per channel and one transaction per maneuver; the two
 take turns flight by flight, so that a busy disk slows both. Then 20 channels of one
 maneuver are read, beside raw reads of the same blobs, and the list page is asked for.
+
+Maneuvers of FLEX-28 (4 by default, 1000 with ``--full``, an hour of simulation) are stored and
+estimated by three methods with nuisance modes on one core, and fitted by a global model: the
+whole beside the fits alone. Their import is measured above, and not part of it.
 """
 
 from __future__ import annotations
@@ -25,11 +29,20 @@ from fastapi.testclient import TestClient
 from scipy.io import savemat
 
 from flexsid.api.app import create_app
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import GLOBAL_MODEL, RUN
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Surface
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.settings import Settings
 from flexsid.storage.channels import read_channels
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.flight_import import Imported, import_each, read_upload
 
 N_CHANNELS, N_SAMPLES, RATE_HZ, N_READ = 90, 8000, 200.0, 20
@@ -210,6 +223,50 @@ def list_page(url: str) -> None:
     )
 
 
+def fit_global_model(store: Store, n_maneuvers: int) -> None:
+    """Estimate maneuvers over the envelope by three methods, and fit their global model."""
+    aircraft = add_aircraft(store)
+    rng = np.random.default_rng(3)
+    flights = [
+        store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=number)).id or 0
+        for number in range(1, 2 + (n_maneuvers - 1) // MANEUVERS_PER_FLIGHT)
+    ]
+    run_ids, whole, fits = [], 0.0, 0.0
+    for number in range(n_maneuvers):
+        ratio, fuel = rng.uniform(0.5, 0.95), rng.uniform(0.1, 0.9)
+        flown = fly(airspeed_ratio=ratio, fuel=fuel, seed=(7, number), label=f"maneuver {number}")
+        start = time.perf_counter()
+        maneuver = add_maneuver(store, flown, flights[number // MANEUVERS_PER_FLIGHT])
+        for method in Method:
+            requested = EstimationRun(
+                maneuver_id=maneuver.id or 0,
+                method=method,
+                structure=Structure(modes=(7, 9), fixed={}),
+                settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+            )
+            run = execute_run(store, requested, RUN, lambda progress: None)
+            assert run.result is not None, run.error
+            fits += run.result.fit.seconds
+            run_ids.append(run.id or 0)
+        whole += time.perf_counter() - start
+    query = GlobalModelQuery(run_ids=tuple(run_ids))
+    start = time.perf_counter()
+    execute_request(store, GLOBAL_MODEL, query, lambda progress: None)
+    seconds_model = time.perf_counter() - start
+    summary = get_result(store, GLOBAL_MODEL, query).summary
+    report(
+        "global_model_vs_fits",
+        (whole + seconds_model) / fits,
+        "the sum of the fits on one core",
+        maneuvers=n_maneuvers,
+        runs=len(run_ids),
+        derivatives=len(summary.derivatives),
+        outlying=len(summary.outliers),
+        fits_s=round(fits, 1),
+        global_model_s=round(seconds_model, 2),
+    )
+
+
 def main() -> None:
     """Run all of it."""
     parser = argparse.ArgumentParser()
@@ -225,6 +282,11 @@ def main() -> None:
         read_maneuvers(folder / "flexsid.db", store, n_maneuvers)
         store.close()
         list_page(url)
+        url = f"sqlite:///{folder / 'flex28.db'}"
+        upgrade(url)
+        store = Store.open(url)
+        fit_global_model(store, 1000 if n_maneuvers == 1000 else 4)
+        store.close()
 
 
 if __name__ == "__main__":
