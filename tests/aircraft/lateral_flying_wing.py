@@ -267,26 +267,40 @@ psi = "rad"
 """
 
 
-def add_lateral_aircraft(store: Store, error: float = 0.2, n_modes: int = 8) -> Aircraft:
+def add_lateral_aircraft(
+    store: Store, error: float = 0.2, n_modes: int = 8, *, noise: bool = True
+) -> Aircraft:
     """Store the aircraft with its modal table and a prediction that is wrong by up to a share.
 
-    It has as many modes as the aircraft that flew.
+    It has as many modes, and noise on the surfaces, as the aircraft that flew.
     """
     table = build_mode_table()
     table = select_modes(table, table.numbers[:n_modes])
     values = derivatives_at(0.5, n_modes).named()
     symmetric = (False,) * n_modes
-    return _add_aircraft(store, describe_lateral_aircraft(), table, symmetric, values, error)
+    aircraft = describe_lateral_aircraft()
+    aircraft = aircraft if noise else without_surface_noise(aircraft)
+    return _add_aircraft(store, aircraft, table, symmetric, values, error)
 
 
-def add_independent_aircraft(store: Store, error: float = 0.2, n_modes: int = 8) -> Aircraft:
+def add_independent_aircraft(
+    store: Store, error: float = 0.2, n_modes: int = 8, *, noise: bool = True
+) -> Aircraft:
     """Store the aircraft with single surfaces, modes of both axes and a prediction of both."""
     truth, antisymmetric = load_truth(), build_mode_table().numbers[:n_modes]
     values = derivatives_at(0.5, n_modes).named() | truth.derivatives_at(0.5, n_modes).named()
     numbers = tuple(sorted((*truth.symmetric[:n_modes], *antisymmetric)))
     table = select_modes(build_whole_mode_table(), numbers)
     symmetric = tuple(number in truth.symmetric for number in numbers)
-    return _add_aircraft(store, describe_independent_aircraft(), table, symmetric, values, error)
+    aircraft = describe_independent_aircraft()
+    aircraft = aircraft if noise else without_surface_noise(aircraft)
+    return _add_aircraft(store, aircraft, table, symmetric, values, error)
+
+
+def without_surface_noise(aircraft: Aircraft) -> Aircraft:
+    """The aircraft with exact potentiometers."""
+    surfaces = tuple(replace(surface, noise_std_rad=None) for surface in aircraft.surfaces)
+    return replace(aircraft, surfaces=surfaces)
 
 
 def _add_aircraft(

@@ -63,10 +63,10 @@ def add_record(store: Store, mapping: str, record: str = RECORD, file: Path | No
     with np.load(file) as data:
         n_modes = int(data["modes_in_truth"])
     if record.startswith("both"):
-        add_independent_aircraft(store, n_modes=n_modes)
+        add_independent_aircraft(store, n_modes=n_modes, noise=mapping != NOISE_FREE)
         mapping = mapping.replace('axis = "lateral"', 'axis = "combined"')
     else:
-        add_lateral_aircraft(store, n_modes=n_modes)
+        add_lateral_aircraft(store, n_modes=n_modes, noise=mapping != NOISE_FREE)
     maneuver = import_maneuver(store, [file], mapping)
     assert maneuver.id is not None
     return maneuver.id

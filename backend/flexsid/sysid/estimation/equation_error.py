@@ -52,6 +52,7 @@ def equation_error(
     inputs: FrequencyData,
     parameters: Parameters,
     *,
+    input_noise: Float[np.ndarray, "n_omega n_u"] | None = None,
     compensate: bool = True,
 ) -> Estimate:
     """Estimate the free derivatives, one linear regression per coefficient.
@@ -66,9 +67,11 @@ def equation_error(
         Surface deflections, instrument dynamics removed. [rad s]
     parameters
         The free derivatives; the others contribute with their fixed value.
+    input_noise
+        Variance of the spectra of the deflections; none by default. [(rad s)^2]
     compensate
-        Weight the frequencies by the uncertainty of the reconstructed motion and remove
-        the bias due to its noise from the normal equations; without it, the plain
+        Weight the frequencies by the uncertainty of the reconstructed motion and of the inputs,
+        and remove the bias due to their noise from the normal equations; without it, the plain
         least squares of Eq. 24.
 
     Raises
@@ -85,7 +88,8 @@ def equation_error(
     towards zero with standard errors that are too small.
     """
     rows = range(len(model.coefficients))
-    return equation_error_rows(model, motion, inputs, parameters, rows, compensate=compensate)[0]
+    noise = MotionNoise(model, motion.with_coloured_errors(), input_noise) if compensate else None
+    return equation_error_rows(model, motion, inputs, parameters, rows, noise)[0]
 
 
 def equation_error_rows(
@@ -94,8 +98,7 @@ def equation_error_rows(
     inputs: FrequencyData,
     parameters: Parameters,
     rows: Iterable[int],
-    *,
-    compensate: bool = True,
+    motion_noise: MotionNoise | None,
 ) -> tuple[Estimate, dict[int, Regression]]:
     """Estimate the derivatives of some coefficients; see ``equation_error``.
 
@@ -114,7 +117,6 @@ def equation_error_rows(
     X = build_regressors(model, motion, inputs)
     z = compute_aerodynamic_coefficients(model, motion)
     factors = model.derivative_factors(motion.omega)
-    motion_noise = MotionNoise(model, motion.with_coloured_errors()) if compensate else None
     held = parameters.base.values.copy()
     held[parameters.rows, parameters.columns] = 0.0
     size = parameters.start.size
@@ -174,18 +176,64 @@ def build_variable_matrix(
 
 
 class MotionNoise:
-    """Propagation of the error of the reconstructed motion to regressors and coefficients."""
+    """Propagation of the errors of motion and inputs to regressors and coefficients.
 
-    def __init__(self, model: AeroelasticModel, motion: ReconstructedMotion) -> None:
+    Parameters
+    ----------
+    model, motion
+        Model, and reconstructed motion with its covariance.
+    input_noise
+        Variance of the spectra of the deflections; None: no error. [(rad s)^2]
+    motion_per_input
+        Error of the motion per error of the inputs, where it was reconstructed with them.
+    """
+
+    def __init__(
+        self,
+        model: AeroelasticModel,
+        motion: ReconstructedMotion,
+        input_noise: Float[np.ndarray, "n_omega n_u"] | None = None,
+        motion_per_input: Complex[np.ndarray, "n_omega n_r n_u"] | None = None,
+    ) -> None:
         s = 1j * motion.omega
         self.regressor = build_variable_matrix(model, s) * model.column_factors()[:, None]
         self.factors = model.derivative_factors(motion.omega)
         self.coefficient = model.known_dynamics(motion.omega) / model.row_factors()[:, None]
-        self.spread = self.regressor @ motion.covariance
-        self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
         self.covariance = motion.covariance
-        self.relative_std = motion.relative_std
         self.disagreement = motion.disagreement
+        self.relative_std = motion.relative_std
+        if input_noise is not None:
+            self._add_inputs(input_noise, motion_per_input)
+        self.spread = self.regressor @ self.covariance
+        self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
+
+    def _add_inputs(
+        self,
+        input_noise: Float[np.ndarray, "n_omega n_u"],
+        motion_per_input: Complex[np.ndarray, "n_omega n_r n_u"] | None,
+    ) -> None:
+        """Append the errors of the inputs to those of the motion."""
+        n_omega, n_w, n_r = self.regressor.shape
+        n_u = input_noise.shape[1]
+        T = np.zeros((n_omega, n_r, n_u)) if motion_per_input is None else motion_per_input
+        TS = T * input_noise[:, None, :]
+        own = np.zeros((n_omega, n_u, n_u))
+        own[:, np.arange(n_u), np.arange(n_u)] = input_noise
+        self.covariance = np.concatenate(
+            [
+                np.concatenate([self.covariance + TS @ T.conj().transpose(0, 2, 1), TS], axis=2),
+                np.concatenate([TS.conj().transpose(0, 2, 1), own], axis=2),
+            ],
+            axis=1,
+        )
+        of_inputs = np.zeros((n_omega, n_w, n_u))
+        of_inputs[:, n_w - n_u + np.arange(n_u), np.arange(n_u)] = 1.0
+        self.regressor = np.concatenate([self.regressor, of_inputs], axis=2)
+        none = np.zeros((*self.coefficient.shape[:2], n_u))
+        self.coefficient = np.concatenate([self.coefficient, none], axis=2)
+        if self.disagreement is not None:
+            none = np.zeros((*self.disagreement.shape[:2], n_u))
+            self.disagreement = np.concatenate([self.disagreement, none], axis=2)
 
     def compute_row_errors(
         self, row: int, held: Float[np.ndarray, " n_w"], columns: np.ndarray

@@ -56,6 +56,7 @@ def marginal_equation_error(
     priors: Mapping[str, tuple[float, float]],
     n_modes: int,
     guess: Float[np.ndarray, " n_y"] | None = None,
+    input_noise: Float[np.ndarray, "n_omega n_u"] | None = None,
 ) -> tuple[Estimate, ReconstructedMotion]:
     """Estimate derivatives by equation error with out-of-band modes marginalised.
 
@@ -77,6 +78,8 @@ def marginal_equation_error(
         Number of modes in the band.
     guess
         Prior of the sensors' noise, as of ``reconstruct_motion``. [output unit * s]
+    input_noise
+        Variance of the spectra of the deflections; none by default. [(rad s)^2]
 
     Returns
     -------
@@ -106,7 +109,7 @@ def marginal_equation_error(
     check_signal(z, model.outputs)
     check_finite(inputs.pick(model.inputs).values, model.inputs)
     P = instruments[:, :, None] * model.sensors.response(outputs.omega)
-    problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, guess)
+    problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, guess, input_noise)
     solution = problem.solve(parameters.start)
     for _ in range(_ITERATIONS):
         if problem.is_small(solution):
@@ -150,7 +153,9 @@ class _MarginalProblem:
         priors: Mapping[str, tuple[float, float]],
         n_modes: int,
         guess: Float[np.ndarray, " n_y"] | None,
+        input_noise: Float[np.ndarray, "n_omega n_u"] | None,
     ) -> None:
+        self.input_noise = input_noise
         self.model, self.P, self.z, self.inputs = model, P, z, inputs
         self.parameters, self.guess = parameters, guess
         first = model.n_rigid
@@ -208,8 +213,10 @@ class _MarginalProblem:
         inner = solve_sensor_equations(equations, guess=self.guess)
         motion = _extend_motion(inner, around)
         held = self._hold_nuisance(theta)
+        per_input = self._compute_motion_per_input(theta, inner, equations, around)
+        noise = MotionNoise(self.model, motion.with_coloured_errors(), self.input_noise, per_input)
         conditional, regressions = equation_error_rows(
-            self.model, motion, self.inputs, held, range(n_i)
+            self.model, motion, self.inputs, held, range(n_i), noise
         )
         theta = theta.copy()
         theta[self.own] = conditional.values
@@ -227,8 +234,10 @@ class _MarginalProblem:
             places[self.nuisance] for places in (self.parameters.rows, self.parameters.columns)
         )
         of_equations = per_variable * shape_regressors(X, self.shape, rows, columns)[:, None]
-        noise = MotionNoise(self.model, motion.with_coloured_errors())
-        common = K @ noise.spread.conj().transpose(0, 2, 1)
+        per_error = K
+        if self.input_noise is not None:
+            per_error = np.concatenate([K, -self._get_control(theta)[:, :n_i]], axis=2)
+        common = per_error @ noise.spread.conj().transpose(0, 2, 1)
         level = np.sqrt(1.0 if inner.colour is None else inner.colour)[:, None] * inner.noise
         sensors = (equations.z - np.matmul(of_motion, inner.values[:, :, None])[:, :, 0]) / level
         gradient, information, scores = self._project_sensors(
@@ -346,6 +355,27 @@ class _MarginalProblem:
         """Change of the sensors' residuals per unit coefficient of every out-of-band mode."""
         moved = self.P[:, :, self.n_i :] @ around.per_force
         return -(moved - equations.P @ (self._compute_gain(inner, equations) @ moved))
+
+    def _get_control(self, theta: np.ndarray) -> Complex[np.ndarray, "n_omega n_r n_u"]:
+        """Return the control derivatives of all rows, with their frequency shape."""
+        n_u = self.u.shape[1]
+        control = self.parameters.table(theta).values[:, -n_u:]
+        if self.shape is not None:
+            return control * self.shape[:, :, -n_u:]
+        return np.broadcast_to(control, (self.omega.size, *control.shape))
+
+    def _compute_motion_per_input(
+        self,
+        theta: np.ndarray,
+        inner: ReconstructedMotion,
+        equations: SensorEquations,
+        around: _OutOfBandMotion,
+    ) -> Complex[np.ndarray, "n_omega n_r n_u"]:
+        """Compute the error of the motion per error of the inputs, which drive all modes."""
+        direct = around.per_force @ self._get_control(theta)[:, self.n_i :]
+        moved = self.P[:, :, self.n_i :] @ direct
+        inside = -self._compute_gain(inner, equations) @ moved
+        return np.concatenate([inside, around.T @ inside + direct], axis=1)
 
     def _compute_gain(self, inner: ReconstructedMotion, equations: SensorEquations) -> np.ndarray:
         """Change of the motion in the band per change of the sensors."""

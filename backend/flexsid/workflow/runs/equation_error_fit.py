@@ -42,7 +42,16 @@ def fit_equation_error(
             motion, added = reconstruct_with_out_of_band_modes(data)
             out_of_band |= dict.fromkeys(added)
             warnings += warn_of_sensor_noise(data, motion)
-            estimates.append(equation_error(data.model, motion, data.measured.inputs, parameters))
+            spectra = data.measured
+            estimates.append(
+                equation_error(
+                    data.model,
+                    motion,
+                    spectra.inputs,
+                    parameters,
+                    input_noise=spectra.input_noise,
+                )
+            )
         fused = fuse_estimates(estimates, labels)
         return EquationErrorFit(fused, tuple(out_of_band), tuple(warnings))
     # Every maneuver has its share of the prior, so that the fused estimate has all of it.
@@ -61,6 +70,7 @@ def fit_equation_error(
             priors,
             len(task.structure.modes),
             spectra.output_noise,
+            spectra.input_noise,
         )
         warnings += warn_of_sensor_noise(data, motion)
         estimates.append(estimate)
