@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Inexact
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.equation_error import (
@@ -356,7 +356,7 @@ class _MarginalProblem:
         moved = self.P[:, :, self.n_i :] @ around.per_force
         return -(moved - equations.P @ (self._compute_gain(inner, equations) @ moved))
 
-    def _get_control(self, theta: np.ndarray) -> Complex[np.ndarray, "n_omega n_r n_u"]:
+    def _get_control(self, theta: np.ndarray) -> Inexact[np.ndarray, "n_omega n_r n_u"]:
         """Return the control derivatives of all rows, with their frequency shape."""
         n_u = self.u.shape[1]
         control = self.parameters.table(theta).values[:, -n_u:]
