@@ -1,12 +1,12 @@
 """Pre-flight simulations have limited surfaces and margins of their loop.
 
-Revision: 0026, after 0021
+Revision: 0022, after 0021
 """
 
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0026"
+revision = "0022"
 down_revision = "0021"
 branch_labels = None
 depends_on = None
