@@ -358,7 +358,7 @@ def _describe_queued_job(kind: str, title: str, request: dict[str, Any]) -> dict
         "maneuver_id": None,
         "method": None,
         "request": request,
-        "result_id": None,
+        "result": None,
         "state": "queued",
         "attempt": 0,
         "priority": 0,
@@ -398,6 +398,35 @@ _AERODYNAMICS_FIT = {
 }
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
+    "request_aerodynamics_comparison": _AERODYNAMICS_JOB,
+    "get_aerodynamics_comparison_job": {"job": _AERODYNAMICS_JOB},
+    "get_aerodynamics_comparison": {
+        "run_id": 1,
+        "verdict": "shaped",
+        "sentence": "The forces lag the motion: with the frequency shape of Doublet lattice ...",
+        "source": "Doublet lattice",
+        "prediction_id": 2,
+        "n_frequencies": 325,
+        "n_held_out": 108,
+        "highest_k": 0.95,
+        "difference": 4650.0,
+        "difference_std": 156.0,
+        "fits": [
+            {
+                **_AERODYNAMICS_FIT,
+                "aerodynamics": "quasi-steady",
+                "cost": -119824.0,
+                "held_out": 377.2,
+                "lag_p": 1.2e-120,
+                "lag_rejects": True,
+                "smallest_r_squared": 0.879,
+                "flutter_m_s": 93.65,
+                "flutter_std_m_s": 1.33,
+                "flutter": "Flutter of the short period with SW1B at 93.65 ± 2.66 m/s.",
+            },
+            _AERODYNAMICS_FIT,
+        ],
+    },
     "save_updated_table": {
         "aircraft_id": 1,
         "name": "FEM updated",
