@@ -92,11 +92,11 @@ def trivial(port: int, ids: list[int]) -> None:
     """Submit to done of rigid equation-error runs, one after the other, over REST."""
     few = _one_by_one(port, ids, {"modes": [], "outputs": ["alpha", "q", "az_egi"]})
     whole = statistics.median(_one_by_one(port, ids, {"modes": []}))
-    _report_result(
+    report_result(
         "submit_to_done_ms",
         statistics.median(few),
         bar=60.0,
-        p90=_at(few, 0.9),
+        p90=percentile(few, 0.9),
         with_all_sensors=whole,
     )
 
@@ -124,10 +124,10 @@ def batch_against_direct(port: int, url: str, ids: list[int], workers: int) -> N
     direct = _direct(url, ids, workers)
     client = Client(port)
     start = time.perf_counter()
-    batch = client.post("/api/v1/batches", _batch(ids, ["EE"]))
-    _wait(client, batch["id"])
+    batch = client.post("/api/v1/batches", make_batch(ids, ["EE"]))
+    wait_for_batch(client, batch["id"])
     seconds = time.perf_counter() - start
-    _report_result(
+    report_result(
         "ee_batch_vs_direct",
         seconds / direct,
         bar=2.0,
@@ -165,20 +165,20 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
     """EE, OE and FRE of every maneuver while 50 browsers read; lists against idle ones."""
     client = Client(port)
     paths = ("/api/v1/maneuvers?limit=50", "/api/v1/runs?limit=50", "/api/v1/jobs?limit=100")
-    idle = statistics.median(_timed(client, paths[k % 3]) for k in range(60))
+    idle = statistics.median(time_request(client, paths[k % 3]) for k in range(60))
     stop = threading.Event()
-    body = _batch(ids, ["EE", "OE", "FRE"], fixed={"Cm_q": -3.0})
+    body = make_batch(ids, ["EE", "OE", "FRE"], fixed={"Cm_q": -3.0})
     start = time.perf_counter()
     batch = client.post("/api/v1/batches", body)
     with ThreadPoolExecutor(BROWSERS) as browsers:
         phases = [k / BROWSERS for k in range(BROWSERS)]
-        readings = [browsers.submit(_browse, port, paths, stop, phase) for phase in phases]
-        done = _wait(client, batch["id"])
+        readings = [browsers.submit(browse, port, paths, stop, phase) for phase in phases]
+        done = wait_for_batch(client, batch["id"])
         seconds = time.perf_counter() - start
         stop.set()
         found = [reading.result() for reading in readings]
     computed = _compute_seconds(client, batch["id"])
-    _report_result(
+    report_result(
         "campaign_vs_compute",
         seconds / (computed / workers),
         bar=2.0,
@@ -188,19 +188,19 @@ def whole_campaign(port: int, ids: list[int], workers: int) -> None:
         states=done["states"],
     )
     times = [1e3 * t for times, _ in found for t in times]
-    _report_result(
+    report_result(
         "p99_of_lists_vs_idle",
-        _at(times, 0.99) / (1e3 * idle),
+        percentile(times, 0.99) / (1e3 * idle),
         bar=10.0,
         baseline="median of the same lists on an idle server",
-        p99_ms=_at(times, 0.99),
+        p99_ms=percentile(times, 0.99),
         idle_ms=1e3 * idle,
         requests=len(times),
         errors=sum(errors for _, errors in found),
     )
 
 
-def _browse(
+def browse(
     port: int, paths: tuple[str, ...], stop: threading.Event, phase_s: float
 ) -> tuple[list[float], int]:
     """Read as a browser does: a list, then a while of looking at it; no two at once."""
@@ -209,7 +209,7 @@ def _browse(
     while not stop.is_set():
         for path in paths:
             try:
-                times.append(_timed(client, path))
+                times.append(time_request(client, path))
             except ValueError:
                 errors += 1
             stop.wait(1.0)
@@ -272,8 +272,8 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
             time.sleep(0.2)
             client = Client(port)
         ids = [m["id"] for m in client.get("/api/v1/maneuvers?limit=20&search=copy")["items"]]
-        warm = client.post("/api/v1/batches", _batch(ids[: 4 * workers], ["EE"], modes=[7]))
-        _wait(client, warm["id"])
+        warm = client.post("/api/v1/batches", make_batch(ids[: 4 * workers], ["EE"], modes=[7]))
+        wait_for_batch(client, warm["id"])
         yield port
     finally:
         process.terminate()
@@ -288,7 +288,7 @@ def _is_ready(client: Client) -> bool:
     return True
 
 
-def _batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, Any]:
+def make_batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, Any]:
     return {
         "name": "benchmark",
         "maneuver_ids": ids,
@@ -297,7 +297,7 @@ def _batch(ids: list[int], methods: list[str], **structure: Any) -> dict[str, An
     }
 
 
-def _wait(client: Client, batch_id: int) -> Any:
+def wait_for_batch(client: Client, batch_id: int) -> Any:
     while True:
         response = client.get(f"/api/v1/batches/{batch_id}")
         if response["states"]["queued"] + response["states"]["running"] == 0:
@@ -306,17 +306,17 @@ def _wait(client: Client, batch_id: int) -> Any:
         time.sleep(0.05)
 
 
-def _timed(client: Client, path: str) -> float:
+def time_request(client: Client, path: str) -> float:
     start = time.perf_counter()
     client.get(path)
     return time.perf_counter() - start
 
 
-def _at(values: list[float], share: float) -> float:
+def percentile(values: list[float], share: float) -> float:
     return sorted(values)[min(len(values) - 1, int(share * len(values)))]
 
 
-def _report_result(name: str, ratio: float, **more: Any) -> None:
+def report_result(name: str, ratio: float, **more: Any) -> None:
     load = {"cores": os.cpu_count(), "load": round(os.getloadavg()[0], 1)}
     print(json.dumps({"name": name, "ratio": ratio, **more, **load}), flush=True)
 
