@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
 
@@ -16,6 +17,7 @@ import pytest
 from flexsid.jobs import child, dispatcher_process
 from flexsid.jobs.child import Program
 
+_is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
 _FORKING.set_forkserver_preload(["flexsid.jobs.kinds", "flexsid.jobs.dispatcher_process"])
 
@@ -27,7 +29,10 @@ class PreloadedProgram(Program):
         self.connection, child_connection = multiprocessing.Pipe()
         child_lifeline, lifeline = multiprocessing.Pipe(duplex=False)
         self._lifeline = os.dup(lifeline.fileno())
-        self._forked = _FORKING.Process(
+        # A dispatcher that was forked forks its workers itself: it has the libraries loaded,
+        # and another fork server would import them again, for seconds.
+        context = multiprocessing.get_context("fork") if _is_forked else _FORKING
+        self._forked = context.Process(
             target=_run, args=(module, child_connection, child_lifeline), daemon=False
         )
         self._forked.start()
@@ -54,5 +59,17 @@ def use_preloaded(patch: pytest.MonkeyPatch) -> None:
 
 
 def _run(module: str, connection: Connection, lifeline: Connection) -> None:
+    global _is_forked
+    if _is_forked:
+        _close_others(connection.fileno(), lifeline.fileno())
+    _is_forked = True
     child.Program = PreloadedProgram  # of the workers that a dispatcher starts
     import_module(module).main([str(connection.fileno()), str(lifeline.fileno())])
+
+
+def _close_others(*used: int) -> None:
+    """Close the files of the dispatcher: its pipes would stay open when it is killed."""
+    for name in os.listdir("/proc/self/fd"):
+        if int(name) > 2 and int(name) not in used:
+            with suppress(OSError):  # the one that listed them
+                os.close(int(name))
