@@ -11,6 +11,7 @@ from fastapi.testclient import TestClient
 from tests.api.accounts import Member, add_member
 from tests.api.conftest import Serve
 from tests.api.team import proposal
+from waiting import wait_until
 
 from flexsid.errors import BadInput
 from flexsid.records.account import Role
@@ -89,6 +90,15 @@ def test_changes_of_the_log_are_noticed(ann: Member, store: Store, damage: str) 
         else:
             connection.execute(sa.update(audit_events).where(second).values(hash="0" * 64))
     assert "broken-audit-log" in [one.code for one in check_database(store)]
+
+
+def test_results_of_jobs_are_changes_by_their_authors(ann: Member, store: Store) -> None:
+    run = {"maneuver_id": 1, "method": "EE", "structure": {"modes": [7]}}
+    job = ann.post("runs", run).json()["id"]
+    wait_until(lambda: ann.get(f"jobs/{job}").json()["state"] == "succeeded", "the run")
+    [stored] = [event for event in read_events(store) if event.operation == f"job {job}"]
+    assert (stored.author, stored.aircraft_id) == ("Ann", 1)
+    assert ("runs", "update") in [(change.table, change.action) for change in stored.changes]
 
 
 def test_votes_and_rules_are_those_of_accounts(ann: Member, team: TestClient, store: Store) -> None:

@@ -34,7 +34,6 @@ from flexsid.jobs.process_id import shorten_process_id
 from flexsid.records.job import Job
 from flexsid.records.run import Limits, Progress
 from flexsid.storage import queue
-from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 
@@ -343,7 +342,7 @@ class Dispatcher:
         try:
             kind = self._kinds[self._kind_of[key]]
             job = replace(self._store.jobs.get(job_id), attempt=attempt)
-            with storing_in_campaign(queue.find_campaign(self._store, job_id)):
+            with queue.storing_result(self._store, job):
                 kind.save(self._store, job, message.outcome, message.worker)
         except queue.StaleAttempt as error:
             _log.info(error.message)

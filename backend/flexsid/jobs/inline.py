@@ -14,7 +14,6 @@ from flexsid.jobs.worker import Report
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue
-from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_identity import add_hashes
 
@@ -70,7 +69,7 @@ def execute_job(store: Store, kind: Kind[Any, Any], add: Callable[[], int], repo
     assert job is not None
     try:
         outcome = kind.compute(kind.prepare(store, job, kind.read_request(job)), report)
-        with storing_in_campaign(queue.find_campaign(store, job_id)):
+        with queue.storing_result(store, job):
             kind.save(store, job, outcome, shorten_process_id(get_process_id()))
     except queue.StaleAttempt:
         raise

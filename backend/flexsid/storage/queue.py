@@ -7,7 +7,8 @@ earlier attempt, or of a cancelled job, have no effect.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
@@ -18,6 +19,7 @@ from flexsid.errors import Conflict
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
 from flexsid.storage import job_log, leases, run_results
+from flexsid.storage.access import Access, storing_in_campaign, using_access
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs, runs, searches
@@ -68,10 +70,27 @@ def add_job(store: Store, job: Job) -> Job:
         return added
 
 
-def find_campaign(store: Store, job_id: int) -> int | None:
-    """Return the aircraft whose campaign a job belongs to; None if it belongs to none."""
+@contextmanager
+def storing_result(store: Store, job: Job) -> Iterator[None]:
+    """Store the result of a job in its campaign, and audit it as a change by its author.
+
+    Authors without an account, as in the personal mode, are not audited.
+    """
     with store.database.reading() as connection:
-        return connection.scalar(sa.select(jobs.c.aircraft_id).where(jobs.c.id == job_id))
+        campaign = connection.scalar(sa.select(jobs.c.aircraft_id).where(jobs.c.id == job.id))
+    author = store.accounts.find(name=job.author)
+    access = (
+        Access(
+            account_id=author[0].id,
+            author=job.author,
+            operation=f"job {job.id}",
+            campaign=campaign,
+        )
+        if author
+        else None
+    )
+    with storing_in_campaign(campaign), using_access(access):
+        yield
 
 
 def find_next(
