@@ -78,7 +78,7 @@ export function GlobalModelSettings({ view, onChange }: Props) {
           });
         }}
       >
-        <Stack gap={6} mt={6}>
+        <Stack gap={10} mt={6}>
           {QUANTITIES.map(({ key, label }) => (
             <Checkbox key={key} value={key} label={label} />
           ))}
