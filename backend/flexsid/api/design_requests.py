@@ -134,29 +134,29 @@ class RedesignRequest(Request):
 class SurfaceLimitsRequest(Request):
     """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos."""
 
-    position: Annotated[float, Field(gt=0.0, le=1.05, description="[rad]")] | None = None
-    rate: Annotated[float, Field(gt=0.0, le=50.0, description="[rad/s]")] | None = None
-    acceleration: Annotated[float, Field(gt=0.0, le=1e5, description="[rad/s2]")] | None = None
-    freeplay: Annotated[float, Field(ge=0.0, le=0.2, description="[rad]")] = 0.0
-    delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    position: Annotated[float, Field(strict=True, gt=0.0, le=1.05, description="[rad]")] | None = None
+    rate: Annotated[float, Field(strict=True, gt=0.0, le=50.0, description="[rad/s]")] | None = None
+    acceleration: Annotated[float, Field(strict=True, gt=0.0, le=1e5, description="[rad/s2]")] | None = None
+    freeplay: Annotated[float, Field(strict=True, ge=0.0, le=0.2, description="[rad]")] = 0.0
+    delay_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
 
 class SensorErrorsRequest(Request):
     """Errors of recorded channels in their SI unit; of all outputs without ``channels``."""
 
     channels: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
-    quantum: Annotated[float, Field(ge=0.0, le=1e5, allow_inf_nan=False)] = 0.0
+    quantum: Annotated[float, Field(strict=True, ge=0.0, le=1e5, allow_inf_nan=False)] = 0.0
     limit: Positive | None = None
-    dropout: Annotated[float, Field(ge=0.0, lt=1.0, description="Share of the samples.")] = 0.0
-    skew_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    dropout: Annotated[float, Field(strict=True, ge=0.0, lt=1.0, description="Share of the samples.")] = 0.0
+    skew_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
 
 class DiscreteGustRequest(Request):
     """One-minus-cosine gust: peak speed, gradient distance, start in the record."""
 
-    peak_m_s: Annotated[float, Field(ge=-50.0, le=50.0)]
-    gradient_m: Annotated[float, Field(gt=0.0, le=1000.0)]
-    start_s: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
+    peak_m_s: Annotated[float, Field(strict=True, ge=-50.0, le=50.0)]
+    gradient_m: Annotated[float, Field(strict=True, gt=0.0, le=1000.0)]
+    start_s: Annotated[float, Field(strict=True, ge=0.0, le=1000.0)] = 0.0
 
 
 class PreflightSimulationRequest(Request):
