@@ -134,9 +134,9 @@ class RedesignRequest(Request):
 class SurfaceLimitsRequest(Request):
     """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos."""
 
-    position: Annotated[float, Field(strict=True, gt=0.0, le=1.05, description="[rad]")] | None = None
-    rate: Annotated[float, Field(strict=True, gt=0.0, le=50.0, description="[rad/s]")] | None = None
-    acceleration: Annotated[float, Field(strict=True, gt=0.0, le=1e5, description="[rad/s2]")] | None = None
+    position: Annotated[Positive, Field(le=1.05, description="[rad]")] | None = None
+    rate: Annotated[Positive, Field(le=50.0, description="[rad/s]")] | None = None
+    acceleration: Annotated[Positive, Field(description="[rad/s2]")] | None = None
     freeplay: Annotated[float, Field(strict=True, ge=0.0, le=0.2, description="[rad]")] = 0.0
     delay_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
@@ -147,7 +147,9 @@ class SensorErrorsRequest(Request):
     channels: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
     quantum: Annotated[float, Field(strict=True, ge=0.0, le=1e5, allow_inf_nan=False)] = 0.0
     limit: Positive | None = None
-    dropout: Annotated[float, Field(strict=True, ge=0.0, lt=1.0, description="Share of the samples.")] = 0.0
+    dropout: Annotated[
+        float, Field(strict=True, ge=0.0, lt=1.0, description="Share of the samples.")
+    ] = 0.0
     skew_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
 
