@@ -57,7 +57,9 @@ export function Figure({ kind, params, title, height, revision, window, ...event
           {title}
         </Text>
         <Group gap={6} wrap="nowrap" className="no-print">
-          {figure.isFetching && spec !== undefined && <Loader size={12} role="status" aria-label="Refreshing" />}
+          {figure.isFetching && spec !== undefined && (
+            <Loader size={12} role="status" aria-label="Refreshing" />
+          )}
           {spec !== undefined && (
             <Menu position="bottom-end">
               <Menu.Target>
