@@ -28,7 +28,11 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
   const goesOn = job !== null && !isOver(job.state);
 
   const finish = (ended: Job) => {
-    cache.setQueryData(importJobQuery(id).queryKey, { job: ended });
+    const { queryKey } = importJobQuery(id);
+    // A response that is under way may show the job before its end, and would remain.
+    void cache.cancelQueries({ queryKey }).then(() => {
+      cache.setQueryData(queryKey, { job: ended });
+    });
     if (!begun.current || ended.state !== "succeeded") return;
     begun.current = false;
     onImported();
