@@ -12,6 +12,7 @@ import { retryImport } from "./lib/retryImport";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";
 import {
+  aircraftView,
   batchView,
   campaignView,
   closedLoopView,
@@ -226,7 +227,14 @@ const batch = createRoute({
 const aircraft = createRoute({
   getParentRoute: () => root,
   path: "/aircraft",
+  validateSearch: aircraftView,
   component: page(() => import("./pages/AircraftPage"), "AircraftPage"),
+});
+
+const newAircraft = createRoute({
+  getParentRoute: () => root,
+  path: "/aircraft/new",
+  component: page(() => import("./pages/NewAircraftPage"), "NewAircraftPage"),
 });
 
 const tokens = createRoute({
@@ -320,6 +328,7 @@ export const router = createRouter({
     job,
     batch,
     aircraft,
+    newAircraft,
     tokens,
     excitation,
     design,

@@ -446,6 +446,8 @@ export type DesignView = ReturnType<typeof designView>;
 export const glossaryView = view((search) => ({ search: text(search.search) }));
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
+export const aircraftView = view((search) => ({ id: integer(search.id) }));
+
 export const batchView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 
 export const IMPORT_FORMS = ["table", "toml"] as const;

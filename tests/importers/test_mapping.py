@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.importers.mapping import MappingFile, parse_mapping
+from flexsid.importers.mapping import MappingFile, parse_aircraft, parse_mapping
 from flexsid.importers.table import MappingTable
 from flexsid.workflow.aircraft.aircraft_models import list_default_outputs
 
@@ -124,6 +124,72 @@ def test_a_maneuver_needs_its_flight() -> None:
     text = GOOD.replace('[flight]\nnumber = 3\ndate = "2026-05-31"\n', "")
     with pytest.raises(BadInput, match="'flight' is missing"):
         parse_mapping(text)
+
+
+KITE = """
+[aircraft]
+name = "Kite"
+[aircraft.geometry]
+area = { value = 1.0, unit = "m2" }
+chord = { value = 0.3, unit = "m" }
+span = { value = 3.0, unit = "m" }
+[aircraft.mass]
+fuel = [0.0, 1.0]
+mass = { values = [10.0, 12.0], unit = "kg" }
+pitch_inertia = { values = [1.0, 1.2], unit = "kg*m2" }
+x_cg = { values = [0.4, 0.5], unit = "m" }
+[[aircraft.surfaces]]
+name = "bfs"
+instrument = "pot"
+noise_std = { value = 0.02, unit = "deg" }
+[[aircraft.sensors]]
+name = "q"
+kind = "gyro"
+noise_std = 0.001
+[aircraft.instruments.pot]
+delay = { value = 4.0, unit = "ms" }
+elements = [
+  { type = "butterworth", order = 6, corner = { value = 40.0, unit = "Hz" } },
+  { type = "second-order", damping = 0.7, natural_frequency = { value = 10.0, unit = "Hz" } },
+]
+[aircraft.polar]
+cd_min = 0.02
+oswald = 0.9
+aspect_ratio = 9.0
+lift_slope = 5.0
+[aircraft.flutter]
+fuel = [0.0, 1.0]
+speed = { values = [50.0, 48.0], unit = "m/s" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("area = { value = 1.0", "area = { value = -1.0", "geometry.area"),
+        ("value = 0.3", "value = 0", "geometry.chord"),
+        ("value = 3.0", "value = -3.0", "geometry.span"),
+        ("fuel = [0.0, 1.0]\nmass", "fuel = [0.0, 100.0]\nmass", "mass.fuel"),
+        ("fuel = [0.0, 1.0]\nspeed", "fuel = [1.0, 0.0]\nspeed", "flutter.fuel"),
+        ("[50.0, 48.0]", "[50.0, -48.0]", "flutter.speed"),
+        ("value = 0.02", "value = -0.02", r"surfaces\[1\].noise_std"),
+        ("noise_std = 0.001", "noise_std = 0.0", r"sensors\[1\].noise_std"),
+        ("value = 4.0", "value = -4.0", "instruments.pot.delay"),
+        ("order = 6", "order = 0", r"instruments.pot.elements\[1\].order"),
+        ("value = 40.0", "value = -40.0", r"instruments.pot.elements\[1\].corner"),
+        ("damping = 0.7", "damping = -0.7", r"instruments.pot.elements\[2\].damping"),
+        ("value = 10.0", "value = 0", r"instruments.pot.elements\[2\].natural_frequency"),
+        ("cd_min = 0.02", "cd_min = -0.02", "polar.cd_min"),
+        ("oswald = 0.9", "oswald = 0", "polar.oswald"),
+        ("aspect_ratio = 9.0", "aspect_ratio = -9.0", "polar.aspect_ratio"),
+        ("lift_slope = 5.0", "lift_slope = -5.0", "polar.lift_slope"),
+    ],
+)
+def test_values_that_no_aircraft_has_are_refused(old: str, new: str, key: str) -> None:
+    assert old in KITE
+    parse_aircraft(KITE)
+    with pytest.raises(BadInput, match=f"'aircraft.{key}' (must|and)"):
+        parse_aircraft(KITE.replace(old, new))
 
 
 PAIRS = """

@@ -92,6 +92,24 @@ unit = "deg"
 role = "input"
 """
 
+_AIRCRAFT = """[aircraft]
+name = "Kite"
+[aircraft.geometry]
+area = { value = 11.7, unit = "ft2" }
+chord = { value = 1.29, unit = "ft" }
+span = { value = 10.0, unit = "ft" }
+[aircraft.mass]
+fuel = [0.0, 1.0]
+mass = { values = [0.40, 0.45], unit = "slug" }
+pitch_inertia = { values = [0.33, 0.34], unit = "slug*ft2" }
+x_cg = { values = [8.2, 8.3], unit = "in" }
+[[aircraft.surfaces]]
+name = "bfs"
+[[aircraft.sensors]]
+name = "q"
+kind = "gyro"
+"""
+
 # Bodies by operation.
 _BODIES: dict[str, Any] = {
     "request_run": {
@@ -146,6 +164,8 @@ _BODIES: dict[str, Any] = {
     "add_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
+    "add_aircraft": {"text": _AIRCRAFT},
+    "replace_aircraft": {"text": _AIRCRAFT},
     "set_thrust": {
         "engines": ["engine_speed_l", "engine_speed_r"],
         "text": "rpm,280,300\n40000,60,55\n80000,210,190\n",

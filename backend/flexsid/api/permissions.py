@@ -77,7 +77,8 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
     ),
     Permission.ANALYST: (
-        *("set_thrust", "remove_thrust", "cut_maneuver", "upload_maneuver", "change_maneuvers"),
+        *("replace_aircraft", "set_thrust", "remove_thrust"),
+        *("cut_maneuver", "upload_maneuver", "change_maneuvers"),
         *("delete_maneuver", "add_conditioning", "undo_conditioning", "assess_maneuvers"),
         *("stop_assessment", "add_mapping", "delete_mapping", "upload_files"),
         *("get_upload", "delete_upload", "get_import_job", "check_upload", "preview_upload"),
@@ -97,7 +98,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("request_aerodynamics_comparison", "request_modes", "request_reconstruction"),
     ),
     Permission.REVIEWER: ("vote_on_decision",),
-    Permission.ADMIN: ("change_review_rules", "list_audit_events"),
+    Permission.ADMIN: ("add_aircraft", "change_review_rules", "list_audit_events"),
 }
 
 PERMISSIONS: dict[str, Permission] = {

@@ -24,6 +24,7 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.text import escape_spreadsheet_cell
+from flexsid.workflow.aircraft.aircraft_definition import add_aircraft, replace_aircraft
 from flexsid.workflow.importing.flight_import import (
     Imported,
     import_each,
@@ -33,6 +34,27 @@ from flexsid.workflow.importing.flight_import import (
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.model_export import export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import export_run
+
+
+def define_aircraft(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Add an aircraft, or correct its definition."""
+    file = Path(arguments.file)
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{file} cannot be read: {error}", code="unreadable-file") from error
+    with open_store(settings, new=True) as store:
+        aircraft = (
+            add_aircraft(store, text)
+            if arguments.replace is None
+            else replace_aircraft(store, arguments.replace, text)
+        )
+    line = (
+        f"aircraft {aircraft.id}: {aircraft.name}, {len(aircraft.surfaces)} surfaces, "
+        f"{len(aircraft.sensors)} sensors"
+    )
+    print_result([line], aircraft, as_json=arguments.json)
+    return 0
 
 
 def import_files(settings: Settings, arguments: argparse.Namespace) -> int:

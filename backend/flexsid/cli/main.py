@@ -95,6 +95,12 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "replace the database by a backup, after a copy of the database"
     add("restore", "backup:restore", summary).add_argument("file", metavar="FILE")
 
+    aircraft = add("aircraft", "data:define_aircraft", "add an aircraft before its first flight")
+    meaning = "TOML: the [aircraft] part of a mapping"
+    aircraft.add_argument("file", metavar="FILE", help=meaning)
+    meaning = "correct this aircraft instead"
+    aircraft.add_argument("--replace", type=int, metavar="ID", help=meaning)
+
     _add_import_options(add("import", "data:import_files", "import files with a mapping"))
     _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
 

@@ -145,6 +145,21 @@ class Workbench:
 
     # --- data ---
 
+    def add_aircraft(self, file: str | Path) -> int:
+        """Add the aircraft that a TOML file defines, before its first flight; return its id.
+
+        Parameters
+        ----------
+        file
+            The ``[aircraft]`` part of a mapping.
+
+        Raises
+        ------
+        RequestRefused
+            Naming the key that is missing or wrong, or if there is an aircraft of this name.
+        """
+        return self.post("aircraft", {"text": Path(file).read_text(encoding="utf-8")})["id"]
+
     def import_maneuver(
         self,
         *files: str | Path,

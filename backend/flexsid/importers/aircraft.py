@@ -7,7 +7,9 @@ from itertools import pairwise
 from math import sqrt
 from typing import Annotated, Literal
 
-from flexsid.importers.quantity import AngularRate, Dimension, Length, Time
+from pydantic import Field
+
+from flexsid.importers.quantity import Dimension
 from flexsid.importers.table import (
     FromTable,
     Integer,
@@ -47,8 +49,12 @@ from flexsid.sysid.model.instruments import (
 )
 from flexsid.sysid.preparation.symmetry import Part, combine_pair, find_pairs, mirror_sign
 
-_Area = Annotated[float, Dimension("area")]
-_Angle = Annotated[float, Dimension("angle")]
+# Limits follow the dimension: pydantic applies annotations in order, options of a key first.
+_Area = Annotated[float, Dimension("area"), Field(gt=0)]
+_Length = Annotated[float, Dimension("length"), Field(gt=0)]
+_Frequency = Annotated[float, Dimension("angular rate", "frequency"), Field(gt=0)]
+_Noise = Annotated[float, Dimension("angle"), Field(gt=0)]
+_Delay = Annotated[float, Dimension("time"), Field(ge=0)]
 _Lengths = Annotated[tuple[float, ...], Dimension("length")]
 _Masses = Annotated[tuple[float, ...], Dimension("mass")]
 _Inertias = Annotated[tuple[float, ...], Dimension("inertia")]
@@ -56,6 +62,7 @@ _Speeds = Annotated[tuple[float, ...], Dimension("speed")]
 _Forces = Annotated[tuple[float, ...], Dimension("force")]
 _AngularRates = Annotated[tuple[float, ...], Dimension("angular rate")]
 _Temperatures = Annotated[tuple[float, ...], Dimension("temperature")]
+_LARGEST_ORDER = 20  # of a filter: above, rounding decides its response in double precision
 _ELEMENTS: dict[str, type[Element]] = {
     "first-order": FirstOrder,
     "second-order": SecondOrder,
@@ -78,9 +85,9 @@ class AircraftPart:
 class GeometryMapping(MappingTable):
     """``[aircraft.geometry]``: reference dimensions of the wing."""
 
-    area_m2: _Area = key("the reference area", alias="area", gt=0)
-    chord_m: Length = key("the reference chord", alias="chord", gt=0)
-    span_m: Length = key("the reference span", alias="span", gt=0)
+    area_m2: _Area = key("the reference area", alias="area")
+    chord_m: _Length = key("the reference chord", alias="chord")
+    span_m: _Length = key("the reference span", alias="span")
 
 
 class MassMapping(MappingTable):
@@ -114,8 +121,7 @@ class MassMapping(MappingTable):
         if not self.fuel or len({len(column) for column in given}) > 1:
             problem = "and the mass properties must have the same number of values."
             raise InvalidValue(problem, "fuel")
-        if not _increases(self.fuel):
-            raise InvalidValue("must increase.", "fuel")
+        _check_fuel(self.fuel)
         for inertia in (self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2, self.yaw_inertia_kg_m2):
             if min(self.mass_kg) <= 0 or (inertia is not None and min(inertia) <= 0):
                 raise InvalidValue("and the inertia must be positive.", "mass")
@@ -129,7 +135,7 @@ class SurfaceMapping(MappingTable):
     instrument: Text | None = key("instrument from deflection to recording", None)
     actuator: Text | None = key("instrument from recording to deflection", None)
     servo: Text | None = key("instrument from command to deflection", None)
-    noise_std_rad: _Angle | None = key("standard deviation of noise", None, alias="noise_std")
+    noise_std_rad: _Noise | None = key("standard deviation of noise", None, alias="noise_std")
     symmetry: SurfaceSymmetry | None = key("symmetry; else from the name", None)
 
 
@@ -142,7 +148,7 @@ class SensorMapping(MappingTable):
     axis: Literal["x", "y", "z"] | None = key("axis; else from the name", None)
     location: _Lengths = key("coordinates: x aft, y right, z up", (0.0, 0.0, 0.0))
     instrument: Text | None = key("instrument from quantity to recording", None)
-    noise_std: Number | None = key("standard deviation of the noise, in SI", None)
+    noise_std: Number | None = key("standard deviation of the noise, in SI", None, gt=0)
 
     def build(self) -> Sensor:
         """Return the sensor with its axis."""
@@ -183,10 +189,10 @@ class ElementMapping(MappingTable):
     """An element of an instrument."""
 
     type: Literal["first-order", "second-order", "butterworth"] = key("the kind of element")
-    corner: AngularRate | None = key("corner frequency of a lag or filter", None)
-    natural_frequency: AngularRate | None = key("of a second-order element", None)
-    damping: Number | None = key("damping ratio of a second-order element", None)
-    order: Integer | None = key("order of a Butterworth filter", None)
+    corner: _Frequency | None = key("corner frequency of a lag or filter", None)
+    natural_frequency: _Frequency | None = key("of a second-order element", None)
+    damping: Number | None = key("damping ratio of a second-order element", None, gt=0)
+    order: Integer | None = key("order of a Butterworth filter", None, ge=1, le=_LARGEST_ORDER)
 
     def build(self) -> Element:
         """Return the element in SI."""
@@ -207,16 +213,16 @@ class InstrumentMapping(MappingTable):
     """``[aircraft.instruments.<name>]``: dynamics and delay between a quantity and its samples."""
 
     elements: tuple[_Element, ...] = key("filters in series", ())
-    delay_s: Time = key("the transport delay", 0.0, alias="delay")
+    delay_s: _Delay = key("the transport delay", 0.0, alias="delay")
 
 
 class PolarMapping(MappingTable):
     """``[aircraft.polar]``: a parabolic polar."""
 
-    cd_min: Number = key("the least drag coefficient")
-    oswald: Number = key("the Oswald efficiency")
-    aspect_ratio: Number = key("the aspect ratio")
-    lift_slope: Number = key("the lift-curve slope, per rad")
+    cd_min: Number = key("the least drag coefficient", gt=0)
+    oswald: Number = key("the Oswald efficiency", gt=0)
+    aspect_ratio: Number = key("the aspect ratio", gt=0)
+    lift_slope: Number = key("the lift-curve slope, per rad", gt=0)
 
 
 class FlutterMapping(MappingTable):
@@ -229,6 +235,9 @@ class FlutterMapping(MappingTable):
         """Return the speeds in SI."""
         if len(self.fuel) != len(self.speed_m_s) or not self.fuel:
             raise InvalidValue("and speed must have the same number of values.", "fuel")
+        _check_fuel(self.fuel)
+        if min(self.speed_m_s) <= 0:
+            raise InvalidValue("must be positive.", "speed")
         return FlutterTable(**self.entries())
 
 
@@ -329,6 +338,11 @@ class AircraftMapping(MappingTable):
                     if name is not None and name not in self.instruments:
                         problem = f"names '{name}', which is not an instrument; defined: {known}."
                         raise InvalidValue(problem, f"{table}[{place}].{role}")
+
+
+def _check_fuel(fuel: tuple[float, ...]) -> None:
+    if not (_increases(fuel) and fuel[0] >= 0.0 and fuel[-1] <= 1.0):
+        raise InvalidValue("must increase, from 0 at the least to 1 at the most.", "fuel")
 
 
 def _increases(values: tuple[float, ...]) -> bool:

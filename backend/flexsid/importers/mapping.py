@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from datetime import date
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, field_validator, model_validator
 
@@ -44,6 +44,7 @@ from flexsid.importers.table import (
     read_table,
     refuse,
 )
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
 from flexsid.records.modal_data import ModalKind
 
@@ -365,6 +366,12 @@ class MappingFile(MappingTable):
         return self
 
 
+class AircraftFile(MappingTable):
+    """A file that defines an aircraft, as a mapping does."""
+
+    aircraft: Annotated[AircraftPart, FromTable(AircraftMapping)] = key("aircraft")
+
+
 def parse_mapping(text: str) -> MappingFile:
     """Parse and check a mapping.
 
@@ -373,15 +380,34 @@ def parse_mapping(text: str) -> MappingFile:
     BadInput
         Naming the key that is missing, misspelt or of the wrong kind.
     """
+    return read_table(MappingFile, _load_toml(text))
+
+
+def parse_aircraft(text: str) -> Aircraft:
+    """Parse and check the definition of an aircraft: the ``[aircraft]`` part of a mapping.
+
+    Raises
+    ------
+    BadInput
+        Naming the key that is missing, misspelt or of the wrong kind.
+    """
+    definition = read_table(AircraftFile, _load_toml(text)).aircraft.definition
+    if definition is None:
+        raise refuse(
+            "aircraft", "names an aircraft; a definition has geometry, mass and surfaces besides."
+        )
+    return definition
+
+
+def _load_toml(text: str) -> dict[str, Any]:
     if len(text) > _LARGEST_MAPPING:
         raise BadInput(
             "The mapping is larger than 1 MB; expected a smaller TOML file.", code="bad-mapping"
         )
     try:
-        content = tomllib.loads(text)
+        return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise BadInput(f"The mapping is not valid TOML: {error}.", code="bad-mapping") from error
-    return read_table(MappingFile, content)
 
 
 def find_known_mapping(sources: Sources) -> str | None:

@@ -109,6 +109,5 @@ class Dimension:
         return values[0]
 
 
-AngularRate = Annotated[float, Dimension("angular rate", "frequency")]
 Length = Annotated[float, Dimension("length")]
 Time = Annotated[float, Dimension("time")]

@@ -1,9 +1,10 @@
 import { Stack, Tabs, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { Link, useLocation } from "@tanstack/react-router";
+import { getRouteApi, Link, useLocation } from "@tanstack/react-router";
 import { useEffect, useRef } from "react";
 import { aircraftQuery, modalTablesQuery, predictionsQuery } from "../api/queries";
 import type { Aircraft, Prediction } from "../api/types";
+import { ButtonLink } from "../components/ButtonLink";
 import { Facts } from "../components/ConditionFacts";
 import { ComputePrediction } from "../components/ComputePrediction";
 import { DataTable, numeric } from "../components/DataTable";
@@ -16,13 +17,22 @@ import { ThrustSection } from "../components/ThrustSection";
 import { fixed, percent } from "../lib/format";
 import { someFuels } from "../lib/modes";
 
+const route = getRouteApi("/aircraft");
+
 /** Data of the aircraft: mass, sensors, modes, predictions. */
 export function AircraftPage() {
+  const { id } = route.useSearch();
+  const navigate = route.useNavigate();
   const aircraft = useQuery(aircraftQuery);
   return (
     <>
       <PageHead
         title="Aircraft"
+        actions={
+          <ButtonLink to="/aircraft/new" variant="default">
+            New aircraft
+          </ButtonLink>
+        }
         trail={[
           <Link to="/campaign" className="link" key="campaign">
             Campaign
@@ -35,14 +45,19 @@ export function AircraftPage() {
           if (first === undefined) {
             return (
               <Empty title="No aircraft yet">
-                Import recorded data, or run <code>flexsid demo</code>.
+                Import recorded data, add a new aircraft, or run <code>flexsid demo</code>.
               </Empty>
             );
           }
           return all.length === 1 ? (
             <OneAircraft aircraft={first} />
           ) : (
-            <Tabs defaultValue={String(first.id)}>
+            <Tabs
+              value={String((all.find((one) => one.id === id) ?? first).id)}
+              onChange={(selected) => {
+                void navigate({ search: { id: Number(selected) }, replace: true });
+              }}
+            >
               <Tabs.List mb="md">
                 {all.map((one) => (
                   <Tabs.Tab key={one.id} value={String(one.id)}>

@@ -8,10 +8,11 @@ from fastapi import APIRouter
 from pydantic import Field
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import LONGEST_TEXT, Line, Name, Request
-from flexsid.api.serialization import Identity, JsonRoute
+from flexsid.api.requests import LONGEST_TEXT, Line, MappingText, Name, Request
+from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.records.aircraft import Aircraft
 from flexsid.storage.paging import Page
+from flexsid.workflow.aircraft import aircraft_definition
 from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
 
 router = APIRouter(prefix="/aircraft", tags=["aircraft"], route_class=JsonRoute)
@@ -34,16 +35,35 @@ class ThrustRequest(Request):
     source: Annotated[str, Field(max_length=500), Line] = ""
 
 
+class AircraftRequest(Request):
+    """Definition of an aircraft as TOML text: the ``[aircraft]`` part of a mapping."""
+
+    text: MappingText
+
+
 @router.get("")
 def list_aircraft(store: TheStore) -> Page[Aircraft]:
     """List all aircraft."""
     return Page(items=store.aircraft.find())
 
 
+@router.post("", response_model=Aircraft, status_code=201)
+def add_aircraft(store: TheStore, body: AircraftRequest) -> Json:
+    """Add an aircraft before its first flight; modal data and predictions can then be imported."""
+    added = aircraft_definition.add_aircraft(store, body.text)
+    return Json(added, 201, {"Location": f"/api/v1/aircraft/{added.id}"})
+
+
 @router.get("/{aircraft_id}")
 def get_aircraft(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Return one aircraft."""
     return store.aircraft.get(aircraft_id)
+
+
+@router.put("/{aircraft_id}")
+def replace_aircraft(store: TheStore, aircraft_id: Identity, body: AircraftRequest) -> Aircraft:
+    """Correct the definition of an aircraft; surfaces and sensors of recordings must remain."""
+    return aircraft_definition.replace_aircraft(store, aircraft_id, body.text)
 
 
 @router.put("/{aircraft_id}/thrust")

@@ -93,6 +93,12 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
             f"fraction {fuel:g}; positive numbers and a fraction from 0 to 1 are expected.",
             code="bad-condition",
         )
+    for name in ("mass", "pitch_inertia", "roll_inertia", "yaw_inertia"):
+        if measured.get(name, 1.0) <= 0:
+            raise BadInput(
+                f"Impossible condition: {name} {measured[name]:g}; a positive number is expected.",
+                code="bad-condition",
+            )
 
     def get(name: str, values: tuple[float, ...]) -> float:
         """Return a mass property as measured, else from the table."""

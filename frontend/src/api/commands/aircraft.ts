@@ -1,7 +1,16 @@
-/** Commands on the aircraft: thrust table and controllers. */
+/** Commands on the aircraft: definition, thrust table and controllers. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
 import type { Controller, ComputePredictionRequest, ThrustRequest } from "../types";
+
+/** Adds an aircraft before its first flight, from the text of its definition. */
+export function useAddAircraft() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (text: string) => body(api.POST("/api/v1/aircraft", { body: { text } })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
+}
 
 export function useSetThrust() {
   const cache = useQueryClient();

@@ -1,0 +1,77 @@
+"""Definition of an aircraft before its first flight, and its correction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flexsid.errors import BadInput, Conflict
+from flexsid.importers.mapping import parse_aircraft
+from flexsid.records.aircraft import Aircraft
+from flexsid.storage.store import Store
+
+
+def add_aircraft(store: Store, text: str) -> Aircraft:
+    """Add an aircraft without a recording.
+
+    Parameters
+    ----------
+    store
+        Store.
+    text
+        TOML: the ``[aircraft]`` part of a mapping.
+
+    Raises
+    ------
+    BadInput
+        Naming the key that is missing, misspelt or of the wrong kind.
+    Conflict
+        If there is an aircraft of this name.
+    """
+    definition = parse_aircraft(text)
+    with store.transaction():
+        _check_name(store, definition, None)
+        return store.aircraft.add(definition)
+
+
+def replace_aircraft(store: Store, aircraft_id: int, text: str) -> Aircraft:
+    """Correct the definition of an aircraft; a thrust table that it omits stays.
+
+    Runs state that the data of the aircraft were changed since.
+
+    Raises
+    ------
+    UnknownRecord
+        If the aircraft does not exist.
+    BadInput
+        As of ``add_aircraft``, or if recordings need a sensor or surface that is omitted.
+    Conflict
+        If there is another aircraft of this name.
+    """
+    definition = parse_aircraft(text)
+    with store.transaction():
+        former = store.aircraft.get(aircraft_id)
+        _check_name(store, definition, aircraft_id)
+        omitted = sorted(_list_names(former) - _list_names(definition))
+        if omitted and store.flights.find(aircraft_id=aircraft_id):
+            raise BadInput(
+                f"The definition omits {', '.join(omitted)}, and flights were recorded with "
+                f"'{former.name}'. Keep its surfaces and sensors; further ones may be added.",
+                code="aircraft-in-use",
+                key="aircraft.sensors",
+            )
+        thrust = definition.thrust or former.thrust
+        return store.aircraft.replace(replace(definition, id=aircraft_id, thrust=thrust))
+
+
+def _check_name(store: Store, definition: Aircraft, aircraft_id: int | None) -> None:
+    others = [one for one in store.aircraft.find(name=definition.name) if one.id != aircraft_id]
+    if others:
+        raise Conflict(
+            f"There is an aircraft '{definition.name}' already; give this one another name.",
+            code="already-exists",
+        )
+
+
+def _list_names(aircraft: Aircraft) -> set[str]:
+    items = (*aircraft.surfaces, *aircraft.sensors, *aircraft.combinations)
+    return {item.name for item in items}
