@@ -19,7 +19,7 @@ import pytest
 from preloaded import use_preloaded
 from threadpoolctl import threadpool_limits
 
-from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, SensorKind, Surface
+from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surface
 from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
@@ -27,6 +27,7 @@ from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
+from flexsid.sysid.model.sensor_models import GYRO
 
 # Without `make` too: two threads take several times as long as one for small matrices. The
 # environment is read by libraries that are loaded later and by other processes.
@@ -47,7 +48,7 @@ AIRCRAFT = Aircraft(
         z_cg_m=(0.0, 0.0),
     ),
     surfaces=(Surface(name="bfs", noise_std_rad=1e-4),),
-    sensors=(Sensor(name="q", kind=SensorKind.GYRO, point="egi", axis="y", instrument="egi"),),
+    sensors=(Sensor(name="q", kind=GYRO.kind, point="egi", axis="y", instrument="egi"),),
     instruments={
         "egi": Instrument(
             elements=(

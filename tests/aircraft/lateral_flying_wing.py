@@ -15,12 +15,13 @@ from scipy import interpolate
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.importers.aircraft import _combine_pairs, _combine_surfaces
-from flexsid.records.aircraft import Aircraft, DerivativePrediction, Sensor, SensorKind, Surface
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, Sensor, Surface
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
 from flexsid.sysid.modes import ModeTable, StructuralModes
 from flexsid.units import factor
 
@@ -125,7 +126,7 @@ def describe_lateral_aircraft() -> Aircraft:
     source, symmetric = load_source(), describe_aircraft(load_truth())
     noise = source["noise_sigma"]
 
-    def add(name: str, kind: SensorKind, point: str, axis: str, std: float) -> Sensor:
+    def add(name: str, kind: str, point: str, axis: str, std: float) -> Sensor:
         x, y, z = (FOOT * value for value in source["points_struct"][point])
         return Sensor(
             name=name,
@@ -133,16 +134,16 @@ def describe_lateral_aircraft() -> Aircraft:
             point=point,
             axis=axis,
             location_m=(x, y, z),
-            instrument=kind.value,
+            instrument=kind,
             noise_std=std,
         )
 
     sensors = (
         *symmetric.sensors,
-        add("beta", SensorKind.VANE, "boom", "z", noise["vane_rad"]),
-        add("p", SensorKind.GYRO, "nose_gyro", "x", noise["gyro_rad_s"]),
-        add("r", SensorKind.GYRO, "nose_gyro", "z", noise["gyro_rad_s"]),
-        add("phi", SensorKind.ATTITUDE, "egi_att", "x", noise["attitude_rad"]),
+        add("beta", VANE.kind, "boom", "z", noise["vane_rad"]),
+        add("p", GYRO.kind, "nose_gyro", "x", noise["gyro_rad_s"]),
+        add("r", GYRO.kind, "nose_gyro", "z", noise["gyro_rad_s"]),
+        add("phi", ATTITUDE.kind, "egi_att", "x", noise["attitude_rad"]),
     )
     mass = replace(
         symmetric.mass,

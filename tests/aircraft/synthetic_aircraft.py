@@ -24,7 +24,6 @@ from flexsid.records.aircraft import (
     Geometry,
     MassTable,
     Sensor,
-    SensorKind,
     Surface,
 )
 from flexsid.records.maneuver import Condition, Excitation, Flight, Maneuver, Role
@@ -34,6 +33,14 @@ from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisin
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
+from flexsid.sysid.model.sensor_models import (
+    ACCELEROMETER,
+    ATTITUDE,
+    GYRO,
+    STRAIN,
+    VANE,
+    load_sensor_models,
+)
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import ALPHA, THETA, Airframe, assemble_airframe
@@ -56,18 +63,18 @@ _INSTRUMENTS = {
     "potentiometer": Instrument(elements=(_FILTER,)),
 }
 _NOISE = {  # SI, at ``RATE_HZ``
-    SensorKind.ACCELEROMETER: 0.05,
-    SensorKind.GYRO: 1e-3,
-    SensorKind.ATTITUDE: 5e-4,
-    SensorKind.VANE: 2e-3,
-    SensorKind.STRAIN: 1e-6,
+    ACCELEROMETER.kind: 0.05,
+    GYRO.kind: 1e-3,
+    ATTITUDE.kind: 5e-4,
+    VANE.kind: 2e-3,
+    STRAIN.kind: 1e-6,
 }
 _UNITS = {
-    SensorKind.ACCELEROMETER: "m/s2",
-    SensorKind.GYRO: "rad/s",
-    SensorKind.ATTITUDE: "rad",
-    SensorKind.VANE: "rad",
-    SensorKind.STRAIN: "1",
+    ACCELEROMETER.kind: "m/s2",
+    GYRO.kind: "rad/s",
+    ATTITUDE.kind: "rad",
+    VANE.kind: "rad",
+    STRAIN.kind: "1",
 }
 
 
@@ -88,7 +95,7 @@ class Design:
     torsion: float  # GJ [N m2]
     fuselage_bending: float  # EI [N m2]
     airspeed: float
-    sensors: tuple[tuple[str, SensorKind, str, float], ...]
+    sensors: tuple[tuple[str, str, str, float], ...]
     surfaces: tuple[tuple[str, float, float], ...]  # from, to in half spans; beyond 1: tail
     tail_area: float = 0.0
     band_hz: tuple[float, float] = (0.3, 12.0)
@@ -204,7 +211,7 @@ def build(design: Design) -> SyntheticAircraft:
         strips[f"x_{end}"] = strips[f"x_{end}"] - beam.x_cg
     sensors, points, gauges, locations = [], [], [], {}
     for name, kind, where, offset in design.sensors:
-        if kind is SensorKind.STRAIN:
+        if kind == STRAIN.kind:
             gauges.append((where, beam.strain(where)))
         else:
             points.append((f"{where}{offset:+g}", beam.point(where, offset)))
@@ -214,10 +221,10 @@ def build(design: Design) -> SyntheticAircraft:
             Sensor(
                 name=name,
                 kind=kind,
-                point=where if kind is SensorKind.STRAIN else f"{where}{offset:+g}",
-                axis="z" if kind is SensorKind.ACCELEROMETER else "y",
+                point=where if kind == STRAIN.kind else f"{where}{offset:+g}",
+                axis="z" if kind == ACCELEROMETER.kind else "y",
                 location_m=locations[name],
-                instrument=kind.value,
+                instrument=kind,
                 noise_std=_NOISE[kind],
             )
         )
@@ -347,7 +354,7 @@ def fly(
     channels = []
     sources = [(n, Role.INPUT, "rad", "potentiometer", 2e-4) for n in names]
     sources += [
-        (s.name, Role.OUTPUT, _UNITS[s.kind], s.kind.value, _NOISE[s.kind])
+        (s.name, Role.OUTPUT, _UNITS[s.kind], s.kind, _NOISE[s.kind])
         for s in aircraft.record.sensors
     ]
     true = np.concatenate([deflections, felt], axis=1)
@@ -567,7 +574,7 @@ def _simulate(
     states = _respond(A, B, np.column_stack([deflections, gust]))
     felt = np.hstack([states[:, :n_x], deflections]) @ rows.T + np.outer(gust, rows[:, ALPHA])
     if speed_varies:
-        is_heave = [s.kind is SensorKind.ACCELEROMETER for s in aircraft.record.sensors]
+        is_heave = [s.kind == ACCELEROMETER.kind for s in aircraft.record.sensors]
         felt -= 2.0 * GRAVITY * np.outer(states[:, -1], is_heave)
     return felt
 
@@ -588,20 +595,20 @@ def _respond(A: np.ndarray, B: np.ndarray, inputs: np.ndarray) -> np.ndarray:
 
 
 def _row(aircraft: SyntheticAircraft, frame: Airframe, sensor: Sensor) -> np.ndarray:
-    if sensor.kind is SensorKind.STRAIN:
+    if sensor.kind == STRAIN.kind:
         return feel.strain_gauge(frame, sensor.point)
-    if sensor.kind is SensorKind.GYRO:
+    if sensor.kind == GYRO.kind:
         return feel.gyro(frame, sensor.point)
-    if sensor.kind is SensorKind.ATTITUDE:
+    if sensor.kind == ATTITUDE.kind:
         return feel.attitude(frame, sensor.point)
     aft, right, _ = aircraft.locations[sensor.name]
     position = np.array([aircraft.x_cg - aft, right, 0.0])
-    if sensor.kind is SensorKind.VANE:
+    if sensor.kind == VANE.kind:
         return feel.vane(frame, sensor.point, position)
     return feel.accelerometer(frame, "z", sensor.point, position)
 
 
-_ACC, _GYRO, _ATT, _VANE, _GAUGE = SensorKind
+_ACC, _GYRO, _ATT, _VANE, _GAUGE = load_sensor_models()
 
 TAILED_40_FT = Design(
     name="tailed, 40 ft",

@@ -25,7 +25,6 @@ from scipy.linalg import lapack
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
-from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import Condition
 from flexsid.sysid.estimation.batch_regression import regress_many
 from flexsid.sysid.estimation.delays import estimate_delays
@@ -46,7 +45,8 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.lateral import LATERAL
-from flexsid.sysid.model.sensors import SensorRows, body_axes, stack_rows, strain_row
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN, load_sensor_models
+from flexsid.sysid.model.sensors import Mounting, SensorRows, body_axes, stack_rows, strain_row
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
@@ -356,21 +356,22 @@ def place_lateral_sensors(
 ) -> SensorRows:
     """Rates, bank angle, sideslip and lateral acceleration, and the sensors of the right wing."""
     rows = {}
-    for kind, axis in sorted(LATERAL.measured):
-        at = modes.points.index("egi")
-        place = (0.0, 0.0, 0.0)
-        shapes = modes.translation[at], modes.rotation[at]
-        rows[f"{kind} {axis}"] = LATERAL.sensor_row(kind, axis, place, *shapes, condition)
+    no_strain = np.zeros(len(modes.numbers))
+    at = modes.points.index("egi")
+    mounting = Mounting((0.0, 0.0, 0.0), modes.translation[at], modes.rotation[at], no_strain)
+    for kind, model in sorted(load_sensor_models().items()):
+        for axis in (axis for axis in "xyz" if model.measures_rigid_body(axis, LATERAL)):
+            rows[f"{kind} {axis}"] = model.build_row(axis, LATERAL, mounting, condition)
     right = (s for s in describe_aircraft(truth).sensors if s.name.partition("_m")[0][-1] == "r")
     for sensor in right:
-        if sensor.kind is SensorKind.STRAIN:
+        if sensor.kind == STRAIN.kind:
             strain = modes.strain[modes.gauges.index(sensor.point)]
             rows[sensor.name] = strain_row(strain, LATERAL.size)
         elif sensor.axis == "z":
             at = modes.points.index(sensor.point)
             place = body_axes(sensor.location_m, condition)
-            shapes = modes.translation[at], modes.rotation[at]
-            rows[sensor.name] = LATERAL.sensor_row("accelerometer", "z", place, *shapes, condition)
+            mounting = Mounting(place, modes.translation[at], modes.rotation[at], no_strain)
+            rows[sensor.name] = ACCELEROMETER.build_row("z", LATERAL, mounting, condition)
     return stack_rows(list(rows)[:N_OUTPUTS], list(rows.values())[:N_OUTPUTS])
 
 

@@ -16,7 +16,8 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.sensors import stack_rows
+from flexsid.sysid.model.sensor_models import find_sensor_model
+from flexsid.sysid.model.sensors import Mounting, stack_rows
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
 from flexsid.workflow.runs.estimation import compute_run, prepare
@@ -98,8 +99,9 @@ def simulate(axis: str) -> dict[str, np.ndarray]:
         (), np.zeros(0), np.zeros(0), np.zeros(0), (), np.zeros((0, 3, 0)), np.zeros((0, 3, 0)),
         (), np.zeros((0, 0)),
     )  # fmt: skip
+    mounting = Mounting((0.0, 0.0, 0.0), none, none, np.zeros(0))
     rows = [
-        body.sensor_row(kind, about, (0.0, 0.0, 0.0), none, none, CONDITION)
+        find_sensor_model(kind).build_row(about, body, mounting, CONDITION)
         for kind, about in OUTPUTS[axis].values()
     ]
     sensors = stack_rows(tuple(OUTPUTS[axis]), rows)

@@ -13,8 +13,8 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
-from flexsid.records.aircraft import SensorKind
 from flexsid.sysid.model.instruments import Butterworth, Instrument
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
 from flexsid.sysid.simulation.closed_loop import Actuator, simulate_closed_loop
@@ -214,7 +214,7 @@ def test_agrees_with_an_independent_simulation(name: str):
     np.testing.assert_allclose(table[2:], record["true_CQ"], rtol=1e-6)
 
     instruments = [aircraft.instruments[str(sensor.instrument)] for sensor in aircraft.sensors]
-    units = {SensorKind.ACCELEROMETER: 9.80665, SensorKind.STRAIN: 1e-6}
+    units = {ACCELEROMETER.kind: 9.80665, STRAIN.kind: 1e-6}
     scale = np.array([units.get(sensor.kind, 1.0) for sensor in aircraft.sensors])
     outputs = apply_instruments(flight.felt, RATE_HZ, instruments)[::5] / scale
     pot = aircraft.instruments["potentiometer"]

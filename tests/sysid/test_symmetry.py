@@ -7,7 +7,8 @@ import pytest
 
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
-from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, mirror_sign, parity
+from flexsid.sysid.model.sensor_models import find_sensor_model
+from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, parity
 
 
 def test_pairs_are_found_by_their_names():
@@ -28,7 +29,7 @@ def test_parts_of_a_pair_give_left_and_right_back():
         ("gyro", "x", -1.0),
         ("strain", "y", 1.0),
     ):
-        assert mirror_sign(kind, axis) == sign
+        assert find_sensor_model(kind).mirror_sign(axis) == sign
         values = {"l": left, "r": right}
         parts = {}
         for part in ("symmetric", "antisymmetric"):
@@ -47,7 +48,7 @@ def test_the_rule_makes_the_combinations_of_flex_28():
             left,
             right,
             both,
-            mirror_sign(sensors[left].kind.value, sensors[left].axis),
+            sensors[left].model.mirror_sign(sensors[left].axis),
             "symmetric",
         )
         for left, right, both in find_pairs(sensors)

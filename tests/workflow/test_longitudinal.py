@@ -17,15 +17,14 @@ from flexsid.records.aircraft import (
     Aircraft,
     Combination,
     Sensor,
-    SensorKind,
     Surface,
-    find_axis_in_name,
     get_symmetry,
 )
 from flexsid.records.maneuver import FlightChannel, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, VANE
 from flexsid.workflow.aircraft.axes import AxisNotSupported
 from flexsid.workflow.importing.flight_import import check_axes
 from flexsid.workflow.measurements.measured_axis import determine_axis
@@ -68,16 +67,16 @@ def test_longitudinal_model_of_a_lateral_maneuver_is_refused(flown: Store, metho
 @pytest.mark.parametrize(
     ("kind", "axis", "message"),
     [
-        (SensorKind.GYRO, "x", "roll rate p, not pitch rate q"),
-        (SensorKind.GYRO, "z", "yaw rate r, not pitch rate q"),
-        (SensorKind.VANE, "z", "sideslip beta, not angle of attack alpha"),
-        (SensorKind.ATTITUDE, "x", "bank angle phi, not pitch angle theta"),
+        (GYRO.kind, "x", "roll rate p, not pitch rate q"),
+        (GYRO.kind, "z", "yaw rate r, not pitch rate q"),
+        (VANE.kind, "z", "sideslip beta, not angle of attack alpha"),
+        (ATTITUDE.kind, "x", "bank angle phi, not pitch angle theta"),
     ],
 )
 def test_sensor_of_another_axis_is_refused_as_output(
-    flown: Store, kind: SensorKind, axis: str, message: str
+    flown: Store, kind: str, axis: str, message: str
 ) -> None:
-    name = {SensorKind.GYRO: "q", SensorKind.VANE: "alpha", SensorKind.ATTITUDE: "theta"}[kind]
+    name = {GYRO.kind: "q", VANE.kind: "alpha", ATTITUDE.kind: "theta"}[kind]
 
     def turn(sensor: Sensor) -> Sensor:
         return replace(sensor, name="sensor_9", axis=axis) if sensor.name == name else sensor
@@ -106,11 +105,10 @@ def test_a_sensor_whose_name_contradicts_its_record_is_refused(flown: Store) -> 
 
 
 def test_axes_and_sides_are_parsed_from_names() -> None:
-    gyro, vane = SensorKind.GYRO, SensorKind.VANE
     named = {"p": "x", "p_egi": "x", "Roll_Rate": "x", "q_nose": "y", "gyro_r": "z", "rate_3": None}
-    assert {name: find_axis_in_name(gyro, name) for name in named} == named
-    assert (find_axis_in_name(vane, "beta_boom"), find_axis_in_name(vane, "vane_1")) == ("z", None)
-    assert find_axis_in_name(SensorKind.ACCELEROMETER, "ay_cf") == "y"
+    assert {name: GYRO.find_axis(name) for name in named} == named
+    assert (VANE.find_axis("beta_boom"), VANE.find_axis("vane_1")) == ("z", None)
+    assert ACCELEROMETER.find_axis("ay_cf") == "y"
 
 
 @pytest.mark.parametrize(
@@ -236,7 +234,7 @@ def test_undeclared_axis_raises_a_query(aircraft: Aircraft) -> None:
 
 def test_column_named_after_another_axis_raises_a_query(aircraft: Aircraft) -> None:
     clock = Clock(start_s=0.0, rate_hz=100.0, n_samples=9)
-    pitch = next(s for s in aircraft.sensors if s.kind is SensorKind.GYRO)
+    pitch = next(s for s in aircraft.sensors if s.kind == GYRO.kind)
     own = replace(aircraft, sensors=(replace(pitch, name="q", axis="y"),))
     source = SourceFile(name="m.csv", sha256="", arrays={})
     column = RawChannel(

@@ -19,11 +19,13 @@ from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.errors import FlexsidError
+from flexsid.importers.readers import load_formats
 from flexsid.jobs.health import PartHealth
 from flexsid.jobs.interpreter import configure_interpreter
 from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.sysid.model.sensor_models import load_sensor_models
 
 _GRACE_S = 1
 _IDLE_S = 75  # longer than clients with a pool of connections leave them idle
@@ -53,6 +55,7 @@ class _Server(uvicorn.Server):
 
 def serve(settings: Settings, arguments: argparse.Namespace) -> int:
     """Serve until stopped by a signal."""
+    _load_extensions()
     with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)  # refuses an invalid database before the server starts
         return _serve_on(port, settings, arguments.json)
@@ -63,6 +66,7 @@ def demo(settings: Settings, arguments: argparse.Namespace) -> int:
     if arguments.no_serve:
         _fill(settings, arguments.json)
         return 0
+    _load_extensions()
     campaign_process = CampaignProcess(settings.database, _report_progress)
     with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)
@@ -70,6 +74,12 @@ def demo(settings: Settings, arguments: argparse.Namespace) -> int:
             return _serve_on(port, settings, arguments.json, campaign_process)
         finally:
             campaign_process.stop()
+
+
+def _load_extensions() -> None:
+    """Load what installed packages add, to refuse one that fails before the server starts."""
+    load_sensor_models()
+    load_formats()
 
 
 def _serve_on(

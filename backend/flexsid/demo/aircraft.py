@@ -17,12 +17,12 @@ from flexsid.records.aircraft import (
     Geometry,
     MassTable,
     Sensor,
-    SensorKind,
     Surface,
     ThrustTable,
 )
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, STRAIN, VANE
 from flexsid.units import factor
 
 NAME = "FLEX-28"
@@ -160,7 +160,7 @@ def _sensors(truth: Truth) -> tuple[Sensor, ...]:
     noise = truth.source["noise_sigma"]
     place = truth.locations
 
-    def at(name: str, kind: SensorKind, point: str, axis: str, std: float) -> Sensor:
+    def at(name: str, kind: str, point: str, axis: str, std: float) -> Sensor:
         x, y, z = map(float, place.get(point, (0.0, 0.0, 0.0)))
         return Sensor(
             name=name,
@@ -168,23 +168,23 @@ def _sensors(truth: Truth) -> tuple[Sensor, ...]:
             point=point,
             axis=axis,
             location_m=(x, y, z),
-            instrument=kind.value,
+            instrument=kind,
             noise_std=std,
         )
 
     in_g = noise["accel_g"] * factor("g", "acceleration")
     return (
-        at("alpha", SensorKind.VANE, "boom", "y", noise["vane_rad"]),
-        at("q", SensorKind.GYRO, "nose_gyro", "y", noise["gyro_rad_s"]),
-        at("theta", SensorKind.ATTITUDE, "egi_att", "y", noise["attitude_rad"]),
+        at("alpha", VANE.kind, "boom", "y", noise["vane_rad"]),
+        at("q", GYRO.kind, "nose_gyro", "y", noise["gyro_rad_s"]),
+        at("theta", ATTITUDE.kind, "egi_att", "y", noise["attitude_rad"]),
         *(
-            at(entry["id"], SensorKind.ACCELEROMETER, entry["point"], entry["axis"], in_g)
+            at(entry["id"], ACCELEROMETER.kind, entry["point"], entry["axis"], in_g)
             for entry in truth.source["accelerometers"]
         ),
         *(
             at(
                 f"s_{gauge}",
-                SensorKind.STRAIN,
+                STRAIN.kind,
                 gauge,
                 "y",
                 noise["strain_ue"] * factor("ustrain", "strain"),

@@ -21,9 +21,9 @@ from flexsid.demo.flights import (
 )
 from flexsid.demo.recorder import Recorder
 from flexsid.demo.truth_flight import RATE_HZ
-from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import GROUND, Condition, Maneuver
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.importing.flight_import import compute_largest_correlation
@@ -84,9 +84,7 @@ def simulate_ground_test(
         x_cg_m=parked.x_cg,
         z_cg_m=parked.z_cg,
     )
-    sensors = tuple(
-        s for s in aircraft.sensors if s.kind in (SensorKind.STRAIN, SensorKind.ACCELEROMETER)
-    )
+    sensors = tuple(s for s in aircraft.sensors if s.kind in (STRAIN.kind, ACCELEROMETER.kind))
     modes = _add_gear(truth.modes_at(fuel, len(truth.symmetric)), stiffness_lost)
     sensor_model = build_model(
         aircraft,

@@ -10,10 +10,11 @@ import numpy as np
 
 from flexsid.demo.aircraft import build_thrust_table
 from flexsid.demo.truth_flight import RATE_HZ
-from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
+from flexsid.records.aircraft import Aircraft, Sensor
 from flexsid.records.maneuver import Role
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, STRAIN, VANE
 from flexsid.sysid.simulation.recording import apply_instruments
 from flexsid.units import factor, lookup
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE, compute_total_temperature
@@ -26,11 +27,11 @@ HIGH, MEDIUM, LOW = RATE_HZ, 200.0, 20.0
 _FAST = ("q", "az_ofl", "az_ofr", "az_oal", "az_oar")
 
 _UNITS = {
-    SensorKind.ACCELEROMETER: "g",
-    SensorKind.GYRO: "rad/s",
-    SensorKind.ATTITUDE: "rad",
-    SensorKind.VANE: "rad",
-    SensorKind.STRAIN: "ustrain",
+    ACCELEROMETER.kind: "g",
+    GYRO.kind: "rad/s",
+    ATTITUDE.kind: "rad",
+    VANE.kind: "rad",
+    STRAIN.kind: "ustrain",
 }
 
 
@@ -129,9 +130,9 @@ class Recorder:
 def compute_trim_reading(sensor: Sensor, condition: FlightCondition) -> float:
     """Return the reading of a sensor in steady level flight. [SI unit of the sensor]"""
     gravity = factor("g", "acceleration")
-    if sensor.kind in (SensorKind.VANE, SensorKind.ATTITUDE):
+    if sensor.kind in (VANE.kind, ATTITUDE.kind):
         return condition.alpha
-    if sensor.kind is SensorKind.ACCELEROMETER:
+    if sensor.kind == ACCELEROMETER.kind:
         tilt = {"x": np.sin(condition.alpha), "y": 0.0, "z": -np.cos(condition.alpha)}
         return gravity * float(tilt[sensor.axis])
     return 0.0

@@ -9,9 +9,10 @@ import numpy as np
 
 from flexsid.demo.flex28 import Truth
 from flexsid.demo.surface_faults import SurfaceFault
-from flexsid.records.aircraft import Sensor, SensorKind
+from flexsid.records.aircraft import Sensor
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, STRAIN, VANE
 from flexsid.sysid.simulation import sensors as feel
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
 from flexsid.sysid.simulation.closed_loop import SimulatedMotion, simulate_closed_loop
@@ -83,13 +84,13 @@ def sensor_rows(truth: Truth, airframe: Airframe, sensors: Sequence[Sensor]) -> 
 
 
 def _row(truth: Truth, airframe: Airframe, sensor: Sensor) -> np.ndarray:
-    if sensor.kind is SensorKind.STRAIN:
+    if sensor.kind == STRAIN.kind:
         return feel.strain_gauge(airframe, sensor.point)
-    if sensor.kind is SensorKind.GYRO:
+    if sensor.kind == GYRO.kind:
         return feel.gyro(airframe, sensor.point)
-    if sensor.kind is SensorKind.ATTITUDE:
+    if sensor.kind == ATTITUDE.kind:
         return feel.attitude(airframe, sensor.point)
     position = truth.body_position(sensor.point, airframe.condition)
-    if sensor.kind is SensorKind.VANE:
+    if sensor.kind == VANE.kind:
         return feel.vane(airframe, sensor.point, position)
     return feel.accelerometer(airframe, sensor.axis, sensor.point, position)

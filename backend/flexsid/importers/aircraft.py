@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from flexsid.errors import BadInput
 from flexsid.importers.quantity import Dimension
 from flexsid.importers.table import (
     FromTable,
@@ -25,7 +26,6 @@ from flexsid.importers.table import (
     key,
 )
 from flexsid.records.aircraft import (
-    PITCH_AXIS,
     Aircraft,
     Combination,
     DragPolar,
@@ -33,11 +33,9 @@ from flexsid.records.aircraft import (
     Geometry,
     MassTable,
     Sensor,
-    SensorKind,
     Surface,
     SurfaceSymmetry,
     ThrustTable,
-    find_axis_in_name,
     find_contradicting_axis,
 )
 from flexsid.sysid.model.instruments import (
@@ -47,7 +45,8 @@ from flexsid.sysid.model.instruments import (
     Instrument,
     SecondOrder,
 )
-from flexsid.sysid.preparation.symmetry import Part, combine_pair, find_pairs, mirror_sign
+from flexsid.sysid.model.sensor_models import find_sensor_model
+from flexsid.sysid.preparation.symmetry import Part, combine_pair, find_pairs
 
 # Limits follow the dimension: pydantic applies annotations in order, options of a key first.
 _Area = Annotated[float, Dimension("area"), Field(gt=0)]
@@ -143,7 +142,7 @@ class SensorMapping(MappingTable):
     """``[[aircraft.sensors]]``: kind, location and instrument of a sensor."""
 
     name: Name = key("the name of the sensor")
-    kind: SensorKind = key("the measured quantity")
+    kind: Line = key("the type of sensor")
     point: Text | None = key("row of the modal table; else the name", None)
     axis: Literal["x", "y", "z"] | None = key("axis; else from the name", None)
     location: _Lengths = key("coordinates: x aft, y right, z up", (0.0, 0.0, 0.0))
@@ -155,19 +154,22 @@ class SensorMapping(MappingTable):
         if len(self.location) != 3:
             problem = "must be the three coordinates x aft, y right, z up."
             raise InvalidValue(problem, "location")
-        usual = "z" if self.kind is SensorKind.ACCELEROMETER else PITCH_AXIS
+        try:
+            model = find_sensor_model(self.kind)
+        except BadInput as error:
+            raise InvalidValue(f"is not known: {error.message}.", "kind") from error
         sensor = Sensor(
             name=self.name,
             kind=self.kind,
             point=self.point or self.name,
-            axis=self.axis or find_axis_in_name(self.kind, self.name) or usual,
+            axis=self.axis or model.find_axis(self.name) or model.usual_axis,
             location_m=(self.location[0], self.location[1], self.location[2]),
             instrument=self.instrument,
             noise_std=self.noise_std,
         )
         if (named := find_contradicting_axis(sensor)) is not None:
             problem = (
-                f"is '{sensor.axis}', but a {self.kind.value} called '{self.name}' measures along "
+                f"is '{sensor.axis}', but a {self.kind} called '{self.name}' measures along "
                 f"or about {named}; correct the axis, or give the sensor another name."
             )
             raise InvalidValue(problem, "axis")
@@ -357,7 +359,7 @@ def _combine_pairs(parts: tuple[Part, ...], sensors: tuple[Sensor, ...]) -> list
         for left, right, both in find_pairs(known):
             one, other = known[left], known[right]
             if (one.kind, one.axis, one.instrument) == (other.kind, other.axis, other.instrument):
-                sign = mirror_sign(one.kind.value, one.axis)
+                sign = one.model.mirror_sign(one.axis)
                 name, terms = combine_pair(left, right, both, sign, part)
                 found.append(Combination(name=name, terms=terms))
     return found

@@ -21,7 +21,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from flexsid.errors import UnreadableFile
+from flexsid.errors import FlexsidError
 from flexsid.importers import readers
 
 MEMORY = 1024**3
@@ -76,7 +76,7 @@ def _process(request: dict[str, Any]) -> dict[str, Any]:
         with (folder / SAMPLES).open("wb") as samples:
             for path, name in zip(request["paths"], request["names"], strict=True):
                 sources.append(_decode(Path(path), name, samples))
-    except UnreadableFile as error:
+    except FlexsidError as error:
         return {"error": {"message": error.message, "code": error.code, "context": error.context}}
     except MemoryError:
         message = (

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.extensions import ExtensionFailed, load_extensions, report_errors
 from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
+from flexsid.importers.file_format import FileFormat
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
@@ -19,42 +23,63 @@ from flexsid.text import LONGEST_FIELD, check_line, one_line
 LARGEST_FILE = 2 * 1024**3
 
 
-@dataclass(frozen=True, slots=True)
-class _Format:
-    name: str
-    read: Callable[[Path], Iterator[Field]]
-    recognises: Callable[[bytes], bool]
-    needs: str = ""  # a package that only an extra brings
-    extra: str = ""
+class _Reader(Protocol):
+    """A module that reads one format."""
+
+    def recognises(self, head: bytes, /) -> bool: ...
+    def read(self, path: Path, /) -> Iterator[Field]: ...
 
 
-_TEXT = _Format("text", csv.read, csv.recognises)
-_HDF5 = _Format("HDF5", hdf5.read, hdf5.recognises)
-_PARQUET = _Format("Parquet", parquet.read, parquet.recognises, "pyarrow", "parquet")
-_MDF = _Format("MDF", mdf.read, mdf.recognises, "asammdf", "mdf")
-_DECK = _Format("Nastran deck", bulk.read, bulk.recognises)
-_UNIVERSAL = _Format("universal", universal.read, universal.recognises)
-_FORMATS: dict[str, _Format] = {
-    ".csv": _TEXT,
-    ".tsv": _TEXT,
-    ".txt": _TEXT,
-    ".asc": _TEXT,
-    ".dat": _TEXT,
-    ".mat": _Format("MATLAB", mat.read, mat.recognises),
-    ".npz": _Format("NumPy archive", npz.read, npz.recognises),
-    ".h5": _HDF5,
-    ".hdf5": _HDF5,
-    ".parquet": _PARQUET,
-    ".mf4": _MDF,
-    ".mdf": _MDF,
-    ".op2": _Format("Nastran output", op2.read, op2.recognises),
-    ".f06": _Format("Nastran printout", f06.read, f06.recognises),
-    ".pch": _Format("Nastran punch", punch.read, punch.recognises),
-    ".bdf": _DECK,
-    ".nas": _DECK,
-    ".uff": _UNIVERSAL,
-    ".unv": _UNIVERSAL,
-}
+def _define(
+    name: str, module: _Reader, *suffixes: str, needs: str = "", extra: str = ""
+) -> FileFormat:
+    return FileFormat(
+        name=name,
+        suffixes=suffixes,
+        recognises=module.recognises,
+        read=module.read,
+        needs=needs,
+        extra=extra,
+    )
+
+
+_TEXT = _define("text", csv, ".csv", ".tsv", ".txt", ".asc", ".dat")
+_DECK = _define("Nastran deck", bulk, ".bdf", ".nas")
+_BUILT_IN = (
+    _TEXT,
+    _define("MATLAB", mat, ".mat"),
+    _define("NumPy archive", npz, ".npz"),
+    _define("HDF5", hdf5, ".h5", ".hdf5"),
+    _define("Parquet", parquet, ".parquet", needs="pyarrow", extra="parquet"),
+    _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
+    _define("Nastran output", op2, ".op2"),
+    _define("Nastran printout", f06, ".f06"),
+    _define("Nastran punch", punch, ".pch"),
+    _DECK,
+    _define("universal", universal, ".uff", ".unv"),
+)
+
+
+@cache
+def load_formats() -> Mapping[str, FileFormat]:
+    """Load all file formats by suffix: those of flexsid, then those of installed packages.
+
+    Raises
+    ------
+    ExtensionFailed
+        If a package cannot be imported, or has a suffix that is read already.
+    """
+    formats = {suffix: known for known in _BUILT_IN for suffix in known.suffixes}
+    for package, added in load_extensions("flexsid.importers", FileFormat):
+        for suffix in added.suffixes:
+            if suffix in formats:
+                raise ExtensionFailed(
+                    f"the package {package} reads files '{suffix}', which "
+                    f"{formats[suffix].package or 'flexsid'} reads already; select another suffix",
+                    package=package,
+                )
+            formats[suffix] = replace(added, package=package)
+    return formats
 
 
 def read_file(path: Path, name: str) -> Iterator[Field]:
@@ -88,7 +113,9 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
         head = file.read(4096)
     if selected is _TEXT and name.lower().endswith(".dat") and bulk.recognises(head):
         selected = _DECK  # a usual suffix of parts of a deck
-    if not selected.recognises(head):
+    with report_errors(selected.package):
+        is_recognised = selected.recognises(head)
+    if not is_recognised:
         raise UnreadableFile(
             f"{name} does not start like a {selected.name} file ({Path(name).suffix.lower()}); "
             "export it again."
@@ -113,28 +140,33 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
     except MemoryError:
         raise
     except Exception as error:  # a damaged file may raise any exception in a library
-        raise UnreadableFile(
-            f"{name}: the {selected.name} file is damaged ({type(error).__name__}: {error})."
-        ) from error
+        cause = f"{type(error).__name__}: {error}"
+        if selected.package:
+            cause += f", in the package {selected.package}, which reads {selected.name} files"
+        raise UnreadableFile(f"{name}: the {selected.name} file is damaged ({cause}).") from error
     if not known:
         raise UnreadableFile(f"{name}: the file holds no numeric or text array.")
 
 
 def load_packages(names: Sequence[str]) -> None:
     """Import the packages that files of these names need."""
+    try:
+        formats = load_formats()
+    except ExtensionFailed:
+        return  # reported when the files are read
     for name in names:
-        selected = _FORMATS.get(Path(name).suffix.lower())
+        selected = formats.get(Path(name).suffix.lower())
         if selected is not None and selected.needs and importlib.util.find_spec(selected.needs):
             importlib.import_module(selected.needs)
 
 
-def _find_format(name: str) -> _Format:
+def _find_format(name: str) -> FileFormat:
     suffix = Path(name).suffix.lower()
-    selected = _FORMATS.get(suffix)
+    formats = load_formats()
+    selected = formats.get(suffix)
     if selected is None:
         raise UnreadableFile(
-            f"{name}: the suffix '{suffix}' is not supported; expected one of "
-            f"{', '.join(_FORMATS)}."
+            f"{name}: the suffix '{suffix}' is not supported; expected one of {', '.join(formats)}."
         )
     if selected.needs and importlib.util.find_spec(selected.needs) is None:
         raise UnreadableFile(

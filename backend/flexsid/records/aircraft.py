@@ -4,21 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Literal
 
 from flexsid.sysid.model.instruments import Instrument
+from flexsid.sysid.model.sensor_models import SensorModel, find_sensor_model
 from flexsid.sysid.preparation.symmetry import find_pairs
-
-
-class SensorKind(StrEnum):
-    """Measured quantity of a sensor; selects its row in the output equations."""
-
-    ACCELEROMETER = "accelerometer"
-    GYRO = "gyro"
-    ATTITUDE = "attitude"
-    VANE = "vane"
-    STRAIN = "strain"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,18 +90,30 @@ class Surface:
 class Sensor:
     """One sensor: kind, location and instrument.
 
-    ``point`` names a row of the modal table's ``points`` (``gauges`` for a
-    strain gauge). Locations are in structural axes: x aft, y right, z up [m].
+    ``kind`` names its type, one of ``sensor_models``. ``point`` names a row of the modal
+    table's ``points`` (``gauges`` for a strain gauge). Locations are in structural axes: x aft,
+    y right, z up [m].
     ``noise_std`` is in the SI unit of the channel.
     """
 
     name: str
-    kind: SensorKind
+    kind: str
     point: str
     axis: str = "z"
     location_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
     instrument: str | None = None
     noise_std: float | None = None
+
+    @property
+    def model(self) -> SensorModel:
+        """The model of its type.
+
+        Raises
+        ------
+        BadInput
+            If the package that added the type is not installed.
+        """
+        return find_sensor_model(self.kind)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,25 +150,6 @@ class Aircraft:
     id: int | None = None
 
 
-PITCH_AXIS = "y"
-"""Axis about which gyros, attitudes and vanes take part in a longitudinal motion."""
-
-_NAMED: dict[SensorKind, tuple[tuple[str, str], ...]] = {
-    SensorKind.GYRO: (
-        ("x", r"p|rollrate|roll|gyrox|wx"),
-        ("y", r"q|pitchrate|pitch|gyroy|wy"),
-        ("z", r"r|yawrate|yaw|gyroz|wz"),
-    ),
-    SensorKind.ATTITUDE: (
-        ("x", r"phi|roll|rollangle|bank|bankangle"),
-        ("y", r"the|theta|pitch|pitchangle"),
-        ("z", r"psi|yaw|yawangle|heading"),
-    ),
-    SensorKind.VANE: (("y", r"alpha|alfa|aoa"), ("z", r"beta|aos|sideslip")),
-    SensorKind.ACCELEROMETER: tuple((axis, rf"(?:acc|accel|a|n){axis}") for axis in "xyz"),
-}
-"""Axis by common names of sensors of each kind."""
-
 _ANTISYMMETRIC = re.compile(
     r"ail|ailerons?|da|rdr|rud|rudders?|dr|asym|antisym|antisymmetric|anti|diff|differential"
 )
@@ -180,23 +163,9 @@ _PARTS: dict[str, SurfaceSymmetry] = {
 }
 
 
-def find_axis_in_name(kind: SensorKind, name: str) -> str | None:
-    """Find the axis in the name of a sensor: x for ``p_egi``, z for ``beta``; else None.
-
-    The first part of a name decides, or two together (``roll_rate_2``), else the last
-    (``egi_p``).
-    """
-    parts = name.lower().split("_")
-    for written in ("".join(parts[:2]), parts[0], "".join(parts[-2:]), parts[-1]):
-        for axis, pattern in _NAMED.get(kind, ()):
-            if re.fullmatch(pattern, written):
-                return axis
-    return None
-
-
 def find_contradicting_axis(sensor: Sensor) -> str | None:
     """Find an axis in the name of a sensor that contradicts its record."""
-    named = find_axis_in_name(sensor.kind, sensor.name)
+    named = sensor.model.find_axis(sensor.name)
     return None if named == sensor.axis else named
 
 

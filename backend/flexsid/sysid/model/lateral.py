@@ -12,7 +12,7 @@ from jaxtyping import Float
 from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
 from flexsid.sysid.model.rigid_body import SPIRAL, Kinematics, RigidBody, stack_factors
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
+from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
 
 BETA, P, R = range(3)
 
@@ -35,31 +35,10 @@ def side_acceleration(condition: FlightCondition, n_modes: int) -> Float[np.ndar
     return row
 
 
-def sensor_row(
-    kind: str,
-    axis: str,
-    position: tuple[float, float, float],
-    translation: Float[np.ndarray, "3 n_modes"],
-    rotation: Float[np.ndarray, "3 n_modes"],
-    condition: FlightCondition,
+def accelerometer_row(
+    axis: str, at: Mounting, condition: FlightCondition
 ) -> Float[np.ndarray, "4 n_r"]:
-    """Build the row of a sensor: its antisymmetric part, lever arms and local tilt included.
-
-    Parameters
-    ----------
-    kind, axis
-        ``gyro``, ``attitude``, ``vane`` or ``accelerometer``, and x, y or z.
-    position
-        In body axes at the c.g. [m]
-    translation, rotation
-        Shapes of the modes there. [m, rad]
-    condition
-        With trim angles alpha and gamma.
-
-    Raises
-    ------
-    BadInput
-        If the sensor measures no lateral-directional motion.
+    """Build the row of an accelerometer: antisymmetric part, lever arms and local tilt. [m/s2]
 
     Notes
     -----
@@ -69,51 +48,58 @@ def sensor_row(
       - g (cos theta0 nu_x + sin theta0 nu_z) eta
     - a_z: y p-dot + phi_z eta-ddot + g sin theta0 nu_y eta
     - a_x: -y r-dot + phi_x eta-ddot + g cos theta0 nu_y eta
-    - gyros: p + nu_x eta-dot, r + nu_z eta-dot
-    - bank angle: phi + (nu_x + tan theta0 nu_z) eta
-    - vane: beta + (x r - z p + phi_y eta-dot)/V - (cos alpha0 nu_z - sin alpha0 nu_x) eta
     """
-    x, y, z = position
-    V, alpha, theta = condition.airspeed, condition.alpha, condition.alpha + condition.gamma
-    cos, sin, tan = np.cos(theta), np.sin(theta), np.tan(theta)
-    nu_x, nu_y, nu_z = rotation
-    if (kind, axis) == ("accelerometer", "y"):
-        row = side_acceleration(condition, rotation.shape[1])
+    x, y, z = at.position
+    theta = condition.alpha + condition.gamma
+    cos, sin = np.cos(theta), np.sin(theta)
+    nu_x, nu_y, nu_z = at.rotation
+    row = np.zeros((4, 3 + at.n_modes))
+    if axis == "y":
+        row = side_acceleration(condition, at.n_modes)
         row[RATE, R] += x
         row[RATE, P] -= z
         row[POSITION, 3:] -= GRAVITY * (cos * nu_x + sin * nu_z)
-        row[ACCELERATION, 3:] += translation[1]
-        return row
-    row = np.zeros((4, 3 + rotation.shape[1]))
-    match kind, axis:
-        case "accelerometer", "z":
-            row[RATE, P] = y
-            row[POSITION, 3:] = GRAVITY * sin * nu_y
-            row[ACCELERATION, 3:] = translation[2]
-        case "accelerometer", "x":
-            row[RATE, R] = -y
-            row[POSITION, 3:] = GRAVITY * cos * nu_y
-            row[ACCELERATION, 3:] = translation[0]
-        case "gyro", "x":
-            row[POSITION, P] = 1.0
-            row[RATE, 3:] = nu_x
-        case "gyro", "z":
-            row[POSITION, R] = 1.0
-            row[RATE, 3:] = nu_z
-        case "attitude", "x":
-            row[INTEGRAL, P], row[INTEGRAL, R] = 1.0, tan
-            row[POSITION, 3:] = nu_x + tan * nu_z
-        case "vane", "z":
-            row[POSITION, BETA] = 1.0
-            row[POSITION, P], row[POSITION, R] = -z / V, x / V
-            row[POSITION, 3:] = np.sin(alpha) * nu_x - np.cos(alpha) * nu_z
-            row[RATE, 3:] = translation[1] / V
-        case _:
-            raise BadInput(
-                f"a {kind} of axis {axis} measures no lateral-directional motion; remove it from "
-                "the outputs",
-                code="axis-not-supported",
-            )
+    elif axis == "z":
+        row[RATE, P] = y
+        row[POSITION, 3:] = GRAVITY * sin * nu_y
+    else:
+        row[RATE, R] = -y
+        row[POSITION, 3:] = GRAVITY * cos * nu_y
+    row[ACCELERATION, 3:] += at.translation["xyz".index(axis)]
+    return row
+
+
+def gyro_row(axis: str, at: Mounting, condition: FlightCondition) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of a roll-rate (x) or yaw-rate (z) gyro: p + nu_x eta-dot. [rad/s]"""
+    row = np.zeros((4, 3 + at.n_modes))
+    row[POSITION, P if axis == "x" else R] = 1.0
+    row[RATE, 3:] = at.rotation["xyz".index(axis)]
+    return row
+
+
+def bank_angle_row(at: Mounting, condition: FlightCondition) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of bank angle: phi + (nu_x + tan theta0 nu_z) eta. [rad]"""
+    tan = np.tan(condition.alpha + condition.gamma)
+    row = np.zeros((4, 3 + at.n_modes))
+    row[INTEGRAL, P], row[INTEGRAL, R] = 1.0, tan
+    row[POSITION, 3:] = at.rotation[0] + tan * at.rotation[2]
+    return row
+
+
+def vane_row(at: Mounting, condition: FlightCondition) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of a sideslip vane. [rad]
+
+    Notes
+    -----
+    beta + (x r - z p + phi_y eta-dot)/V - (cos alpha0 nu_z - sin alpha0 nu_x) eta
+    """
+    x, _, z = at.position
+    V, alpha = condition.airspeed, condition.alpha
+    row = np.zeros((4, 3 + at.n_modes))
+    row[POSITION, BETA] = 1.0
+    row[POSITION, P], row[POSITION, R] = -z / V, x / V
+    row[POSITION, 3:] = np.sin(alpha) * at.rotation[0] - np.cos(alpha) * at.rotation[2]
+    row[RATE, 3:] = at.translation[1] / V
     return row
 
 
@@ -173,17 +159,7 @@ LATERAL = RigidBody(
     poles={"DR": ("beta", "r"), "roll": ("p",), SPIRAL: ("phi",)},
     acts_by_gravity=True,
     acceleration="lateral",
-    measured=frozenset(
-        {
-            ("gyro", "x"),
-            ("gyro", "z"),
-            ("attitude", "x"),
-            ("vane", "z"),
-            ("accelerometer", "y"),
-        }
-    ),
     kinematics=_kinematics,
     scale_rows=_scale_rows,
     scale_motions=_scale_motions,
-    sensor_row=sensor_row,
 )

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
 from flexsid.sysid.model.rigid_body import Kinematics, RigidBody, stack_factors
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE
+from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
 
 
 def center_of_gravity_acceleration(
@@ -64,6 +64,13 @@ def accelerometer_row(
     return row
 
 
+def mounted_accelerometer_row(
+    axis: str, at: Mounting, condition: FlightCondition
+) -> Float[np.ndarray, "4 n_r"]:
+    """Build the row of an accelerometer where it is mounted. [m/s2]"""
+    return accelerometer_row(axis, at.position, at.translation, at.rotation, condition)
+
+
 def gyro_row(rotation: Float[np.ndarray, "3 n_modes"]) -> Float[np.ndarray, "4 n_r"]:
     """Build the row of a pitch-rate gyro: q and the local elastic rate. [rad/s]"""
     row = np.zeros((4, 2 + rotation.shape[1]))
@@ -93,24 +100,6 @@ def vane_row(
     row[POSITION, 2:] = rotation[1]
     row[RATE, 2:] = translation[2] / condition.airspeed
     return row
-
-
-def sensor_row(
-    kind: str,
-    axis: str,
-    position: tuple[float, float, float],
-    translation: Float[np.ndarray, "3 n_modes"],
-    rotation: Float[np.ndarray, "3 n_modes"],
-    condition: FlightCondition,
-) -> Float[np.ndarray, "4 n_r"]:
-    """Build the row of a gyro, attitude, vane or accelerometer."""
-    if kind == "gyro":
-        return gyro_row(rotation)
-    if kind == "attitude":
-        return attitude_row(rotation)
-    if kind == "vane":
-        return vane_row(position, translation, rotation, condition)
-    return accelerometer_row(axis, position, translation, rotation, condition)
 
 
 def _kinematics(condition: FlightCondition, trim: Trim) -> Kinematics:
@@ -147,17 +136,7 @@ LONGITUDINAL = RigidBody(
     poles={"SP": ("alpha", "q", "theta")},
     acts_by_gravity=False,
     acceleration="normal",
-    measured=frozenset(
-        {
-            ("gyro", "y"),
-            ("attitude", "y"),
-            ("vane", "y"),
-            ("accelerometer", "x"),
-            ("accelerometer", "z"),
-        }
-    ),
     kinematics=_kinematics,
     scale_rows=_scale_rows,
     scale_motions=_scale_motions,
-    sensor_row=sensor_row,
 )

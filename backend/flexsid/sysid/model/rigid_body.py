@@ -1,8 +1,9 @@
-"""RigidBody: motions, coefficients, known terms and sensors of the rigid body in one axis.
+"""RigidBody: motions, coefficients and known terms of the rigid body in one axis.
 
 Everything in which the longitudinal and the lateral-directional model differ is one value of
 this class, ``longitudinal.LONGITUDINAL`` or ``lateral.LATERAL``; names of derivatives,
-estimators, reduction, poles and flutter ask it.
+estimators, reduction, poles and flutter ask it. The rows of sensors are those of
+``sensor_models``.
 """
 
 from __future__ import annotations
@@ -51,18 +52,12 @@ class RigidBody:
         Whether the attitude acts on the motion in level flight.
     acceleration
         Name of the specific force at the c.g., V times the force of the first row.
-    measured
-        Kinds and axes of the gyros, attitudes, vanes and accelerometers at the c.g. that
-        measure the motion.
     kinematics
         Known terms at a condition and trim.
     scale_rows
         Dimensional factors of the coefficients. [1/s, 1/s2...]
     scale_motions
         Factors that make the motions nondimensional.
-    sensor_row
-        Row of a sensor of given kind and axis at a position in body axes [m], with
-        translation and rotation of the modes there, shape (3, n_modes).
     """
 
     axis: str
@@ -73,11 +68,9 @@ class RigidBody:
     poles: Mapping[str, tuple[str, ...]]
     acts_by_gravity: bool
     acceleration: str
-    measured: frozenset[tuple[str, str]]
     kinematics: Callable[[FlightCondition, Trim], Kinematics]
     scale_rows: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
     scale_motions: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
-    sensor_row: Callable[..., Float[np.ndarray, "4 n_r"]]
 
     @property
     def size(self) -> int:

@@ -56,6 +56,25 @@ class SensorRows:
         return SensorRows(self.names, polynomial)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Mounting:
+    """Where a sensor is mounted: position in body axes at the c.g. [m], and the modes there.
+
+    ``translation`` and ``rotation`` are the shapes at its point [m, rad], ``strain`` is that of
+    its gauge. What the sensor does not measure is zero.
+    """
+
+    position: tuple[float, float, float]
+    translation: Float[np.ndarray, "3 n_modes"]
+    rotation: Float[np.ndarray, "3 n_modes"]
+    strain: Float[np.ndarray, " n_modes"]
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes."""
+        return self.strain.size
+
+
 def stack_rows(names: Sequence[str], rows: Sequence[Float[np.ndarray, "4 n_r"]]) -> SensorRows:
     """Stack single rows to one set."""
     return SensorRows(tuple(names), np.stack(rows, axis=1))

@@ -2,7 +2,8 @@
 
 In a symmetric motion both sides heave, surge and twist alike, and move sideways, roll and
 yaw with opposite signs. So the symmetric part of a pair is half the sum, but half the
-difference for what a mirror turns round: lateral accelerations, roll and yaw.
+difference for what a mirror turns round: lateral accelerations, roll and yaw
+(``SensorModel.mirror_sign``).
 """
 
 from __future__ import annotations
@@ -12,21 +13,7 @@ from typing import Literal
 
 Part = Literal["symmetric", "antisymmetric"]
 
-_TURNED_TRANSLATION = ("y",)
-_TURNED_ROTATION = ("x", "z")
 _SUFFIX = {"symmetric": "s", "antisymmetric": "a"}
-
-
-def mirror_sign(kind: str, axis: str) -> float:
-    """Right over left sensor in a symmetric motion: 1 or -1.
-
-    The axis is x, y or z, of measurement or of rotation.
-    """
-    if kind == "accelerometer":
-        return -1.0 if axis in _TURNED_TRANSLATION else 1.0
-    if kind in ("gyro", "attitude", "vane"):
-        return -1.0 if axis in _TURNED_ROTATION else 1.0
-    return 1.0
 
 
 def find_pairs(names: Iterable[str]) -> tuple[tuple[str, str, str], ...]:
@@ -55,7 +42,7 @@ def combine_pair(
 ) -> tuple[str, tuple[tuple[str, float], ...]]:
     """Name and weights of one part of a pair; the antisymmetric one is right less left.
 
-    The names are those of ``find_pairs``, the sign is that of ``mirror_sign``.
+    The names are those of ``find_pairs``, the sign is that of ``SensorModel.mirror_sign``.
     """
     name = both.format(_SUFFIX[part])
     if part == "symmetric":

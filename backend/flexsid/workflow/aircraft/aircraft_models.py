@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
+from flexsid.records.aircraft import Aircraft, Sensor
 from flexsid.records.maneuver import Condition
 from flexsid.records.model_structure import Structure
 from flexsid.sysid.model import sensors as rows
@@ -17,6 +17,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, SensorModel
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.axes import (
     classify_part,
@@ -35,8 +36,13 @@ class OutputDefinition:
     """An output as a weighted sum of sensors of one kind."""
 
     name: str
-    kind: SensorKind
+    kind: str
     terms: tuple[tuple[Sensor, float], ...]
+
+    @property
+    def model(self) -> SensorModel:
+        """The model of its sensors."""
+        return self.terms[0][0].model
 
 
 def build_flight_condition(aircraft: Aircraft, condition: Condition) -> FlightCondition:
@@ -145,9 +151,9 @@ def list_default_outputs(
 
 def _measures_other_motion(sensor: Sensor, body: RigidBody) -> bool:
     """Whether a single accelerometer measures mostly, or only, the motion of the other axis."""
-    if sensor.kind is not SensorKind.ACCELEROMETER:
+    if sensor.kind != ACCELEROMETER.kind:
         return False
-    if (sensor.kind.value, sensor.axis) in body.measured:
+    if ACCELEROMETER.measures_rigid_body(sensor.axis, body):
         return False
     return body == LONGITUDINAL or reads_own_motion_only(((sensor, 1.0),), find_other(body))
 
@@ -236,16 +242,17 @@ def _get_instrument(aircraft: Aircraft, name: str | None) -> Instrument:
 def _build_sensor_row(
     sensor: Sensor, flight: FlightCondition, modes: StructuralModes, body: RigidBody
 ) -> np.ndarray:
-    if sensor.kind is SensorKind.STRAIN:
+    n_modes = len(modes.numbers)
+    translation = rotation = np.zeros((3, n_modes))
+    strain = np.zeros(n_modes)
+    if sensor.model.senses == "strain":
         strain = modes.strain[_find_shape_index(sensor, modes.gauges, modes)]
-        return rows.strain_row(strain, body.size)
-    translation = rotation = np.zeros((3, 0))
-    if modes.numbers:  # a rigid aircraft needs no mode shapes
+    elif modes.numbers:  # a rigid aircraft needs no mode shapes
         index = _find_shape_index(sensor, modes.points, modes)
         translation, rotation = modes.translation[index], modes.rotation[index]
     position = rows.body_axes(sensor.location_m, flight)
-    kind = sensor.kind.value
-    return body.sensor_row(kind, sensor.axis, position, translation, rotation, flight)
+    at = rows.Mounting(position, translation, rotation, strain)
+    return sensor.model.build_row(sensor.axis, body, at, flight)
 
 
 def _find_shape_index(sensor: Sensor, known: tuple[str, ...], modes: StructuralModes) -> int:

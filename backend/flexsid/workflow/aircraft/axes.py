@@ -13,7 +13,6 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import (
     Aircraft,
     Sensor,
-    SensorKind,
     find_contradicting_axis,
     get_symmetry,
     list_surface_parts,
@@ -23,22 +22,10 @@ from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.preparation.symmetry import Part, mirror_sign, parity
+from flexsid.sysid.preparation.symmetry import Part, parity
 
 _OFF_PLANE_M = 1e-3
 """Distance from the plane of symmetry beyond which a sensor measures both motions."""
-
-_QUANTITIES = {
-    (SensorKind.GYRO, "x"): "roll rate p",
-    (SensorKind.GYRO, "y"): "pitch rate q",
-    (SensorKind.GYRO, "z"): "yaw rate r",
-    (SensorKind.ATTITUDE, "x"): "bank angle phi",
-    (SensorKind.ATTITUDE, "y"): "pitch angle theta",
-    (SensorKind.ATTITUDE, "z"): "heading psi",
-    (SensorKind.VANE, "y"): "angle of attack alpha",
-    (SensorKind.VANE, "z"): "sideslip beta",
-}
-"""Measured quantity of sensors of rigid-body motion."""
 
 
 class AxisNotSupported(BadInput):
@@ -147,8 +134,7 @@ def is_axis_sensor(sensor: Sensor, body: RigidBody) -> bool:
     """Whether the model of an axis can use a sensor."""
     if find_contradicting_axis(sensor) is not None:
         return False
-    everywhere = sensor.kind in (SensorKind.ACCELEROMETER, SensorKind.STRAIN)
-    return everywhere or (sensor.kind.value, sensor.axis) in body.measured
+    return sensor.model.measures(sensor.axis, body)
 
 
 def require_axis_output(name: str, terms: Sequence[tuple[Sensor, float]], body: RigidBody) -> None:
@@ -172,23 +158,20 @@ def require_axis_output(name: str, terms: Sequence[tuple[Sensor, float]], body: 
         named = find_contradicting_axis(sensor)
         if named is not None:
             raise AxisNotSupported(
-                f"'{sensor.name}' is recorded as a {sensor.kind.value} of axis {sensor.axis}, but "
+                f"'{sensor.name}' is recorded as a {sensor.kind} of axis {sensor.axis}, but "
                 f"its name indicates {named}; correct the aircraft record, or remove it from the "
                 "outputs",
                 channel=sensor.name,
                 axis=named,
             )
         if not is_axis_sensor(sensor, body):
-            quantity = _QUANTITIES.get((sensor.kind, sensor.axis), "no motion of this model")
-            own = [
-                named
-                for (kind, axis), named in _QUANTITIES.items()
-                if kind is sensor.kind and (kind.value, axis) in body.measured
-            ]
+            model = sensor.model
+            quantity = model.quantities.get(sensor.axis, "no motion of this model")
+            own = [q for axis, q in model.quantities.items() if model.measures(axis, body)]
+            instead = f", not {' or '.join(own)}" if own else ""
             raise AxisNotSupported(
-                f"'{sensor.name}' is a {sensor.kind.value} of axis {sensor.axis}: it measures "
-                f"{quantity}, not {' or '.join(own)}. Remove it from the outputs of a "
-                f"{body.axis} model",
+                f"'{sensor.name}' is a {sensor.kind} of axis {sensor.axis}: it measures "
+                f"{quantity}{instead}. Remove it from the outputs of a {body.axis} model",
                 channel=sensor.name,
                 axis=sensor.axis,
             )
@@ -198,7 +181,7 @@ def classify_part(terms: Sequence[tuple[Sensor, float]]) -> Part | None:
     """Classify the part of the motion that a left and right pair measures; None for no pair."""
     (first, _), *_ = terms
     return parity(
-        (weight, 1.0 if sensor is first else mirror_sign(sensor.kind.value, sensor.axis))
+        (weight, 1.0 if sensor is first else sensor.model.mirror_sign(sensor.axis))
         for sensor, weight in terms
     )
 
@@ -212,8 +195,8 @@ def reads_own_motion_only(terms: Sequence[tuple[Sensor, float]], body: RigidBody
     if len(terms) > 1:
         return classify_part(terms) == body.symmetry
     ((sensor, _),) = terms
-    turned = mirror_sign(sensor.kind.value, sensor.axis) < 0.0
-    off_plane = sensor.kind is SensorKind.STRAIN or abs(sensor.location_m[1]) > _OFF_PLANE_M
+    turned = sensor.model.mirror_sign(sensor.axis) < 0.0
+    off_plane = sensor.model.senses == "strain" or abs(sensor.location_m[1]) > _OFF_PLANE_M
     return turned == (body == LATERAL) and not off_plane
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, SensorKind, Surface
+from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
     ExcitationDesign,
     LoopChecks,
@@ -21,6 +21,7 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.model.instruments import Instrument, SecondOrder
+from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.simulation.loop_margins import compute_loop_margins
 from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
 from flexsid.sysid.simulation.recording import (
@@ -349,7 +350,7 @@ def _summarise(
 def _measure_flow(outputs: tuple[OutputDefinition, ...]) -> np.ndarray:
     """Return what every output measures of the angle of the flow: the weights of its vanes."""
     return np.array(
-        [sum(w for sensor, w in o.terms if sensor.kind is SensorKind.VANE) for o in outputs],
+        [sum(w for sensor, w in o.terms if sensor.kind == VANE.kind) for o in outputs],
         dtype=float,
     )
 
@@ -403,12 +404,8 @@ def _simulate_channels(
     )
     read += _simulate_unmodelled(at, excitation, rate) + _draw_noise(at, read.shape[0], rate)
     read = _disturb_outputs(at, read, rate, errors)
-    units = {"accelerometer": "m/s2", "gyro": "rad/s", "strain": "strain"}
     rows = [(name, "rad", Role.INPUT, seen[:, k]) for k, name in enumerate(model.inputs)]
-    rows += [
-        (o.name, units.get(o.kind.value, "rad"), Role.OUTPUT, read[:, k])
-        for k, o in enumerate(outputs)
-    ]
+    rows += [(o.name, o.model.units[0], Role.OUTPUT, read[:, k]) for k, o in enumerate(outputs)]
     rows += [
         (f"{name}_command", "rad", Role.COMMAND, excitation[:, k])
         for k, name in enumerate(model.inputs)

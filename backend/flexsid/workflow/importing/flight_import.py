@@ -26,7 +26,7 @@ from flexsid.importers.plausibility import (
     find_unit_warning,
 )
 from flexsid.importers.predictions import RawPrediction, extract_prediction
-from flexsid.records.aircraft import Aircraft, DerivativePrediction, find_axis_in_name
+from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import (
     GROUND,
     Channel,
@@ -276,10 +276,10 @@ def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
         sensor = sensors.get(channel.name)
         if sensor is None or OTHER_AXIS in channel.confirmed:
             continue
-        recorded = find_axis_in_name(sensor.kind, channel.field.rpartition(".")[2])
+        recorded = sensor.model.find_axis(channel.field.rpartition(".")[2])
         if recorded not in (None, sensor.axis):
             raise BadInput(
-                f"Column '{channel.field}' has the name of a {sensor.kind.value} of axis"
+                f"Column '{channel.field}' has the name of a {sensor.kind} of axis"
                 f" {recorded}, but is mapped to '{channel.name}' of axis {sensor.axis}. "
                 f'Correct the name; if it is right, write confirmed = ["{OTHER_AXIS}"].',
                 code="unconfirmed-axis",

@@ -7,10 +7,11 @@ from collections.abc import Container, Mapping, Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, SensorKind, get_symmetry, list_surface_parts
+from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.model.sensor_models import ATTITUDE
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
@@ -82,9 +83,7 @@ def read_recording(
     }
     needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
     _check_recorded(store, maneuver.id, needed, found)
-    attitudes = {
-        s.name for s in aircraft.sensors if s.kind is SensorKind.ATTITUDE and s.axis != "x"
-    }
+    attitudes = {s.name for s in aircraft.sensors if s.kind == ATTITUDE.kind and s.axis != "x"}
     return Recording(
         maneuver=maneuver,
         channels=tuple(found[name] for name in needed),

@@ -11,14 +11,13 @@ from flexsid.importers.channels import RawChannel
 from flexsid.records.aircraft import (
     Aircraft,
     Sensor,
-    SensorKind,
-    find_axis_in_name,
     get_symmetry,
 )
 from flexsid.records.maneuver import Channel, FlightChannel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.model.sensor_models import GYRO
 from flexsid.units import dimension, to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.aircraft.axes import (
@@ -36,15 +35,6 @@ _OTHER_RATIO = 3.0
 Symmetric surfaces of a symmetric aircraft excite no lateral motion; turbulence and feedback
 give similar rates. The lateral records of FLEX-28 have 25, its symmetric ones below 0.1.
 """
-
-_DIMENSIONS = {
-    SensorKind.ACCELEROMETER: ("acceleration",),
-    SensorKind.GYRO: ("angular rate",),
-    SensorKind.ATTITUDE: ("angle",),
-    SensorKind.VANE: ("angle",),
-    SensorKind.STRAIN: ("strain", "number"),
-}
-"""Dimensions of the channel of a sensor."""
 
 
 def require_own_motion(
@@ -171,11 +161,11 @@ def _require_units(
                 channel=channel.name,
                 sensor=channel.sensor,
             )
-        expected = _DIMENSIONS[sensor.kind]
+        expected = sensor.model.dimensions
         if dimension(channel.unit) not in expected:
             raise BadInput(
                 f"channel '{channel.name}' of maneuver {maneuver.id} is recorded in "
-                f"{channel.unit}, but the aircraft record has a {sensor.kind.value} of this "
+                f"{channel.unit}, but the aircraft record has a {sensor.kind} of this "
                 f"name, which measures {expected[0]}; correct the unit or the record",
                 code="unit-of-another-kind",
                 maneuver_id=maneuver.id,
@@ -188,10 +178,10 @@ def _find_rate_axes(
     aircraft: Aircraft, channels: Iterable[RawChannel | FlightChannel | Channel]
 ) -> dict[str, str]:
     """Find the axes of rate channels by the aircraft record, else by their names."""
-    gyros = {s.name: s.axis for s in aircraft.sensors if s.kind is SensorKind.GYRO}
+    gyros = {s.name: s.axis for s in aircraft.sensors if s.kind == GYRO.kind}
     found = {}
     for channel in channels:
-        axis = gyros.get(channel.name) or find_axis_in_name(SensorKind.GYRO, channel.name)
+        axis = gyros.get(channel.name) or GYRO.find_axis(channel.name)
         if axis is not None and dimension(channel.unit) == "angular rate":
             found[channel.name] = axis
     return found
@@ -205,8 +195,8 @@ def _find_other_motion(
     None where it is not, or the rates of one axis were not recorded.
     """
     sizes = {name: float(np.std(rates[name])) for name in axes}
-    own = [size for name, size in sizes.items() if ("gyro", axes[name]) in body.measured]
-    others = {n: size for n, size in sizes.items() if ("gyro", axes[n]) not in body.measured}
+    own = [size for name, size in sizes.items() if GYRO.measures(axes[name], body)]
+    others = {n: size for n, size in sizes.items() if not GYRO.measures(axes[n], body)}
     if not own or not others:
         return None
     largest = max(others, key=others.__getitem__)

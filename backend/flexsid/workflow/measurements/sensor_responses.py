@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.aircraft import Aircraft, SensorKind, get_symmetry
+from flexsid.records.aircraft import Aircraft, get_symmetry
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
@@ -333,7 +333,7 @@ def _select_usable_sensors(
     for sensor in aircraft.sensors:
         if sensor.name not in channels:
             continue
-        strain, known = sensor.kind is SensorKind.STRAIN, table.table
+        strain, known = sensor.model.senses == "strain", table.table
         needs_shape = strain or bool(known.numbers)
         if needs_shape and sensor.point not in (known.gauges if strain else known.points):
             excluded[sensor.name] = f"the modal table has no shape at '{sensor.point}'"

@@ -6,7 +6,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
-from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_data import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.naming import ModeName, name_modes
@@ -99,7 +99,7 @@ def _find_nodes(aircraft: Aircraft, raw: RawModalData) -> tuple[dict[str, int], 
     notes: list[str] = []
     span = float(np.linalg.norm(np.ptp(raw.nodes, axis=0)))
     for sensor in aircraft.sensors:
-        if sensor.kind is SensorKind.STRAIN or sensor.point in points:
+        if sensor.model.senses == "strain" or sensor.point in points:
             continue
         if sensor.point in raw.points:
             node = raw.points[sensor.point]

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.aircraft import SensorKind, get_symmetry
+from flexsid.records.aircraft import get_symmetry
 from flexsid.records.maneuver import GROUND, Flight, Maneuver, Role
 from flexsid.records.quality import GroundTest, GroundTestVerdict, PeakChange
 from flexsid.records.views import GroundSpectra, ModeMarker
 from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.spectra.peaks import (
     InputRatios,
@@ -137,7 +138,7 @@ def _compute_ratios(store: Store, maneuver: Maneuver) -> list[InputRatios]:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     kinds = {sensor.name: sensor.kind for sensor in aircraft.sensors}
     channels = store.channels.find(maneuver_id=maneuver.id)
-    seen = (SensorKind.STRAIN, SensorKind.ACCELEROMETER)
+    seen = (STRAIN.kind, ACCELEROMETER.kind)
     outputs = [c.name for c in channels if c.role is Role.OUTPUT and kinds.get(c.name) in seen]
     recorded = {c.name for c in channels}
     frequencies = select_frequencies(maneuver)

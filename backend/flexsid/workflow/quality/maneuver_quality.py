@@ -15,7 +15,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
-from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
@@ -31,6 +31,7 @@ from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, GYRO
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.preparation.biases import Bias
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
@@ -330,7 +331,7 @@ def _find_undecayed_sensor(store: Store, maneuver: Maneuver) -> tuple[str, float
     names = [
         c.name
         for c in store.channels.find(maneuver_id=maneuver.id, role=Role.OUTPUT)
-        if kinds.get(c.name) in (SensorKind.GYRO, SensorKind.ACCELEROMETER)
+        if kinds.get(c.name) in (GYRO.kind, ACCELEROMETER.kind)
     ]
     shares: dict[str, float] = {}
     for trace in read_traces(store, maneuver, names):

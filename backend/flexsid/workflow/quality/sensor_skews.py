@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import NotIdentifiable
-from flexsid.records.aircraft import SensorKind
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, VANE
 from flexsid.sysid.preparation.biases import (
     Bias,
     estimate_climb_angle,
@@ -30,8 +30,6 @@ from flexsid.sysid.preparation.resampling import resample
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.sensor_responses import SensorData, reconstruct_resolved_modes
 
-_CALIBRATED = (SensorKind.GYRO, SensorKind.VANE)
-_UNSCALED = (SensorKind.STRAIN,)  # mode shapes are as uncertain as the calibration
 _MAX_DYNAMIC_MODE_RATIO = 2.6  # of the highest frequency: modes above respond quasi-statically
 _MIN_SENSORS_FOR_ALL_DELAYS = 20  # independent sensors: all delays are estimated together
 _MORE_MODES = 2  # additional modes whose effect widens the standard errors
@@ -123,7 +121,7 @@ def _detect_few_faults(sensing: SensorData) -> RedundancyCheck:
     )
     not_checked = _explain_not_checked(faults, best, _find_quiet(sensing), count)
     kinds = {o.name: o.kind for o in sensing.outputs}
-    is_vane_misfit = np.array([kinds[name] is SensorKind.VANE for name in faults.names]) & poor
+    is_vane_misfit = np.array([kinds[name] == VANE.kind for name in faults.names]) & poor
     for name in np.array(faults.names)[is_vane_misfit]:
         not_checked[str(name)] += " (a vane also reads turbulence)"
     return RedundancyCheck(
@@ -160,7 +158,7 @@ def _compute_coherence(
 def _detect_by_number_of_modes(sensing: SensorData) -> dict[int, FaultDetection]:
     """Detect faults with a decreasing number of modes while the criterion improves; by number."""
     spectra = sensing.measured
-    scaled = tuple(o.name for o in sensing.outputs if o.kind not in _UNSCALED)
+    scaled = tuple(o.name for o in sensing.outputs if o.model.calibration != "uncertain")
     tried: dict[int, FaultDetection] = {}
     reason: NotIdentifiable | None = None
     best, worse = np.inf, 0
@@ -235,7 +233,7 @@ def _estimate_all_delays(sensing: SensorData) -> RedundancyCheck:
 
 def _estimate_faults(sensing: SensorData) -> RedundancyCheck:
     spectra = sensing.measured
-    scaled = tuple(o.name for o in sensing.outputs if o.kind in _CALIBRATED)
+    scaled = tuple(o.name for o in sensing.outputs if o.model.calibration == "estimated")
     if len(scaled) == len(sensing.outputs):
         scaled = ()
     reference = _select_reference(sensing)
@@ -320,11 +318,11 @@ def estimate_biases(
     maneuver = sensing.maneuver
     recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
     pitch = [s for s in sensing.aircraft.sensors if s.axis == "y" and s.name in recorded]
-    attitude = next((s for s in pitch if s.kind is SensorKind.ATTITUDE), None)
+    attitude = next((s for s in pitch if s.kind == ATTITUDE.kind), None)
     climb = _estimate_climb_angle(store, maneuver)
     found: dict[str, Bias] = {}
     for sensor in pitch:
-        if sensor.kind not in (SensorKind.GYRO, SensorKind.VANE):
+        if sensor.kind not in (GYRO.kind, VANE.kind):
             continue
         channel, values = _load_sensor(store, maneuver, sensor.name)
         trim = _slice_trim(maneuver, channel)
@@ -339,7 +337,7 @@ def estimate_biases(
             clock, level = _load_sensor(store, maneuver, attitude.name)
             if clock.clock != channel.clock:
                 level = resample(level, clock.rate_hz, clock.start_s, *channel.clock)
-        if sensor.kind is SensorKind.GYRO:
+        if sensor.kind == GYRO.kind:
             bias = estimate_gyro_bias(values, level, channel.rate_hz, trim, scale, std)
         elif level is not None:
             bias = estimate_vane_bias(values, level, climb, trim, scale, std)
@@ -356,7 +354,7 @@ def _select_reference(sensing: SensorData) -> str:
     heave = [
         o.terms[0][0]
         for o in sensing.outputs
-        if o.kind is SensorKind.ACCELEROMETER and o.terms[0][0].axis == "z"
+        if o.kind == ACCELEROMETER.kind and o.terms[0][0].axis == "z"
     ]
     if not heave:
         return sensing.outputs[0].name

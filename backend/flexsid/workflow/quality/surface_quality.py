@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexsid.records.aircraft import Aircraft, SensorKind
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import SurfaceQuality
 from flexsid.storage.store import Store
@@ -20,7 +20,6 @@ from flexsid.workflow.measurements.recording import (
     list_command_names,
 )
 
-_FED_BACK = (SensorKind.GYRO, SensorKind.ATTITUDE, SensorKind.VANE, SensorKind.ACCELEROMETER)
 _MULTIPLE = 3  # of the highest harmonic: a rate limit has its effect at three times a frequency
 _MAX_FREQUENCY_RATIO = 0.4  # of the lowest sampling rate, clear of the anti-alias filters
 _MIN_HARMONICS = 8  # of a surface: fewer do not separate a servo from its delay
@@ -41,7 +40,9 @@ def check_surfaces(
     outputs = tuple(
         s.name
         for s in aircraft.sensors
-        if s.kind in _FED_BACK and s.name in channels and channels[s.name].role is Role.OUTPUT
+        if s.model.senses != "strain"  # gauges are not fed back
+        and s.name in channels
+        and channels[s.name].role is Role.OUTPUT
     )
     found = {one.name: _convert(one) for one in _check(store, maneuver, aircraft, checked, outputs)}
     return tuple(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import DerivativePrediction, SensorKind
+from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.modal_data import ModalTable, ModelOrder, OrderStep, ReducedResponses
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -41,10 +41,13 @@ BAND_HZ = (0.25, 15.0)
 _FREQUENCIES = 240
 _FORCE = re.compile(r"CQ(\d+)_alpha")
 _UNITS = {
-    SensorKind.ACCELEROMETER: ("g/rad", 1.0 / GRAVITY),
-    SensorKind.STRAIN: ("ustrain/rad", 1e6),
-    SensorKind.GYRO: ("1/s", 1.0),
+    "m/s2": ("g/rad", 1.0 / GRAVITY),
+    "strain": ("ustrain/rad", 1e6),
+    "rad/s": ("1/s", 1.0),
+    "rad": ("1", 1.0),
+    "rad/s2": ("1/s2", 1.0),
 }
+"""Unit of a response to a surface by the SI unit of the sensor, and its factor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +85,7 @@ class _Full:
     modes: AircraftModes
     modal_table_id: int
     prediction_id: int
-    kinds: dict[str, SensorKind]
+    units: dict[str, str]
     notes: tuple[str, ...]
 
 
@@ -122,7 +125,8 @@ def compute_reduced_responses(
             )
     omega = _select_frequencies(query)
     y, u = full.model.outputs.index(output), full.model.inputs.index(surface)
-    unit, factor = _UNITS.get(full.kinds[output], ("1", 1.0))
+    measured = full.units[output]
+    unit, factor = _UNITS.get(measured, (f"{measured}/rad", 1.0))
     numbers = full.derivatives.modes
     curves = [(f"all {len(numbers)} modes", full.model.response(full.derivatives, omega)[:, y, u])]
     for count in counts:
@@ -195,7 +199,7 @@ def _build_full_model(store: Store, query: OrderQuery) -> _Full:
         modes,
         modal.id,
         prediction.id,
-        {output.name: output.kind for output in outputs},
+        {output.name: output.model.units[0] for output in outputs},
         _describe_differences(prediction, modal, symmetric, covered),
     )
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft, Sensor, SensorKind
+from flexsid.records.aircraft import Aircraft, Sensor
 from flexsid.records.modal_data import Observability, SensorCandidate, SensorRow
 from flexsid.storage.store import Store
+from flexsid.sysid.model.sensor_models import ACCELEROMETER
 from flexsid.sysid.modes.node_selection import select_spread_nodes
 from flexsid.sysid.modes.observability import (
     ModalInformation,
@@ -25,13 +26,6 @@ from flexsid.workflow.modal_data.modal_tables import (
 
 _CANDIDATES = 250
 _MOST_CANDIDATES = 12
-_NOISE = {  # SI, default standard deviations
-    SensorKind.ACCELEROMETER: 0.05,
-    SensorKind.GYRO: 1e-3,
-    SensorKind.ATTITUDE: 1e-3,
-    SensorKind.VANE: 1e-3,
-    SensorKind.STRAIN: 1e-6,
-}
 _LEAST_DISTANCE = 0.15  # of the extent: least distance between candidates of one axis
 
 
@@ -90,7 +84,7 @@ def compute_observability(
         ]
     )
     rigid = np.array([_get_rigid(s.kind, s.axis, s.location_m) for s in sensors])
-    noise = np.array([s.noise_std or _NOISE[s.kind] for s in sensors])
+    noise = np.array([s.noise_std or s.model.noise_std for s in sensors])
     information = compute_modal_information(signals, rigid, noise)
     errors = np.sqrt(np.abs(np.diag(information.covariance))) * at**2  # as accelerations
     least = float(np.min(errors)) if np.isfinite(errors).any() else 1.0
@@ -101,7 +95,7 @@ def compute_observability(
     rows = tuple(
         SensorRow(
             sensor=sensor.name,
-            kind=sensor.kind.value,
+            kind=sensor.kind,
             axis=sensor.axis,
             share=tuple(
                 float(abs(value) / top) if top > 0 else None
@@ -122,7 +116,7 @@ def compute_observability(
 
 
 def _is_accelerometer(sensor: Sensor) -> bool:
-    return sensor.kind is SensorKind.ACCELEROMETER
+    return sensor.kind == ACCELEROMETER.kind
 
 
 def _get_motion(
@@ -130,21 +124,21 @@ def _get_motion(
 ) -> np.ndarray:
     """Return the motion of each mode at a sensor per unit eta: phi, nu or strain."""
     table = modes.table
-    if sensor.kind is SensorKind.STRAIN:
+    if sensor.model.senses == "strain":
         if sensor.point not in table.gauges:
             return np.zeros(at_points.shape[0])
         return strain[:, table.gauges.index(sensor.point)]
     if sensor.point not in table.points:
         return np.zeros(at_points.shape[0])
     shape = at_points[:, table.points.index(sensor.point)]
-    if sensor.kind is SensorKind.ACCELEROMETER:
+    if sensor.model.senses == "translation":
         return shape[:, "xyz".index(sensor.axis)]
     return shape[:, 3 + "xyz".index(sensor.axis if sensor.axis in "xyz" else "y")]
 
 
-def _get_rigid(kind: SensorKind, axis: str, place: tuple[float, float, float]) -> np.ndarray:
+def _get_rigid(kind: str, axis: str, place: tuple[float, float, float]) -> np.ndarray:
     """Return sensitivities to heave, pitch and roll accelerations, estimated jointly."""
-    if kind is SensorKind.ACCELEROMETER and axis == "z":
+    if kind == ACCELEROMETER.kind and axis == "z":
         return np.array([1.0, place[0], place[1]])
     return np.zeros(3)
 
@@ -166,9 +160,9 @@ def _find_largest(sensors: list[Sensor], motion: np.ndarray, shapes: np.ndarray)
     """Find the largest motion of each mode measurable by each kind of sensor."""
     top = np.zeros(motion.shape)
     for k, sensor in enumerate(sensors):
-        alike = [i for i, other in enumerate(sensors) if other.kind is sensor.kind]
+        alike = [i for i, other in enumerate(sensors) if other.kind == sensor.kind]
         top[k] = np.abs(motion[alike]).max(axis=0)
-        if sensor.kind is SensorKind.ACCELEROMETER and shapes.shape[1]:
+        if _is_accelerometer(sensor) and shapes.shape[1]:
             everywhere = np.abs(shapes).max(axis=(1, 2))
             top[k] = np.maximum(top[k], everywhere)
     return top
@@ -185,12 +179,11 @@ def _rank(
     if places.shape[0] == 0:
         return ()
     known = [s.noise_std for s in aircraft.sensors if _is_accelerometer(s) and s.noise_std]
-    noise = float(np.median(known)) if known else _NOISE[SensorKind.ACCELEROMETER]
+    noise = float(np.median(known)) if known else ACCELEROMETER.noise_std
     found: list[tuple[float, int, str, np.ndarray]] = []
     for column, axis in enumerate("xyz"):
         rows = (shapes[:, :, column] * (omega**2)[:, None]).T
-        kind = SensorKind.ACCELEROMETER
-        rigid = np.array([_get_rigid(kind, axis, tuple(place)) for place in places])
+        rigid = np.array([_get_rigid(ACCELEROMETER.kind, axis, tuple(place)) for place in places])
         gains, shrink = rank_candidate_sensors(information, rows, rigid, noise)
         found += [(float(gains[p]), p, axis, shrink[p]) for p in range(places.shape[0])]
     found.sort(key=lambda one: -one[0])

@@ -6,7 +6,6 @@ import numpy as np
 
 from flexsid.errors import UnknownRecord
 from flexsid.importers.modal_data.options import TO_BODY
-from flexsid.records.aircraft import SensorKind
 from flexsid.records.modal_data import DrawnShape, ModalTable, SensorSight
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
@@ -77,14 +76,14 @@ def _list_sensors(store: Store, modes: Modes, mode: int, fuel: float) -> tuple[S
     return tuple(
         SensorSight(
             sensor=sensor.name,
-            kind=sensor.kind.value,
+            kind=sensor.kind,
             axis=sensor.axis,
             location_m=sensor.location_m,
             phi_m=_to_triple(shape[row, :3]),
             nu_rad=_to_triple(shape[row, 3:]),
         )
         for sensor in aircraft.sensors
-        if sensor.kind is not SensorKind.STRAIN and sensor.point in table.points
+        if sensor.model.senses != "strain" and sensor.point in table.points
         for row in (table.points.index(sensor.point),)
     )
 

@@ -1,0 +1,77 @@
+"""Extensions: values that installed packages add by entry points.
+
+A package names its values in its metadata, for example::
+
+    [project.entry-points."flexsid.sensors"]
+    pitch-acceleration = "flexsid_example:PITCH_ACCELERATION"
+
+Their group states what they are: ``flexsid.sensors`` has ``SensorModel`` values,
+``flexsid.importers`` ``FileFormat``, ``flexsid.estimators`` ``Estimator``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from importlib.metadata import EntryPoint, entry_points
+from typing import TypeVar
+
+from flexsid.errors import FlexsidError
+
+T = TypeVar("T")
+
+
+class ExtensionFailed(FlexsidError):
+    """An installed package that extends flexsid fails; the message has its name and version."""
+
+    code = "extension-failed"
+
+
+def load_extensions(group: str, kind: type[T]) -> tuple[tuple[str, T], ...]:
+    """Load the values of a group, each with its package, such as ``flexsid-example 1.0``.
+
+    Raises
+    ------
+    ExtensionFailed
+        If a value cannot be imported, or is of another type.
+    """
+    found: list[tuple[str, T]] = []
+    for entry in sorted(entry_points(group=group), key=lambda one: one.name):
+        package = _name_package(entry)
+        with report_errors(package):
+            value = entry.load()
+        if not isinstance(value, kind):
+            raise ExtensionFailed(
+                f"the package {package} declares '{entry.value}' in '{group}': it is a "
+                f"{type(value).__name__}, expected a {kind.__name__}",
+                package=package,
+            )
+        found.append((package, value))
+    return tuple(found)
+
+
+@contextmanager
+def report_errors(package: str) -> Generator[None]:
+    """Report any error in the block as one of the package; no package is flexsid itself.
+
+    Raises
+    ------
+    ExtensionFailed
+        In place of exceptions that are not reported to users.
+    """
+    try:
+        yield
+    except (FlexsidError, MemoryError):
+        raise
+    except Exception as error:
+        if not package:
+            raise
+        raise ExtensionFailed(
+            f"the package {package}, which extends flexsid, fails ({type(error).__name__}: "
+            f"{error}); correct or uninstall it",
+            package=package,
+        ) from error
+
+
+def _name_package(entry: EntryPoint) -> str:
+    return entry.value if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
