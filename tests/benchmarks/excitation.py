@@ -131,7 +131,7 @@ def _best_within(spectrum: HarmonicSpectrum, seconds: float, seed: int) -> tuple
         best, spent, searches = min(best, found.peak_factor), spent + took, searches + 1
 
 
-def preflight_vs_real_time(seconds: float = 60.0, rate_hz: float = 400.0) -> dict[str, object]:
+def rehearsal_vs_real_time(seconds: float = 60.0, rate_hz: float = 400.0) -> dict[str, object]:
     """Simulated over computing time of a flight of FLEX-28 with limits and turbulence.
 
     Eight modes, 60 recorded channels with instruments and errors, a digital loop from pitch rate
@@ -196,7 +196,7 @@ def preflight_vs_real_time(seconds: float = 60.0, rate_hz: float = 400.0) -> dic
     apply_sensor_errors(read, rate_hz, SensorErrors(quantum=1e-4, dropout=0.001), rng)
     spent = time.process_time() - begin
     return {
-        "name": "preflight_vs_real_time",
+        "name": "rehearsal_vs_real_time",
         "ratio": round(seconds / spent, 1),
         "cpu_s": round(spent, 3),
         "limited_share": round(float(moved.limited.any(axis=1).mean()), 3),
@@ -206,7 +206,7 @@ def preflight_vs_real_time(seconds: float = 60.0, rate_hz: float = 400.0) -> dic
 
 def main() -> None:
     """Measure and print."""
-    print(json.dumps(preflight_vs_real_time()), flush=True)
+    print(json.dumps(rehearsal_vs_real_time()), flush=True)
     inputs = build_spectra()
     quick = measure(search(QUICK), inputs)
     thorough = measure(search(THOROUGH), inputs)

@@ -147,18 +147,10 @@ def test_a_row_of_4t_spans_the_band_of_its_targets(aid: FlightTestAid, first: in
     assert {dealt[name].size for name in surfaces} == {aid.harmonics_per_input}
     every = np.concatenate(list(dealt.values()))
     assert np.unique(every).size == every.size
-    assert every.max() / 4 == pytest.approx(np.concatenate(list(brief.harmonics().values())).max())
+    reached = np.concatenate(list(brief.harmonics().values())).max()
+    assert 1.0 <= every.max() / 4 / reached < 1.1
     for name in surfaces:
-        assert np.diff(dealt[name]).max() <= np.diff(dealt[name]).min() + len(surfaces)
-
-
-def test_harmonics_reach_what_they_are_asked_to_and_stay_those_of_the_row_in_number():
-    aid = CATALOGUE[503]
-    assert aid.harmonics(6)["wf2s"][-1] == 130
-    reached = aid.harmonics(6, 200)
-    assert reached["wf2s"][-1] == 200
-    assert {own.size for own in reached.values()} == {25}
-    assert aid.harmonics(6, 20)["wf2s"][-1] == 130, "there is no room for fewer"
+        assert np.unique(np.diff(dealt[name])).size == 1
 
 
 def test_the_time_of_a_search_grows_with_harmonics_band_and_effort():

@@ -11,11 +11,12 @@ from flexsid.errors import BadInput
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band
+from flexsid.sysid.excitation.targets import Target
 from flexsid.sysid.simulation.recording import SensorErrors
 from flexsid.sysid.simulation.turbulence import DiscreteGust, Turbulence
 from flexsid.workflow.excitation import excitation_designs
 from flexsid.workflow.excitation.preflight_simulation import SimulationRequest, SurfaceLimits
-from flexsid.workflow.excitation.target_modes import RowBand, TargetQuery, find_row_band
+from flexsid.workflow.excitation.target_modes import TargetQuery, find_row_targets
 
 Effort = Literal["quick", "thorough", "patient"]
 Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
@@ -82,17 +83,15 @@ class DesignRequest(Request):
         if self.airspeed_m_s is not None and self.aircraft_id is None:
             raise BadInput("airspeed_m_s is valid with aircraft_id only; give both or neither")
         if self.fta is not None:
-            band = self._find_band(store, self.fta)
             return excitation_designs.specify_design(
                 self.fta,
                 self.duration_s,
                 self.rate_hz,
-                band.first,
+                self.first_harmonic,
                 self.peaks,
                 self.effort,
                 self.seed,
-                band.last,
-                band.bands,
+                self._find_targets(store, self.fta),
             )
         if self.bands:
             bands = tuple(
@@ -104,16 +103,16 @@ class DesignRequest(Request):
             )
         return self.make_record(DesignSpecification)
 
-    def _find_band(self, store: Store, fta: int) -> RowBand:
+    def _find_targets(self, store: Store, fta: int) -> tuple[Target, ...]:
         if self.aircraft_id is None:
-            return RowBand(self.first_harmonic, None, ())
+            return ()
         query = TargetQuery(
             aircraft_id=self.aircraft_id,
             airspeed_m_s=self.airspeed_m_s,
             fuel_fraction=self.fuel_fraction,
             altitude_m=self.altitude_m,
         )
-        return find_row_band(store, fta, query, self.duration_s, self.first_harmonic)
+        return find_row_targets(store, fta, query)
 
 
 class RescaleRequest(Request):

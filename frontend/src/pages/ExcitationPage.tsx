@@ -156,7 +156,7 @@ export function ExcitationPage() {
       key: "harmonics",
       header: "Harmonics per surface",
       numeric: true,
-      render: (row) => row.harmonics_per_input,
+      render: (row) => targetsOf(row)?.harmonics_per_surface ?? row.harmonics_per_input,
     },
     {
       key: "throttles",

@@ -9,7 +9,11 @@ import numpy as np
 from jaxtyping import Int
 
 from flexsid.sysid.excitation.multisine import assign_harmonics
-from flexsid.sysid.excitation.targets import HARMONICS_PER_SURFACE, spread_harmonics
+from flexsid.sysid.excitation.targets import (
+    Target,
+    interleave_harmonics,
+    interleave_target_harmonics,
+)
 
 ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
 """Structural modes of LE and HE by their place in order of frequency: modes 7-8 and 9-14 of the
@@ -79,7 +83,7 @@ class FlightTestAid:
         return self.periods * brief.harmonics_per_input * brief.surfaces
 
     def harmonics(
-        self, first: int = 1, last: int | None = None, bands: Sequence[tuple[float, float]] = ()
+        self, first: int = 1, targets: Sequence[Target] = (), duration_s: float = 1.0
     ) -> dict[str, Int[np.ndarray, " n_tones"]]:
         """Assign harmonics of the design's own duration; throttles have the lowest.
 
@@ -87,25 +91,20 @@ class FlightTestAid:
         ----------
         first
             Lowest harmonic of the surfaces; throttles have 1 and what follows it.
-        last
-            Highest harmonic that the surfaces have to reach; by default that of
-            ``highest_harmonic``. The number of harmonics stays that of Table 1: they are
-            spread evenly, or consecutive where they reach further by themselves.
-        bands
-            Lowest and highest harmonic about each target, where the harmonics are denser.
+        targets, duration_s
+            Target modes on an aircraft and the period [s]: every surface has harmonics about each
+            of them, more than Table 1 where that requires it. Without targets the surfaces reach
+            the harmonic of ``highest_harmonic``.
         """
         surfaces, throttles = self.input_names()
         low = assign_harmonics(throttles, self.throttle_harmonics, 1)
-        lowest = max(first, 1 + len(throttles) * self.throttle_harmonics)
-        needed = (self.highest_harmonic() if last is None else last) or 0
-        dealt = spread_harmonics(
-            self.harmonics_per_input * len(surfaces),
-            lowest,
-            needed,
-            bands,
-            HARMONICS_PER_SURFACE * len(surfaces),
-        )
-        return {name: dealt[index :: len(surfaces)] for index, name in enumerate(surfaces)} | low
+        free = 1 + len(throttles) * self.throttle_harmonics
+        n, count = len(surfaces), self.harmonics_per_input
+        if targets:
+            sets = interleave_target_harmonics(n, count, first, targets, duration_s, free)
+        else:
+            sets = interleave_harmonics(n, count, max(first, free), self.highest_harmonic())
+        return dict(zip(surfaces, sets, strict=True)) | low
 
 
 def _rows(

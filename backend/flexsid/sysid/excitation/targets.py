@@ -12,6 +12,10 @@ HARMONICS_PER_SURFACE = 3
 """Harmonics of every surface about a target: amplitude and phase of its response on both sides of
 the peak and at it."""
 
+PHUGOID = "PH"
+"""Group of the phugoid in Table 1."""
+
+_PHUGOID_AMPLITUDE = 0.1  # of its harmonics, relative to that of others: see weight_harmonics
 _OCTAVE = 2.0  # of rigid-body modes: well damped, with a response that varies over an octave
 _HALF_WIDTHS = 5.0  # half-power half-widths: further away a mode responds with a fifth of its peak
 _LEAST_WIDTH = 0.1  # of the frequency: error of a predicted frequency
@@ -70,60 +74,118 @@ def build_structural_target(
     )
 
 
-def spread_harmonics(
+def interleave_harmonics(
+    n_surfaces: int,
     count: int,
     first: int,
-    last: int,
-    bands: Sequence[tuple[float, float]] = (),
-    least: int = 0,
-) -> Int[np.ndarray, " count"]:
-    """Spread harmonics over a band, denser within some parts of it.
+    last: int | None = None,
+    width: float = np.inf,
+) -> list[Int[np.ndarray, " n_tones"]]:
+    """Interleave harmonics of equal spacing, one set per surface.
 
     Parameters
     ----------
-    count
-        Number of harmonics.
+    n_surfaces, count
+        Number of sets and of harmonics in each; more where ``width`` requires it.
     first, last
-        Lowest and highest harmonic; consecutive ones end higher where they do not fit.
-    bands
-        Lowest and highest harmonic of each part, not necessarily whole.
-    least
-        Harmonics within each part, as far as it has so many.
+        Lowest harmonic, and that which every set has to reach; by default sets are as dense as
+        possible.
+    width
+        Number of harmonics in the narrowest target band, in which every set has
+        ``HARMONICS_PER_SURFACE``. A band too narrow for the sets is disregarded.
 
     Notes
     -----
-    The density of harmonics is the larger of that which a part requires and of a common level
-    that uses up the count; the harmonic is taken where the cumulative density passes a whole
-    number. Where the parts together require more than the count, all are reduced alike.
+    Multisines of a low peak factor have a constant envelope, for which the products of any two
+    harmonics of equal difference cancel: that requires equal spacing. With spacings that differ by
+    one harmonic the relative peak factor is 1.2 to 1.3 instead of 1.03 to 1.1. Multiples of a
+    common base, which are harmonics of remainder zero or half of the spacing, have about 1.0: with
+    an even spacing two sets are such.
     """
-    slots = np.arange(first, max(last, first + count - 1) + 1)
-    density = np.zeros(slots.size)
-    for low, high in bands:
-        inside = (slots >= low) & (slots <= high)
-        if inside.any():
-            density[inside] = np.maximum(density[inside], min(1.0, (least + 1) / inside.sum()))
-    # The ends are harmonics of the design, so that it spans the whole band.
-    density[0] = density[-1] = 1.0
-    between = slice(1, -1)
-    required, left = density[between], count - 2.0
-    if required.sum() >= left:
-        density[between] = required * (max(left, 0.0) / max(required.sum(), 1e-300))
-    else:
-        density[between] = np.maximum(required, _find_level(required, left))
-    total = np.round(np.cumsum(density), 9)
-    taken = np.diff(np.floor(np.concatenate([[0.0], total]))) > 0.0
-    return slots[taken][:count]
+    spacing = n_surfaces
+    if last is not None:
+        largest = int(width // HARMONICS_PER_SURFACE) if np.isfinite(width) else last
+        spacing = max(n_surfaces, -(-(last - first + 1) // count))
+        if largest >= n_surfaces:
+            spacing = min(spacing, largest)
+        if spacing % 2 and (spacing < largest or spacing > n_surfaces):
+            spacing += 1 if spacing < largest else -1
+        count = max(count, -(-(last - first + 1) // spacing))
+    slots = n_surfaces + n_surfaces % 2
+    remainders = np.arange(n_surfaces) * spacing // (slots if spacing >= slots else n_surfaces)
+    starts = np.sort(first + (remainders - first) % spacing)
+    return [start + spacing * np.arange(count) for start in starts]
 
 
-def _find_level(required: np.ndarray, total: float) -> float:
-    """Find the level with sum(max(level, required)) = total."""
-    ordered = np.sort(required)
-    above = np.concatenate([np.cumsum(ordered[::-1])[::-1], [0.0]])
-    for below in range(1, ordered.size + 1):
-        level = (total - above[below]) / below
-        if below == ordered.size or level <= ordered[below]:
-            return float(level)
-    return 0.0
+def interleave_target_harmonics(
+    n_surfaces: int,
+    count: int,
+    first: int,
+    targets: Sequence[Target],
+    duration_s: float,
+    free: int = 1,
+) -> list[Int[np.ndarray, " n_tones"]]:
+    """Interleave harmonics over the bands of targets, one set per surface.
+
+    Parameters
+    ----------
+    n_surfaces, count
+        Number of sets and of harmonics in each, at least.
+    first
+        Lowest harmonic; lower where a target requires it.
+    targets, duration_s
+        At least one target, and the period. [s]
+    free
+        Lowest harmonic that no other input has.
+
+    Notes
+    -----
+    Equal spacing from a phugoid to a structural mode needs a thousand harmonics. A phugoid below
+    all other targets has ``HARMONICS_PER_SURFACE`` of its own instead, in addition to ``count``.
+    """
+    phugoid = find_separate_phugoid(targets)
+    low: list[Int[np.ndarray, " n_tones"]] = [np.zeros(0, dtype=int)] * n_surfaces
+    others = [one for one in targets if one is not phugoid]
+    least = int(np.floor(min(one.low_hz for one in others) * duration_s))
+    begin = max(free, min(first, least))
+    if phugoid is not None:
+        lowest = max(int(np.ceil(phugoid.low_hz * duration_s)), free)
+        width = phugoid.high_hz * duration_s - lowest + 1.0
+        spacing = max(n_surfaces, int(width // HARMONICS_PER_SURFACE))
+        places = lowest + np.arange(n_surfaces) * (spacing // n_surfaces)
+        low = [place + spacing * np.arange(HARMONICS_PER_SURFACE) for place in places]
+        begin = int(low[-1][-1]) + 1
+    last = int(np.ceil(max(one.high_hz for one in others) * duration_s))
+    width = min(one.high_hz - one.low_hz for one in others) * duration_s
+    high = interleave_harmonics(n_surfaces, count, begin, last, width)
+    return [np.concatenate(pair) for pair in zip(low, high, strict=True)]
+
+
+def find_separate_phugoid(targets: Sequence[Target]) -> Target | None:
+    """Find the phugoid among targets, where its band lies below those of all others."""
+    others = [one.low_hz for one in targets if one.group != PHUGOID]
+    return next(
+        (one for one in targets if one.group == PHUGOID and others and one.high_hz < min(others)),
+        None,
+    )
+
+
+def weight_harmonics(
+    harmonics: Sequence[int], targets: Sequence[Target], duration_s: float
+) -> tuple[float, ...] | None:
+    """Return the relative power of the harmonics of a surface; None for a flat spectrum.
+
+    Notes
+    -----
+    A phugoid with the damping ratio of Lanchester, 1 / (sqrt(2) L/D) = 0.05 of L/D = 14, responds
+    with 1 / (2 zeta) = 10 times its static response: its harmonics have a tenth of the amplitude
+    of the others. With the same amplitude they would raise the relative peak factor by 0.2.
+    """
+    phugoid = find_separate_phugoid(targets)
+    if phugoid is None:
+        return None
+    highest = phugoid.high_hz * duration_s
+    return tuple(_PHUGOID_AMPLITUDE**2 if one <= highest else 1.0 for one in harmonics)
 
 
 def count_harmonics(

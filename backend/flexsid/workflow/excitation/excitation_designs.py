@@ -17,6 +17,7 @@ from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band, assign_harmonics_to_bands
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.excitation.targets import Target, weight_harmonics
 
 MEDIA = {
     "csv": "text/csv",
@@ -25,7 +26,7 @@ MEDIA = {
     "json": "application/json",
 }
 
-MOST_TONES = 2000
+MOST_TONES = 4000
 """In a design, of all inputs."""
 
 _LONGEST_S = 120.0  # estimated processor time of a search in the queue of tasks
@@ -52,8 +53,7 @@ def specify_design(
     peaks: tuple[float, float, float],
     effort: str = "thorough",
     seed: int = 0,
-    last_harmonic: int | None = None,
-    bands: tuple[tuple[float, float], ...] = (),
+    targets: tuple[Target, ...] = (),
 ) -> DesignSpecification:
     """Specify a design for a flight test aid of Table 1.
 
@@ -71,19 +71,21 @@ def specify_design(
         Largest deflection of the body flap at three amplitudes. [unit of the command]
     effort, seed
         Of the search for phases.
-    last_harmonic
-        Harmonic that those of the surfaces have to reach; by default that of the band of the
-        row's targets in Table 1.
-    bands
-        Lowest and highest harmonic about each target mode.
+    targets
+        Target modes on an aircraft, about which every surface has harmonics; by default the band
+        is that of Table 1.
     """
     aid = find_flight_test_aid(fta)
     scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
+    surfaces, _ = aid.input_names()
     inputs = tuple(
         InputSpecification(
-            name=name, harmonics=tuple(own.tolist()), relative_peak=scale.get(name[:-1], 1.0)
+            name=name,
+            harmonics=tuple(own.tolist()),
+            relative_peak=scale.get(name[:-1], 1.0),
+            power=weight_harmonics(own.tolist(), targets, duration_s) if name in surfaces else None,
         )
-        for name, own in aid.harmonics(first_harmonic, last_harmonic, bands).items()
+        for name, own in aid.harmonics(first_harmonic, targets, duration_s).items()
     )
     return DesignSpecification(
         duration_s=duration_s, rate_hz=rate_hz, inputs=inputs, peaks=peaks, effort=effort, seed=seed

@@ -14,6 +14,7 @@ from flexsid.sysid.excitation.catalogue import CATALOGUE, ELASTIC_GROUPS, Flight
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.targets import (
     HARMONICS_PER_SURFACE,
+    PHUGOID,
     Target,
     build_rigid_target,
     build_structural_target,
@@ -37,7 +38,6 @@ from flexsid.workflow.modal_data.modal_tables import AircraftModes, load_modes_o
 
 _RIGID_HZ = 0.1  # free-free models give rigid modes as numerical zeros
 _ALL = "all"  # group of the structural modes of a design outside Table 1
-_PHUGOID = "PH"
 _POLES = {"SP": "SP", "DR": "DR", "RS": "roll"}
 """Poles of the models by rigid-body target of Table 1. The models have no phugoid."""
 
@@ -77,15 +77,6 @@ class RowTargets:
 
 
 @dataclass(frozen=True, slots=True)
-class RowBand:
-    """First and last harmonic of a row on an aircraft, and those about each target."""
-
-    first: int
-    last: int | None
-    bands: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
 class _FlightModes:
     """Structural modes of an aircraft, and its roots at a condition by motion; None on ground."""
 
@@ -119,9 +110,8 @@ def list_row_targets(
     for aid in CATALOGUE.values():
         targets = _list_targets(flight, aid)
         duration = period_s * aid.periods
-        band = _find_row_band(targets, duration, first_harmonic)
         surfaces, _ = aid.input_names()
-        dealt = aid.harmonics(band.first, band.last, band.bands)
+        dealt = aid.harmonics(first_harmonic, targets, duration)
         harmonics = {name: dealt[name].tolist() for name in surfaces}
         every = [harmonic for own in harmonics.values() for harmonic in own]
         low, high = min(every) / duration, max(every) / duration
@@ -136,7 +126,7 @@ def list_row_targets(
                 low_hz=low,
                 high_hz=high,
                 resolution_hz=1.0 / duration,
-                harmonics_per_surface=aid.harmonics_per_input,
+                harmonics_per_surface=max(map(len, harmonics.values())),
                 modes=modes,
                 missing=tuple(group for group in groups if group not in known),
                 reaches_targets=all(_is_reached(mode) for mode in modes),
@@ -145,18 +135,15 @@ def list_row_targets(
     return tuple(rows)
 
 
-def find_row_band(
-    store: Store, fta: int, query: TargetQuery, duration_s: float, first_harmonic: int
-) -> RowBand:
-    """Find the harmonics that a row of Table 1 needs for its targets on an aircraft.
+def find_row_targets(store: Store, fta: int, query: TargetQuery) -> tuple[Target, ...]:
+    """Find the targets of a row of Table 1 that have a frequency on an aircraft.
 
     Raises
     ------
     BadInput
         If Table 1 lacks the row, or the condition is impossible.
     """
-    targets = _list_targets(_load_flight_modes(store, query), find_flight_test_aid(fta))
-    return _find_row_band(targets, duration_s, first_harmonic)
+    return _list_targets(_load_flight_modes(store, query), find_flight_test_aid(fta))
 
 
 def compare_target_modes(store: Store, design: ExcitationDesign, query: TargetQuery) -> TargetModes:
@@ -188,15 +175,6 @@ def find_band(specification: DesignSpecification) -> tuple[float, float]:
     """Return the lowest and highest frequency of any input. [Hz]"""
     every = [harmonic for own in specification.inputs for harmonic in own.harmonics]
     return min(every) / specification.duration_s, max(every) / specification.duration_s
-
-
-def _find_row_band(targets: tuple[Target, ...], duration_s: float, first_harmonic: int) -> RowBand:
-    if not targets:
-        return RowBand(first_harmonic, None, ())
-    lowest = int(np.floor(min(target.low_hz for target in targets) * duration_s))
-    last = int(np.ceil(max(target.high_hz for target in targets) * duration_s))
-    bands = tuple((one.low_hz * duration_s, one.high_hz * duration_s) for one in targets)
-    return RowBand(max(1, min(first_harmonic, lowest)), last, bands)
 
 
 def _compare(
@@ -273,8 +251,8 @@ def _compute_roots(
 def _list_targets(flight: _FlightModes, aid: FlightTestAid | None) -> tuple[Target, ...]:
     """List the targets of a row, or all of a design outside Table 1, that have a frequency."""
     found = []
-    for name in (_PHUGOID, *_POLES) if aid is None else aid.rigid_targets:
-        if name == _PHUGOID and flight.airspeed_m_s is not None:
+    for name in (PHUGOID, *_POLES) if aid is None else aid.rigid_targets:
+        if name == PHUGOID and flight.airspeed_m_s is not None:
             # Lanchester: omega = sqrt(2) g / V, of an exchange of height and speed.
             hz = np.sqrt(2.0) * GRAVITY / flight.airspeed_m_s / (2.0 * np.pi)
             found.append(build_rigid_target(name, float(hz), None))
