@@ -34,9 +34,9 @@ from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.stream_checks import StreamChecks
 from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
+from flexsid.workflow.live.live_estimator import LiveProcessor
 from flexsid.workflow.live.live_task import FRAME_S, LiveTask, prepare_live_task
-from flexsid.workflow.live.processing import LiveProcessor
-from flexsid.workflow.live.replay import Replay
+from flexsid.workflow.live.replay import read_replay
 
 CHANNELS, RATE_HZ, SECONDS = 100, 200.0, 30.0
 OMEGA = 2.0 * np.pi * np.arange(6, 331) / 24.0
@@ -87,8 +87,8 @@ def simulate_stream() -> tuple[LiveTask, list[Frame]]:
             structure=Structure(modes=(7, 9, 11, 12), fixed={}),
             settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
         )
-        task, measurement = prepare_live_task(store, run)
-        frames = list(Replay(task.header, measurement).frames())
+        task = prepare_live_task(store, run)
+        frames = list(read_replay(store, run.maneuver_id, task.header).frames())
         store.close()
     return task, frames
 

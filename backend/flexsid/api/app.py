@@ -42,6 +42,7 @@ from flexsid.api.routes import (
     ground_tests,
     health,
     jobs,
+    live,
     maneuvers,
     mappings,
     modal_files,
@@ -69,6 +70,7 @@ from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 from flexsid.workflow.review.decision_review import find_clock_error
 
@@ -109,6 +111,8 @@ def create_app(
         duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
+        streams = LiveStreams(store, on_change=live.publish_stream, on_queued=dispatcher.wake)
+        streams.resume()
         app.state.context = Context(
             store=store,
             dispatcher=dispatcher,
@@ -116,6 +120,7 @@ def create_app(
             add_builtin_aircraft=add_builtin_aircraft,
             report_template=template,
             live=live,
+            streams=streams,
             queue_health=QueueHealth(store),
             check_additional_part=check_additional_part,
         )
@@ -123,6 +128,7 @@ def create_app(
             yield
         finally:
             live.stop()
+            streams.close()
             dispatcher.stop()
             store.close()
 
@@ -177,6 +183,7 @@ def create_app(
         closed_loop,
         global_models,
         validation,
+        live,
         figures,
         nomenclature,
     ):

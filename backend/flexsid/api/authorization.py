@@ -67,6 +67,8 @@ _NAMED = {
     **dict.fromkeys(("figure_id", "figure_ids"), "frozen_figures"),
     "responses_id": "measured_responses",
     "summary_id": "flutter_summaries",
+    "stream_id": "live_streams",
+    "point_id": "live_test_points",
 }
 _IDS_OF = {"change_maneuvers": "maneuvers", "change_runs": "runs", "list_jobs": "jobs"}
 _OBJECTS = {"structure": "model_structures", "changes": "model_structures"}
@@ -78,6 +80,8 @@ _NOUNS = {
     "frozen_figures": "frozen figure",
     "measured_responses": "set of measured responses",
     "flutter_summaries": "flutter summary",
+    "live_streams": "stream",
+    "live_test_points": "test point",
 }
 
 

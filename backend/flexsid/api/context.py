@@ -12,6 +12,7 @@ from flexsid.api.live_events import LiveEvents
 from flexsid.jobs.dispatcher_process import DispatcherProcess
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.storage.store import Store
+from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
 
 
@@ -25,6 +26,7 @@ class Context:
     add_builtin_aircraft: AddBuiltinAircraft | None
     report_template: str | None
     live: LiveEvents
+    streams: LiveStreams
     queue_health: QueueHealth
     check_additional_part: Callable[[], PartHealth | None]
 

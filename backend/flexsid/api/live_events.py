@@ -1,4 +1,4 @@
-"""Live events of jobs for all connected pages.
+"""Live events of jobs and streams for all connected pages.
 
 The database is read once for all listeners. Every event has the id of its entry in the log
 of jobs, so that a page can resume after a lost connection.
@@ -23,15 +23,17 @@ _log = logging.getLogger(__name__)
 
 _POLL_S = 1.0  # other servers write into the log too
 _MAX_EVENTS = 1000  # a page that missed more events reloads its lists
+_STREAMS_S = 0.1  # between two events of streams: samples are sent ten times per second
 
 
 @dataclass(frozen=True, slots=True)
 class JobUpdate:
-    """New entries of the log, and the running jobs if they have changed."""
+    """New entries of the log, the running jobs if they have changed, and changed streams."""
 
     events: list[JobEvent]
     running: list[JobItem] | None
     missed: bool = False
+    streams: frozenset[int] = frozenset()
 
 
 class LiveEvents:
@@ -43,12 +45,18 @@ class LiveEvents:
         self._notified = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self._stopped = False
+        self._streams: set[int] = set()
         self._task = asyncio.create_task(self._run())
 
     def notify(self) -> None:
         """Read the log now; may be called from any thread."""
         if not self._stopped:
             self._loop.call_soon_threadsafe(self._notified.set)
+
+    def publish_stream(self, stream_id: int) -> None:
+        """Report soon that a stream has new samples or a new state; from any thread."""
+        if not self._stopped and self._listeners:
+            self._loop.call_soon_threadsafe(self._add_stream, stream_id)
 
     def stop(self) -> None:
         """End all streams before the server stops; may be called from any thread."""
@@ -84,8 +92,8 @@ class LiveEvents:
                 if update is None:
                     return
                 events = [event for event in update.events if last is None or event.id > last]
-                if events or update.running is not None:
-                    yield JobUpdate(events, update.running)
+                if events or update.running is not None or update.streams:
+                    yield JobUpdate(events, update.running, streams=update.streams)
         finally:
             self._listeners.discard(updates)
 
@@ -117,6 +125,19 @@ class LiveEvents:
     def _read(self, last: int | None) -> tuple[list[JobEvent], list[JobItem]]:
         events = [] if last is None else job_log.read_since(self._store, last, _MAX_EVENTS)
         return events, job_list.list_running(self._store)
+
+    def _add_stream(self, stream_id: int) -> None:
+        if not self._streams:
+            self._loop.call_later(_STREAMS_S, self._send_streams)
+        self._streams.add(stream_id)
+
+    def _send_streams(self) -> None:
+        update = JobUpdate([], None, streams=frozenset(self._streams))
+        self._streams.clear()
+        for updates in self._listeners:
+            # A slow page reads the newest samples with what it waits for.
+            if updates.empty():
+                updates.put_nowait(update)
 
     def _end(self) -> None:
         self._task.cancel()

@@ -73,7 +73,8 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("get_aerodynamics_comparison_job", "get_aerodynamics_comparison"),
         *("get_closed_loop_job", "get_closed_loop", "get_cross_predictions_job"),
         *("get_cross_predictions", "get_cross_validation_job", "get_cross_validation"),
-        *("get_global_model_job", "get_global_model"),
+        *("get_global_model_job", "get_global_model", "list_receivers", "list_streams"),
+        *("get_stream", "get_stream_samples", "get_stream_history"),
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
     ),
     Permission.ANALYST: (
@@ -96,6 +97,8 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("request_input_comparison", "request_amplitudes", "compute_prediction"),
         *("save_updated_table", "request_global_model", "request_predicted_flutter"),
         *("request_aerodynamics_comparison", "request_modes", "request_reconstruction"),
+        *("start_stream", "stop_stream", "delete_stream", "push_frames", "acknowledge_alarm"),
+        "decide_test_point",
     ),
     Permission.REVIEWER: ("vote_on_decision",),
     Permission.ADMIN: ("add_aircraft", "change_review_rules", "list_audit_events"),

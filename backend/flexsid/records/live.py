@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import datetime
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -100,11 +102,13 @@ class LiveMode:
 class LiveEstimate:
     """Identified airframe from the record so far.
 
-    ``duration_s`` is the length of the record without gaps. The flutter speed is None where none
+    ``time_s`` is the end of the record on the clock of the recorder, ``duration_s`` its length
+    without gaps. The flutter speed is None where none
     is predicted; ``next_point_probability`` is that of a flutter speed below the next test point.
     ``excluded`` are channels without data over the whole record.
     """
 
+    time_s: float
     duration_s: float
     converged: bool
     modes: tuple[LiveMode, ...]
@@ -151,3 +155,136 @@ class LiveState:
     estimate: LiveEstimate | None
     reason: str
     alarms: tuple[LiveAlarm, ...]
+
+
+class StreamStatus(StrEnum):
+    """Status of a stream; a running one is resumed by the next server."""
+
+    RUNNING = "running"
+    STOPPED = "stopped"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiverSettings:
+    """Receiver of a stream, by name, and its options."""
+
+    name: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveStream:
+    """A stream of samples and how it is processed.
+
+    Model, channels and settings are those of a run (``run_id``). Maneuvers are stored in the
+    flight ``flight_id``; None if they are not stored. ``limits`` are the lowest and highest value
+    of channels in their native unit. ``holder`` is the server that runs the stream, ``message``
+    why it failed.
+    """
+
+    aircraft_id: int
+    run_id: int
+    title: str
+    receiver: ReceiverSettings
+    flight_id: int | None = None
+    next_airspeed_m_s: float | None = None
+    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+    status: StreamStatus = StreamStatus.RUNNING
+    message: str = ""
+    author: str = ""
+    holder: str | None = None
+    created_at: datetime | None = None
+    stopped_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedState:
+    """What was known at one time of a stream, for the debrief.
+
+    ``delay_s`` is the time from the arrival of the last sample to the state.
+    """
+
+    stream_id: int
+    time_s: float
+    state: LiveState
+    delay_s: float
+    id: int | None = None
+
+
+class LiveTestPointStatus(StrEnum):
+    """Status of a test point of a stream."""
+
+    STORED = "stored"
+    REFUSED = "refused"  # the maneuver could not be stored
+    ACCEPTED = "accepted"
+    REPEAT = "repeat"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveTestPoint:
+    """A maneuver of a stream that has ended.
+
+    ``maneuver_id`` is the stored maneuver, ``run_id`` the queued run; ``message`` states why one
+    of them is missing.
+    """
+
+    stream_id: int
+    start_s: float
+    stop_s: float
+    status: LiveTestPointStatus
+    maneuver_id: int | None = None
+    run_id: int | None = None
+    message: str = ""
+    author: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Acknowledgement:
+    """An alarm of a stream that somebody acknowledged by name."""
+
+    stream_id: int
+    kind: AlarmKind
+    subject: str
+    time_s: float
+    author: str
+    note: str = ""
+    created_at: datetime | None = None
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveSnapshot:
+    """What is known of a running stream at present.
+
+    ``newest_s`` is the end of the newest samples on the clock of the recorder; ``silent_s`` the
+    time since they arrived, by the clock of the server. ``delay_s`` is the time from the arrival
+    of samples to the server, 95th percentile of the last minute. ``estimate_age_s`` is the
+    time of the recorder since the end of the record of the estimate.
+    """
+
+    stream_id: int
+    state: LiveState | None
+    newest_s: float | None
+    silent_s: float | None
+    delay_s: float | None
+    estimate_age_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StripChart:
+    """Lowest and highest value of channels in each column of a strip chart, in native units.
+
+    Columns are ``column_s`` long and begin at ``time_s``; values are None without samples.
+    ``low`` and ``high`` have one row for each channel.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    column_s: float
+    time_s: tuple[float, ...]
+    low: tuple[tuple[float | None, ...], ...]
+    high: tuple[tuple[float | None, ...], ...]

@@ -111,7 +111,7 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
             *("flights", "maneuvers", "mappings", "modal_tables", "flutter_summaries"),
             *("measured_responses", "predictions", "model_structures", "designs", "controllers"),
             *("saved_views", "review_rules", "decisions", "frozen_figures", "jobs", "batches"),
-            *("searches", "audit_events"),
+            *("searches", "audit_events", "live_streams"),
         )
     },
     **dict.fromkeys(
@@ -126,6 +126,9 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
     "decision_events": ("decision_id", "decisions"),
     "job_events": ("job_id", "jobs"),
     "run_tags": ("run_id", "runs"),
+    **dict.fromkeys(
+        ("live_states", "live_test_points", "live_acknowledgements"), ("stream_id", "live_streams")
+    ),
     "batch_runs": ("run_id", "runs"),
 }
 

@@ -18,6 +18,7 @@ from flexsid.records.decision import (
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import Controller
 from flexsid.records.job import Job
+from flexsid.records.live import Acknowledgement, LiveStream, LiveTestPoint, RecordedState
 from flexsid.records.maneuver import (
     Channel,
     ConditioningStep,
@@ -117,6 +118,16 @@ class Store:
         self.controllers = Repository(database, tables.controllers, Controller, "controller")
         self.preflight_simulations = Repository(
             database, tables.preflight_simulations, PreflightSimulation, "preflight simulation"
+        )
+        self.live_streams = Repository(database, tables.live_streams, LiveStream, "stream")
+        self.live_states = Repository(
+            database, tables.live_states, RecordedState, "state of a stream"
+        )
+        self.live_test_points = Repository(
+            database, tables.live_test_points, LiveTestPoint, "test point of a stream"
+        )
+        self.live_acknowledgements = Repository(
+            database, tables.live_acknowledgements, Acknowledgement, "acknowledgement"
         )
         self.jobs = Repository(database, tables.jobs, Job, "job")
         self.runs = Runs(database, self.jobs)

@@ -298,6 +298,64 @@ preflight_simulations = table(
     moment("created_at"),
 )
 
+# Live identification: streams, what was known of them at each second, test points, alarms.
+
+live_streams = table(
+    "live_streams",
+    identity(),
+    refers_to("aircraft_id", "aircraft"),
+    refers_to("run_id", "runs"),
+    refers_to("flight_id", "flights", required=False),
+    text("title"),
+    json("receiver"),
+    number("next_airspeed_m_s", required=False),
+    json("limits"),
+    text("status", length=16),
+    text("message"),
+    text("author"),
+    text("holder", required=False),
+    moment("created_at"),
+    moment("stopped_at", required=False),
+)
+
+live_states = table(
+    "live_states",
+    identity(),
+    refers_to("stream_id", "live_streams", ondelete="CASCADE"),
+    number("time_s"),
+    json("state"),
+    number("delay_s"),
+    sa.UniqueConstraint("stream_id", "time_s"),
+)
+
+live_test_points = table(
+    "live_test_points",
+    identity(),
+    refers_to("stream_id", "live_streams", ondelete="CASCADE"),
+    number("start_s"),
+    number("stop_s"),
+    text("status", length=16),
+    refers_to("maneuver_id", "maneuvers", required=False, ondelete="SET NULL"),
+    refers_to("run_id", "runs", required=False, ondelete="SET NULL"),
+    text("message"),
+    text("author"),
+    moment("created_at"),
+    sa.UniqueConstraint("stream_id", "start_s"),
+)
+
+live_acknowledgements = table(
+    "live_acknowledgements",
+    identity(),
+    refers_to("stream_id", "live_streams", ondelete="CASCADE"),
+    text("kind", length=16),
+    text("subject"),
+    number("time_s"),
+    text("author"),
+    text("note"),
+    moment("created_at"),
+    sa.UniqueConstraint("stream_id", "kind", "subject", "time_s"),
+)
+
 # Shared views, and decisions of the team with their evidence.
 
 saved_views = table(

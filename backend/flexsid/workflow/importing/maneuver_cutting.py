@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,11 @@ _MEASURED = (  # condition channels that define the flight condition
 )
 _LEAST_SAMPLES = 16
 
+RecordedFlight = Mapping[str, tuple[FlightChannel, np.ndarray]]
+"""Channels of a recording by name, with their samples in native units."""
+
+_ReadSamples = Callable[[Sequence[FlightChannel]], np.ndarray]
+
 
 def find_maneuvers(store: Store, flight_id: int) -> tuple[ManeuverProposal, ...]:
     """Find maneuvers in a flight by its commands, else its marker, else its surfaces.
@@ -67,12 +73,32 @@ def find_maneuvers(store: Store, flight_id: int) -> tuple[ManeuverProposal, ...]
             f"flight {flight.number} has no recording to cut; import one without [maneuver]",
             code="no-recording",
         )
+    return _propose(store, flight, channels, partial(_read_samples, store, flight_id))
+
+
+def find_recorded_maneuvers(
+    store: Store, flight: Flight, recorded: RecordedFlight
+) -> tuple[ManeuverProposal, ...]:
+    """Find maneuvers in a recording that is not stored, as ``find_maneuvers``.
+
+    Raises
+    ------
+    BadInput
+        If it has neither commands, marker nor surfaces.
+    """
+    channels = [channel for channel, _ in recorded.values()]
+    return _propose(store, flight, channels, partial(_stack_samples, recorded))
+
+
+def _propose(
+    store: Store, flight: Flight, channels: list[FlightChannel], read: _ReadSamples
+) -> tuple[ManeuverProposal, ...]:
     begin_s, end_s = _find_common_interval(channels)
     marker = _find_marker(channels)
-    numbers = None if marker is None else (marker, _read_samples(store, flight_id, [marker])[:, 0])
-    found, names, clock, basis = _find_intervals(store, flight_id, channels)
+    numbers = None if marker is None else (marker, read([marker])[:, 0])
+    found, names, clock, basis = _find_intervals(channels, read)
     designs = _map_excitations(store, flight)
-    cut = store.maneuvers.find(flight_id=flight_id, deleted_at=None)
+    cut = store.maneuvers.find(flight_id=flight.id, deleted_at=None)
     result: list[ManeuverProposal] = []
     for index, one in enumerate(found):
         at_s, over_s = clock.get_time(one.first), clock.get_time(one.stop)
@@ -111,12 +137,17 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
         If the flight has a maneuver of this label.
     """
     flight = store.flights.get(flight_id)
+    return store_cut(store, flight, read_flight_channels(store.database, flight_id), cut)
+
+
+def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) -> Maneuver:
+    """Store a maneuver that is cut out of a recording; raises as ``cut_maneuver``."""
     aircraft = store.aircraft.get(flight.aircraft_id)
+    assert flight.id is not None
     if not cut.stop_s > cut.start_s:
         raise BadInput(
             f"the window from {cut.start_s:g} to {cut.stop_s:g} s is empty", code="bad-window"
         )
-    recorded = read_flight_channels(store.database, flight_id)
     pieces = _cut_channels(recorded, cut)
     if not any(channel.role is Role.INPUT for channel, _ in pieces):
         raise BadInput("no input was recorded in this window", code="no-input")
@@ -125,7 +156,7 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
     axis = determine_axis(cut.axis, aircraft, pieces)
     start_s, stop_s = _find_common_interval([channel for channel, _ in pieces])
     with store.transaction():
-        for known in store.maneuvers.find(flight_id=flight_id, label=cut.label, deleted_at=None):
+        for known in store.maneuvers.find(flight_id=flight.id, label=cut.label, deleted_at=None):
             raise Conflict(
                 f"flight {flight.number} has a maneuver '{cut.label}' already; give this one "
                 "another label",
@@ -136,14 +167,14 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
         stored = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flight.aircraft_id,
-                flight_id=flight_id,
+                flight_id=flight.id,
                 label=cut.label,
                 start_s=start_s,
                 duration_s=stop_s - start_s,
                 condition=condition,
                 fta=cut.fta,
                 axis=axis,
-                excitation=_find_excitation(store, flight_id, cut),
+                excitation=_find_excitation(store, flight, recorded, cut),
                 airspeed_ratio=compute_airspeed_ratio(condition),
                 max_input_correlation=compute_largest_correlation(inputs),
                 source_file=first.source_file,
@@ -207,13 +238,13 @@ def _select_default(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
 
 
 def _find_intervals(
-    store: Store, flight_id: int, channels: list[FlightChannel]
+    channels: list[FlightChannel], read: _ReadSamples
 ) -> tuple[tuple[ExcitedInterval, ...], tuple[str, ...], FlightChannel, str]:
     """Find excited intervals, with their channels, clock and basis."""
     selected, basis = [c for c in channels if c.role is Role.COMMAND], "recorded excitation"
     marker = _find_marker(channels)
     if not selected and marker is not None:
-        values = _read_samples(store, flight_id, [marker])[:, 0]
+        values = read([marker])[:, 0]
         found = find_marked_intervals(values, marker.rate_hz)
         return found, (), marker, f"marker {marker.name}"
     if not selected:
@@ -225,14 +256,19 @@ def _find_intervals(
         )
     clock = selected[0]
     same = [channel for channel in selected if channel.clock == clock.clock]
-    found = find_excitations(_read_samples(store, flight_id, same), clock.rate_hz)
+    found = find_excitations(read(same), clock.rate_hz)
     return found, tuple(channel.name for channel in same), clock, basis
 
 
 def _read_samples(store: Store, flight_id: int, channels: Sequence[FlightChannel]) -> np.ndarray:
     """Read samples of channels of one clock, (n_samples, n_channels)."""
-    read = read_flight_channels(store.database, flight_id, [c.name for c in channels])
-    return np.stack([np.asarray(read[c.name][1], dtype=float) for c in channels], axis=1)
+    recorded = read_flight_channels(store.database, flight_id, [c.name for c in channels])
+    return _stack_samples(recorded, channels)
+
+
+def _stack_samples(recorded: RecordedFlight, channels: Sequence[FlightChannel]) -> np.ndarray:
+    """Stack samples of channels of one clock, (n_samples, n_channels)."""
+    return np.stack([np.asarray(recorded[c.name][1], dtype=float) for c in channels], axis=1)
 
 
 def _find_common_interval(channels: Sequence[FlightChannel]) -> tuple[float, float]:
@@ -240,10 +276,12 @@ def _find_common_interval(channels: Sequence[FlightChannel]) -> tuple[float, flo
     return max(c.start_s for c in channels), min(c.stop_s for c in channels)
 
 
-def _find_excitation(store: Store, flight_id: int, cut: Cut) -> Excitation | None:
-    """Find the excitation of a flight that lies completely within a window."""
+def _find_excitation(
+    store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut
+) -> Excitation | None:
+    """Find the excitation of a recording that lies completely within a window."""
     try:
-        found = find_maneuvers(store, flight_id)
+        found = find_recorded_maneuvers(store, flight, recorded)
     except BadInput:
         return None
     for one in found:
@@ -255,9 +293,7 @@ def _find_excitation(store: Store, flight_id: int, cut: Cut) -> Excitation | Non
     return None
 
 
-def _cut_channels(
-    recorded: dict[str, tuple[FlightChannel, np.ndarray]], cut: Cut
-) -> list[tuple[FlightChannel, np.ndarray]]:
+def _cut_channels(recorded: RecordedFlight, cut: Cut) -> list[tuple[FlightChannel, np.ndarray]]:
     """Cut every channel to the window, with its new start and number of samples."""
     pieces = []
     for channel, samples in recorded.values():

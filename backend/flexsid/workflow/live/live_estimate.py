@@ -55,7 +55,7 @@ class LiveFit:
         self._instruments = np.stack(instruments, axis=1)
 
     def estimate(
-        self, spectra: GrowingSpectra, trim: np.ndarray, excluded: Collection[str]
+        self, spectra: GrowingSpectra, trim: np.ndarray, excluded: Collection[str], time_s: float
     ) -> LiveEstimate:
         """Estimate from all spectra so far.
 
@@ -67,6 +67,8 @@ class LiveFit:
             Trim value of every channel.
         excluded
             Channels without data over the whole record; outputs that need them are omitted.
+        time_s
+            End of the record, by the recorder. [s]
 
         Raises
         ------
@@ -119,6 +121,7 @@ class LiveFit:
         if crossing is not None and np.isfinite(std) and task.next_airspeed_m_s is not None:
             beyond = float(ndtr((task.next_airspeed_m_s - crossing.airspeed) / std))
         return LiveEstimate(
+            time_s=time_s,
             duration_s=spectra.duration_s,
             converged=found.outcome.is_optimum,
             modes=tuple(_describe_mode(pole) for pole in poles if pole.value.imag > 0.0),

@@ -18,7 +18,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.stability.prediction import StiffnessError
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
-from flexsid.workflow.measurements.recording import ManeuverMeasurement, list_command_names
+from flexsid.workflow.measurements.recording import list_command_names
 from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.estimation_task import (
@@ -35,12 +35,14 @@ FRAME_S = 0.05
 class LiveTask:
     """Model, start and priors of a fit, and the stream that it is fitted to.
 
-    ``parts`` are the recorded channels behind each output, ``commands`` those of the excitation.
+    ``processed`` are the channels that take part in the identification, of those of the stream;
+    ``commands`` those of the excitation.
     ``limits`` are the lowest and highest value of channels in their native unit;
     ``next_airspeed_m_s`` is that of the next test point, None if there is none.
     """
 
     header: StreamHeader
+    processed: frozenset[str]
     model: AeroelasticModel
     aircraft: Aircraft
     inputs: tuple[str, ...]
@@ -60,7 +62,7 @@ def prepare_live_task(
     run: EstimationRun,
     next_airspeed_m_s: float | None = None,
     limits: Mapping[str, tuple[float, float]] | None = None,
-) -> tuple[LiveTask, ManeuverMeasurement]:
+) -> LiveTask:
     """Prepare the processing of a stream like one maneuver, by the settings of a run of it.
 
     Parameters
@@ -68,7 +70,7 @@ def prepare_live_task(
     store
         The campaign.
     run
-        Run of the maneuver that is replayed, or of one with the same excitation and channels.
+        Run of a maneuver with the same excitation and channels.
     next_airspeed_m_s
         Airspeed of the next test point. [m/s]
     limits
@@ -76,8 +78,8 @@ def prepare_live_task(
 
     Returns
     -------
-    tuple
-        The task, and the samples of the maneuver.
+    LiveTask
+        The stream has all channels of the maneuver of the run.
 
     Raises
     ------
@@ -93,24 +95,32 @@ def prepare_live_task(
             f"of a maneuver; record {', '.join(list_command_names(measurement.excited.inputs))}",
             code="no-commands",
         )
-    known = {channel.name for channel, _ in measurement.recording.channels}
-    for name in limits or {}:
+    commands = list_command_names(measurement.excited.inputs)
+    used = {*measurement.inputs, *commands}
+    used |= {part.name for output in measurement.outputs for part, _ in output.terms}
+    recorded = {channel.name for channel, _ in measurement.recording.channels}
+    channels = tuple(
+        StreamChannel(name=c.name, unit=c.unit, role=c.role, rate_hz=c.rate_hz)
+        for c in store.channels.find(maneuver_id=run.maneuver_id)
+        if c.name in used or _count_samples(c.rate_hz) is not None
+    )
+    known = {channel.name for channel in channels}
+    for name, (low, high) in (limits or {}).items():
         if name not in known:
             raise BadInput(
                 f"there is no channel '{name}' in the stream, which has {', '.join(sorted(known))}",
                 code="unknown-channel",
                 channel=name,
             )
-    commands = list_command_names(measurement.excited.inputs)
-    used = {*measurement.inputs, *commands}
-    used |= {part.name for output in measurement.outputs for part, _ in output.terms}
-    channels = tuple(
-        StreamChannel(name=c.name, unit=c.unit, role=c.role, rate_hz=c.rate_hz)
-        for c, _ in measurement.recording.channels
-        if c.name in used
-    )
+        if not low < high:
+            raise BadInput(
+                f"the limits of '{name}' are {low:g} and {high:g}; the lowest value comes first",
+                code="bad-limits",
+                channel=name,
+            )
     live = LiveTask(
         header=StreamHeader(channels=channels, frame_s=FRAME_S),
+        processed=frozenset(used & recorded),
         model=task.model,
         aircraft=measurement.aircraft,
         inputs=measurement.inputs,
@@ -125,7 +135,7 @@ def prepare_live_task(
         limits=dict(limits or {}),
     )
     check_header(live.header)
-    return live, measurement
+    return live
 
 
 def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask) -> StiffnessError:
@@ -140,6 +150,12 @@ def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask
     )
     relative = np.full(len(task.model.modes.numbers), modes.frequency_std)
     return StiffnessError(relative, task.model.condition.dynamic_pressure)
+
+
+def _count_samples(rate_hz: float) -> int | None:
+    """Count the samples of a channel in a frame; None if they are not a whole number."""
+    count = rate_hz * FRAME_S
+    return round(count) if count > 0.5 and abs(count - round(count)) < 1e-6 else None
 
 
 def check_header(header: StreamHeader) -> None:

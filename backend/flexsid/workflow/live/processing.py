@@ -1,23 +1,24 @@
-"""Processing of a stream: checks, transforms, an estimate every second, alarms.
+"""Processing of a stream: order of frames, checks, transforms, begin and end of maneuvers.
 
 Everything depends on the frames and their times only, never on the clock of the computer: a
 replay has the same results at any speed. Memory does not grow with the length of a stream.
+Estimates are computed elsewhere (``live_estimator``), so that they do not delay samples.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from flexsid.errors import BadInput, FlexsidError
+from flexsid.errors import BadInput
 from flexsid.records.live import (
     AlarmKind,
     ChannelHealth,
     Frame,
     LiveAlarm,
-    LiveEstimate,
     LivePhase,
     LiveState,
     StreamChannel,
@@ -25,13 +26,12 @@ from flexsid.records.live import (
 from flexsid.records.maneuver import Role
 from flexsid.sysid.estimation.leakage import compute_delays
 from flexsid.sysid.preparation.stream_checks import StreamChecks
-from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
+from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord, GrowingSpectra
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     get_output_instrument,
 )
-from flexsid.workflow.live.live_estimate import LiveFit
 from flexsid.workflow.live.live_task import LiveTask
 
 _PATIENCE = 5  # frames (0.25 s) that a missing one is waited for: more than the usual jitter
@@ -41,13 +41,37 @@ _LEAD_S = 0.5  # of trim that belongs to the record [s]
 _QUIET_S = 3.0  # without excitation, after which a maneuver has ended [s]
 _FIRST_ESTIMATE_S = 3.0  # of a record: less than a period of the lowest modes is not enough [s]
 _EXCLUDED_S = 1.0  # without valid samples, after which a channel no longer takes part [s]
-_UNSTABLE = 0.9  # probability of negative damping that raises an alarm
-_BEYOND = 0.05  # probability of a flutter speed below the next point that raises an alarm
-_CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
 
 
-class LiveProcessor:
-    """State of one stream. Frames go in, a state for every second of the record comes out.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimateRequest:
+    """Spectra of the record of a maneuver so far, from which an estimate is computed.
+
+    ``trim`` is the trim value of every channel, ``excluded`` are the channels that do not take
+    part.
+    """
+
+    spectra: GrowingSpectra
+    trim: np.ndarray
+    excluded: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamUpdate:
+    """A state without its estimate, and the request of one; None where none is due.
+
+    ``maneuver`` is the number of maneuvers that have begun, ``interval_s`` begin and end of the
+    excitation of one that ends here.
+    """
+
+    state: LiveState
+    maneuver: int
+    request: EstimateRequest | None = None
+    interval_s: tuple[float, float] | None = None
+
+
+class StreamProcessor:
+    """Samples of one stream. Frames go in, an update for every second of the record comes out.
 
     Parameters
     ----------
@@ -57,9 +81,17 @@ class LiveProcessor:
 
     def __init__(self, task: LiveTask) -> None:
         self._task = task
-        self._groups = task.header.groups
-        self._shapes = task.header.frame_shapes
         self._frame_s = task.header.frame_s
+        self._all = task.header.groups
+        self._frame_shapes = task.header.frame_shapes
+        # Of every group the channels that take part, with their columns.
+        used = [
+            (k, [column for column, c in enumerate(group) if c.name in task.processed])
+            for k, group in enumerate(self._all)
+        ]
+        self._columns = [(k, columns) for k, columns in used if columns]
+        self._groups = tuple(tuple(self._all[k][i] for i in own) for k, own in self._columns)
+        self._shapes = tuple((self._frame_shapes[k][0], len(own)) for k, own in self._columns)
         self._names = tuple(channel.name for group in self._groups for channel in group)
         delays = _compute_channel_delays(task)
         self._channel_groups = [
@@ -71,7 +103,7 @@ class LiveProcessor:
         self._is_command = np.array([name in task.commands for name in self._names])
         self._limits = [
             np.array([task.limits.get(c.name, (-np.inf, np.inf)) for c in group]).T
-            for group in self._groups
+            for group in self._all
         ]
         self._waiting: dict[int, Frame] = {}
         self._expected: int | None = None
@@ -87,7 +119,7 @@ class LiveProcessor:
             maxlen=round(_TRIM_S / self._frame_s)
         )
         self._phase = LivePhase.TRIM
-        self._estimate: LiveEstimate | None = None
+        self._maneuvers = 0
         self._alarms: list[LiveAlarm] = []
         self._reason = "no excitation yet"
         self._reset()
@@ -95,7 +127,6 @@ class LiveProcessor:
     def _reset(self) -> None:
         """Begin to wait for the next maneuver."""
         self._record = GrowingRecord(self._task.omega, self._channel_groups)
-        self._fit = LiveFit(self._task)
         self._trim = np.zeros(len(self._names))
         self._begun_s = self._quiet_s = 0.0
         self._missing = np.zeros(len(self._names))
@@ -103,10 +134,9 @@ class LiveProcessor:
         self._spikes = np.zeros(len(self._names), dtype=int)
         self._frozen = np.zeros(len(self._names), dtype=bool)
         self._excluded = np.zeros(len(self._names), dtype=bool)
-        self._evidence: dict[tuple[AlarmKind, str], int] = {}
 
-    def push(self, frame: Frame) -> list[LiveState]:
-        """Process the next frame that arrived; return the states that it completes.
+    def push(self, frame: Frame) -> list[StreamUpdate]:
+        """Process the next frame that arrived; return the updates that it completes.
 
         Frames may arrive in another order within a quarter of a second.
 
@@ -116,20 +146,20 @@ class LiveProcessor:
             If a frame has other samples than the header states.
         """
         shapes = tuple(samples.shape for samples in frame.samples)
-        if shapes != self._shapes:
+        if shapes != self._frame_shapes:
             raise BadInput(
                 f"frame {frame.number} has samples of shape {shapes}; by the header of the stream "
-                f"{self._shapes} are expected",
+                f"{self._frame_shapes} are expected",
                 code="bad-frame",
                 frame=frame.number,
             )
         return list(self._push(frame))
 
-    def finish(self) -> list[LiveState]:
-        """Process what still waits at the end of the stream; return the last states."""
+    def finish(self) -> list[StreamUpdate]:
+        """Process what still waits at the end of the stream; return the last updates."""
         return list(self._finish())
 
-    def _push(self, frame: Frame) -> Iterator[LiveState]:
+    def _push(self, frame: Frame) -> Iterator[StreamUpdate]:
         if self._expected is None:
             self._expected = self._taken = frame.number
             self._start_s = frame.time_s - frame.number * self._frame_s
@@ -147,7 +177,7 @@ class LiveProcessor:
             yield from self._accept(self._expected, own)
             self._expected += 1
 
-    def _finish(self) -> Iterator[LiveState]:
+    def _finish(self) -> Iterator[StreamUpdate]:
         while self._waiting and self._expected is not None:
             own = self._waiting.pop(self._expected, None)
             self._lost += own is None
@@ -160,25 +190,28 @@ class LiveProcessor:
         if self._phase is LivePhase.EXCITED:
             yield self._end(self._start_s + self._taken * self._frame_s)
 
-    def _accept(self, number: int, frame: Frame | None) -> Iterator[LiveState]:
+    def _accept(self, number: int, frame: Frame | None) -> Iterator[StreamUpdate]:
         """Take one frame in order, None for a lost one, and process what the checks release."""
         time_s = self._start_s + number * self._frame_s
         raised = len(self._alarms)
-        for k, (group, shape) in enumerate(zip(self._groups, self._shapes, strict=True)):
+        if frame is not None:
+            for group, samples, limits in zip(self._all, frame.samples, self._limits, strict=True):
+                self._check_limits(time_s, group, samples, limits)
+        for check, group, shape, (k, own) in zip(
+            self._checks, self._groups, self._shapes, self._columns, strict=True
+        ):
             if frame is None:
-                self._checks[k].append(np.full(shape, np.nan))
+                check.append(np.full(shape, np.nan))
                 continue
-            self._check_limits(time_s, group, frame.samples[k], self._limits[k])
-            si = [
-                to_si(column, c.unit) for column, c in zip(frame.samples[k].T, group, strict=True)
-            ]
-            self._checks[k].append(np.stack(si, axis=1))
+            columns = frame.samples[k].T[own]
+            si = [to_si(column, c.unit) for column, c in zip(columns, group, strict=True)]
+            check.append(np.stack(si, axis=1))
         if len(self._alarms) > raised:
             yield self._describe(time_s + self._frame_s)
         while all(c.ready >= n for c, (n, _) in zip(self._checks, self._shapes, strict=True)):
             yield from self._process()
 
-    def _process(self) -> Iterator[LiveState]:
+    def _process(self) -> Iterator[StreamUpdate]:
         """Process one frame of checked samples."""
         time_s = self._start_s + self._taken * self._frame_s
         self._taken += 1
@@ -203,16 +236,15 @@ class LiveProcessor:
         if self._phase is LivePhase.EXCITED and end_s - self._quiet_s >= _QUIET_S:
             yield self._end(end_s)
         elif _crosses_second(time_s, end_s):
-            if self._phase is LivePhase.EXCITED:
-                self._update_estimate(end_s)
-            yield self._describe(end_s)
+            yield self._describe(end_s, self._request_estimate())
 
     def _begin(self, time_s: float, blocks: list[np.ndarray]) -> None:
         """Begin a maneuver: trim values, and a record from shortly before the excitation on."""
         self._reset()
         self._phase, self._begun_s = LivePhase.EXCITED, time_s
+        self._maneuvers += 1
         # Limits are checked when frames arrive, the excitation is found a little later.
-        self._estimate, self._alarms = None, [a for a in self._alarms if a.time_s >= time_s]
+        self._alarms = [a for a in self._alarms if a.time_s >= time_s]
         self._reason = f"the first estimate follows after {_FIRST_ESTIMATE_S:g} s"
         trims = [
             np.concatenate([one[k] for _, one in self._trim_blocks])
@@ -226,11 +258,11 @@ class LiveProcessor:
         self._grow(time_s, blocks)
         self._trim_blocks.clear()
 
-    def _end(self, end_s: float) -> LiveState:
+    def _end(self, end_s: float) -> StreamUpdate:
         """End a maneuver with an estimate of all of it."""
-        self._update_estimate(end_s)
+        request = self._request_estimate()
         self._phase = LivePhase.ENDED
-        return self._describe(end_s)
+        return self._describe(end_s, request, (self._begun_s, self._quiet_s))
 
     def _grow(self, time_s: float, blocks: list[np.ndarray]) -> None:
         """Add a frame to the record; a gap in a channel that takes part ends the stretch."""
@@ -253,45 +285,16 @@ class LiveProcessor:
             return self._phase is LivePhase.EXCITED
         return bool((values > _COMMANDED).any())
 
-    def _update_estimate(self, end_s: float) -> None:
-        """Estimate from the record so far, and compare the result with the alarms."""
+    def _request_estimate(self) -> EstimateRequest | None:
+        """Request an estimate from the record so far, if a maneuver is flown."""
+        if self._phase is not LivePhase.EXCITED:
+            return None
         spectra = self._record.compute_spectra()
         if spectra.duration_s < _FIRST_ESTIMATE_S:
             self._reason = f"{spectra.duration_s:.1f} of {_FIRST_ESTIMATE_S:g} s recorded"
-            return
+            return None
         excluded = {n for n, out in zip(self._names, self._excluded, strict=True) if out}
-        try:
-            estimate = self._fit.estimate(spectra, self._trim, excluded)
-        except (FlexsidError, np.linalg.LinAlgError) as error:
-            self._reason = f"no estimate: {error}"
-            return
-        self._estimate = estimate
-        self._reason = "" if estimate.converged else "the estimate did not converge"
-        self._raise_alarms(end_s, estimate)
-
-    def _raise_alarms(self, time_s: float, estimate: LiveEstimate) -> None:
-        unstable = {
-            (AlarmKind.UNSTABLE, mode.name): (
-                f"damping ratio {mode.damping:.3f} ± {2.0 * (mode.damping_std or 0.0):.3f} (2 "
-                f"sigma) at {mode.frequency:.2f} rad/s: negative with probability "
-                f"{mode.instability_probability:.2f}"
-            )
-            for mode in estimate.modes
-            if (mode.instability_probability or 0.0) >= _UNSTABLE
-        }
-        if (estimate.next_point_probability or 0.0) >= _BEYOND:
-            unstable[AlarmKind.NEXT_POINT, "flutter"] = (
-                f"flutter speed {estimate.flutter_m_s:.1f} ± "
-                f"{2.0 * (estimate.flutter_std_m_s or 0.0):.1f} m/s (2 sigma): below the next "
-                f"test point with probability {estimate.next_point_probability:.2f}"
-            )
-        self._evidence = {key: self._evidence.get(key, 0) + 1 for key in unstable}
-        for (kind, subject), count in self._evidence.items():
-            if count == _CONFIRMATIONS:
-                evidence = unstable[kind, subject]
-                self._alarms.append(
-                    LiveAlarm(kind=kind, time_s=time_s, subject=subject, evidence=evidence)
-                )
+        return EstimateRequest(spectra=spectra, trim=self._trim, excluded=frozenset(excluded))
 
     def _check_limits(
         self,
@@ -316,9 +319,14 @@ class LiveProcessor:
                     )
                 )
 
-    def _describe(self, time_s: float) -> LiveState:
+    def _describe(
+        self,
+        time_s: float,
+        request: EstimateRequest | None = None,
+        interval_s: tuple[float, float] | None = None,
+    ) -> StreamUpdate:
         defective = (self._missing > 0.0) | (self._spikes > 0) | self._excluded | self._frozen
-        return LiveState(
+        state = LiveState(
             time_s=time_s,
             phase=self._phase,
             maneuver_s=0.0 if self._phase is LivePhase.TRIM else time_s - self._begun_s,
@@ -334,9 +342,12 @@ class LiveProcessor:
                 )
                 for k in np.flatnonzero(defective)
             ),
-            estimate=self._estimate,
+            estimate=None,
             reason=self._reason,
             alarms=tuple(self._alarms),
+        )
+        return StreamUpdate(
+            state=state, maneuver=self._maneuvers, request=request, interval_s=interval_s
         )
 
 

@@ -1,0 +1,70 @@
+"""Responses of live identification."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from flexsid.records.live import (
+    Acknowledgement,
+    LiveSnapshot,
+    LiveStream,
+    LiveTestPoint,
+    RecordedState,
+    StreamHeader,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiverOption:
+    """One option of a receiver: its name, JSON type and default; ``is_required`` without one."""
+
+    name: str
+    type: str
+    description: str
+    default: Any
+    is_required: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiverItem:
+    """A way to receive samples."""
+
+    name: str
+    label: str
+    options: tuple[ReceiverOption, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamDetail:
+    """A stream: its channels, what is known at present, test points, acknowledged alarms.
+
+    ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of
+    a frame. ``expected_std_errors`` are those of the run whose settings the stream has.
+    """
+
+    stream: LiveStream
+    header: StreamHeader | None
+    packet_bytes: int | None
+    snapshot: LiveSnapshot | None
+    test_points: tuple[LiveTestPoint, ...]
+    acknowledgements: tuple[Acknowledgement, ...]
+    expected_std_errors: dict[str, float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamHistory:
+    """Stored states of a stream in order, of the seconds after ``since_s``.
+
+    ``more`` states that later ones exist beyond the limit.
+    """
+
+    states: tuple[RecordedState, ...]
+    more: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceivedFrames:
+    """Number of frames that were passed on to a stream."""
+
+    frames: int

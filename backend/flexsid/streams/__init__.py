@@ -1,0 +1,1 @@
+"""Streams: receivers of samples, processes that identify while the aircraft flies."""

@@ -1,0 +1,134 @@
+"""Estimates of a stream: completes its updates by estimates, and raises alarms from them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexsid.errors import FlexsidError
+from flexsid.records.live import AlarmKind, Frame, LiveAlarm, LiveEstimate, LiveState
+from flexsid.workflow.live.live_estimate import LiveFit
+from flexsid.workflow.live.live_task import LiveTask
+from flexsid.workflow.live.processing import EstimateRequest, StreamProcessor, StreamUpdate
+
+_UNSTABLE = 0.9  # probability of negative damping that raises an alarm
+_BEYOND = 0.05  # probability of a flutter speed below the next point that raises an alarm
+_CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
+
+
+class LiveEstimator:
+    """Estimates of one stream, maneuver by maneuver.
+
+    Parameters
+    ----------
+    task
+        Model, channels and settings.
+    """
+
+    def __init__(self, task: LiveTask) -> None:
+        self._task = task
+        self._begin(0)
+
+    def _begin(self, maneuver: int) -> None:
+        self._maneuver = maneuver
+        self._fit = LiveFit(self._task)
+        self._estimate: LiveEstimate | None = None
+        self._alarms: tuple[LiveAlarm, ...] = ()
+        self._reason: str | None = None
+        self._evidence: dict[tuple[AlarmKind, str], int] = {}
+
+    def complete(self, update: StreamUpdate) -> LiveState:
+        """Return the state of an update with its estimate, or with the last one of the maneuver."""
+        if update.maneuver != self._maneuver:
+            self._begin(update.maneuver)
+        if update.request is not None:
+            self._update_estimate(update.state.time_s, update.request)
+        return replace(
+            update.state,
+            estimate=self._estimate,
+            reason=update.state.reason if self._reason is None else self._reason,
+            alarms=join_alarms(update.state.alarms, self._alarms),
+        )
+
+    def resume(self, maneuver: int, state: LiveState) -> None:
+        """Continue after a stored state of this maneuver, in another process."""
+        self._begin(maneuver)
+        self._estimate, self._reason = state.estimate, state.reason
+        self._alarms = tuple(a for a in state.alarms if a.kind is not AlarmKind.LIMIT)
+        # What was raised is not raised again.
+        self._evidence = {(a.kind, a.subject): _CONFIRMATIONS for a in self._alarms}
+
+    def _update_estimate(self, time_s: float, request: EstimateRequest) -> None:
+        """Estimate from the record so far, and compare the result with the alarms."""
+        try:
+            estimate = self._fit.estimate(request.spectra, request.trim, request.excluded, time_s)
+        except (FlexsidError, np.linalg.LinAlgError) as error:
+            self._reason = f"no estimate: {error}"
+            return
+        self._estimate = estimate
+        self._reason = "" if estimate.converged else "the estimate did not converge"
+        self._raise_alarms(time_s, estimate)
+
+    def _raise_alarms(self, time_s: float, estimate: LiveEstimate) -> None:
+        unstable = {
+            (AlarmKind.UNSTABLE, mode.name): (
+                f"damping ratio {mode.damping:.3f} ± {2.0 * (mode.damping_std or 0.0):.3f} (2 "
+                f"sigma) at {mode.frequency:.2f} rad/s: negative with probability "
+                f"{mode.instability_probability:.2f}"
+            )
+            for mode in estimate.modes
+            if (mode.instability_probability or 0.0) >= _UNSTABLE
+        }
+        if (estimate.next_point_probability or 0.0) >= _BEYOND:
+            unstable[AlarmKind.NEXT_POINT, "flutter"] = (
+                f"flutter speed {estimate.flutter_m_s:.1f} ± "
+                f"{2.0 * (estimate.flutter_std_m_s or 0.0):.1f} m/s (2 sigma): below the next "
+                f"test point with probability {estimate.next_point_probability:.2f}"
+            )
+        raised = {(alarm.kind, alarm.subject) for alarm in self._alarms}
+        self._evidence = {key: self._evidence.get(key, 0) + 1 for key in unstable}
+        self._alarms += tuple(
+            LiveAlarm(kind=kind, time_s=time_s, subject=subject, evidence=unstable[kind, subject])
+            for (kind, subject), count in self._evidence.items()
+            if count >= _CONFIRMATIONS and (kind, subject) not in raised
+        )
+
+
+class LiveProcessor:
+    """Processing of a stream in one process: states with their estimates, in order.
+
+    Parameters
+    ----------
+    task
+        Model, channels and settings.
+    """
+
+    def __init__(self, task: LiveTask) -> None:
+        self._stream = StreamProcessor(task)
+        self._estimator = LiveEstimator(task)
+
+    def push(self, frame: Frame) -> list[LiveState]:
+        """Process the next frame that arrived; return the states that it completes."""
+        return [self._estimator.complete(update) for update in self._stream.push(frame)]
+
+    def finish(self) -> list[LiveState]:
+        """Process what still waits at the end of the stream; return the last states."""
+        return [self._estimator.complete(update) for update in self._stream.finish()]
+
+
+def combine_states(newest: LiveState, estimated: LiveState | None) -> LiveState:
+    """Return the newest state of the samples with the newest estimate and all alarms."""
+    if estimated is None or estimated.time_s < newest.time_s - newest.maneuver_s:
+        return newest
+    return replace(
+        newest,
+        estimate=estimated.estimate,
+        reason=estimated.reason or newest.reason,
+        alarms=join_alarms(newest.alarms, estimated.alarms),
+    )
+
+
+def join_alarms(*parts: tuple[LiveAlarm, ...]) -> tuple[LiveAlarm, ...]:
+    """Return all alarms once, in the order of time."""
+    return tuple(sorted(dict.fromkeys(a for part in parts for a in part), key=lambda a: a.time_s))
