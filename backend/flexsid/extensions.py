@@ -6,7 +6,8 @@ A package names its values in its metadata, for example::
     pitch-acceleration = "flexsid_example:PITCH_ACCELERATION"
 
 Their group states what they are: ``flexsid.sensors`` has ``SensorModel`` values,
-``flexsid.importers`` ``FileFormat``, ``flexsid.estimators`` ``Estimator``.
+``flexsid.importers`` ``FileFormat``, ``flexsid.estimators`` ``Estimator``,
+``flexsid.receivers`` ``Receiver``.
 """
 
 from __future__ import annotations

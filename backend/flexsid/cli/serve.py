@@ -25,6 +25,7 @@ from flexsid.jobs.interpreter import configure_interpreter
 from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.streams.receivers import load_receivers
 from flexsid.sysid.model.sensor_models import load_sensor_models
 
 _GRACE_S = 1
@@ -80,6 +81,7 @@ def _load_extensions() -> None:
     """Load what installed packages add, to refuse one that fails before the server starts."""
     load_sensor_models()
     load_formats()
+    load_receivers()
 
 
 def _serve_on(

@@ -10,13 +10,13 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
 from typing import Annotated, Any, Protocol
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as checked
 
 from flexsid.errors import BadInput
+from flexsid.extensions import ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
@@ -204,9 +204,13 @@ _BUILT_IN = (
 def load_receivers() -> dict[str, Receiver]:
     """Load all receivers by name: those of the software, then those of entry points."""
     found = {receiver.name: receiver for receiver in _BUILT_IN}
-    for entry in entry_points(group=ENTRY_POINT):
-        receiver: Receiver = entry.load()
-        found.setdefault(receiver.name, receiver)
+    for package, receiver in load_extensions(ENTRY_POINT, Receiver):
+        if receiver.name in found:
+            raise ExtensionFailed(
+                f"the package {package} adds the receiver '{receiver.name}', which exists already",
+                package=package,
+            )
+        found[receiver.name] = receiver
     return found
 
 
