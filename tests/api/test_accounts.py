@@ -278,6 +278,16 @@ def test_expired_forged_and_foreign_tokens_are_refused(ann: Member, accounts_sto
     assert ann.post("tokens", {"name": "for ever", "days": 4000}).status_code == 422
 
 
+def test_reset_ends_sessions_and_tokens(ann: Member, accounts_store: Store) -> None:
+    """A password is reset when somebody else may know it, and tokens may be known too."""
+    secret = ann.post("tokens", {"name": "nightly"}).json()["secret"]
+    bearer = {"Authorization": f"Bearer {secret}"}
+    assert ann.client.get(f"{API}/aircraft", headers=bearer).status_code == 200
+    accounts.reset_account(accounts_store, "Ann")
+    assert ann.client.get(f"{API}/aircraft", headers=bearer).status_code == 401
+    assert ann.get("aircraft").status_code == 401
+
+
 def test_disabled_account_is_logged_out(ann: Member, accounts_store: Store) -> None:
     secret = ann.post("tokens", {"name": "nightly"}).json()["secret"]
     accounts.disable_account(accounts_store, "Ann")

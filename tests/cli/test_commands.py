@@ -18,6 +18,7 @@ import sqlalchemy as sa
 from scipy.io import loadmat
 from waiting import PATIENCE_S, wait_until
 
+from flexsid.api.description import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
 from flexsid.records.decision import StructureProposal, StructureReference, Vote
 from flexsid.storage.store import Store
@@ -343,6 +344,24 @@ def test_every_command_prints_json(flown_url: str, capsys, tmp_path: Path) -> No
     problem = json.loads(capsys.readouterr().err.splitlines()[-1])
     assert problem["code"] == "unknown-record"
     assert "no run 99" in problem["detail"]
+
+
+def test_accounts_are_changed_with_an_event_of_the_audit_log(tmp_path: Path, capsys) -> None:
+    """Also without FLEXSID_MODE; from the first account on, every command is in the log."""
+    database = f"sqlite:///{tmp_path / 'team.db'}"
+    kite = tmp_path / "kite.toml"
+    kite.write_text(AIRCRAFT_DEFINITION, encoding="utf-8")
+    for command in (["users", "add", "Ann"], ["users", "reset", "Ann"], ["aircraft", str(kite)]):
+        assert main([*command, "--database", database]) == 0
+    log = tmp_path / "log.jsonl"
+    assert main(["audit", "--output", str(log), "--database", database]) == 0
+    events = [json.loads(line) for line in log.read_text(encoding="utf-8").splitlines()]
+    assert [event["changes"][0]["table"] for event in events] == [
+        "accounts",
+        "accounts",
+        "aircraft",
+    ]
+    assert all(event["author"].endswith("(command line)") for event in events)
 
 
 def test_a_missing_database_is_not_created_by_reading(tmp_path: Path, capsys) -> None:

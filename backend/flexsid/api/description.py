@@ -92,7 +92,7 @@ unit = "deg"
 role = "input"
 """
 
-_AIRCRAFT = """[aircraft]
+AIRCRAFT_DEFINITION = """[aircraft]
 name = "Kite"
 [aircraft.geometry]
 area = { value = 11.7, unit = "ft2" }
@@ -164,8 +164,8 @@ _BODIES: dict[str, Any] = {
     "add_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
-    "add_aircraft": {"text": _AIRCRAFT},
-    "replace_aircraft": {"text": _AIRCRAFT},
+    "add_aircraft": {"text": AIRCRAFT_DEFINITION},
+    "replace_aircraft": {"text": AIRCRAFT_DEFINITION},
     "set_thrust": {
         "engines": ["engine_speed_l", "engine_speed_r"],
         "text": "rpm,280,300\n40000,60,55\n80000,210,190\n",

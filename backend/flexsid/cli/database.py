@@ -15,8 +15,11 @@ from flexsid.storage.store import Store
 
 
 @contextmanager
-def open_store(settings: Settings, *, new: bool = False) -> Iterator[Store]:
+def open_store(settings: Settings, *, new: bool = False, of_team: bool = False) -> Iterator[Store]:
     """Migrate and open the database, and close it at the end; ``new`` allows to create it.
+
+    Changes are in the audit log if the settings, the database (it has accounts) or the command
+    (``of_team``) are those of a team.
 
     Raises
     ------
@@ -32,7 +35,7 @@ def open_store(settings: Settings, *, new: bool = False) -> Iterator[Store]:
     upgrade(settings.database)
     store = Store.open(settings.database)
     access = None
-    if settings.mode is not Mode.PERSONAL:
+    if of_team or settings.mode is not Mode.PERSONAL or store.accounts.find():
         # Of the account of the operating system, which may change everything.
         access = Access(account_id=None, author=f"{getpass.getuser()} (command line)")
     try:

@@ -26,7 +26,7 @@ class _Arguments:
 def users(settings: Settings, arguments: argparse.Namespace) -> int:
     """Add, invite, disable or list accounts, and set their roles in campaigns."""
     given = _Arguments(arguments.action, arguments.name, arguments.role, arguments.campaign)
-    with open_store(settings, new=True) as store:
+    with open_store(settings, new=True, of_team=True) as store:
         lines, result = _ACTIONS[given.action](store, settings, given)
     print_result(lines, result, as_json=arguments.json)
     return 0

@@ -115,13 +115,13 @@ def find_account(store: Store, name: str) -> Account:
 
 
 def reset_account(store: Store, name: str) -> tuple[Account, str]:
-    """Delete the password and all sessions of an account; return the code of a new invitation.
+    """Delete password, sessions and tokens of an account; return the code of a new invitation.
 
     A disabled account is enabled again.
     """
     with store.transaction():
         account = find_account(store, name)
-        end_sessions(store, account)
+        _end_access(store, account)
         return _invite(store, replace(account, password_hash=None, disabled_at=None))
 
 
@@ -129,9 +129,7 @@ def disable_account(store: Store, name: str) -> Account:
     """Disable an account, and end its sessions and tokens."""
     with store.transaction():
         account = find_account(store, name)
-        end_sessions(store, account)
-        for token in store.api_tokens.find(account_id=account.id):
-            store.api_tokens.delete(token.id or 0)
+        _end_access(store, account)
         disabled = replace(
             account, password_hash=None, invitation_hash=None, disabled_at=datetime.now(UTC)
         )
@@ -192,6 +190,12 @@ def end_sessions(store: Store, account: Account) -> None:
     """End all sessions of an account."""
     for session in store.login_sessions.find(account_id=account.id):
         store.login_sessions.delete(session.id or 0)
+
+
+def _end_access(store: Store, account: Account) -> None:
+    end_sessions(store, account)
+    for token in store.api_tokens.find(account_id=account.id):
+        store.api_tokens.delete(token.id or 0)
 
 
 def _find_invited(store: Store, code: str) -> Account:
