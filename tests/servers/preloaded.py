@@ -1,4 +1,4 @@
-"""Dispatchers and workers that are forked from a process which has the libraries loaded.
+"""Dispatchers, workers and streams that are forked from a process which has the libraries loaded.
 
 Importing the numerical libraries takes longer than most jobs of tests. These processes run the
 same programs as those of ``flexsid.jobs.child``, which the tests of `jobs`, `cli` and `e2e` start.
@@ -16,10 +16,16 @@ import pytest
 
 from flexsid.jobs import child, dispatcher_process
 from flexsid.jobs.child import Program
+from flexsid.streams import live_streams
 
 _is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
-_FORKING.set_forkserver_preload(["flexsid.jobs.kinds", "flexsid.jobs.dispatcher_process"])
+_FORKING.set_forkserver_preload(
+    [
+        *("flexsid.jobs.kinds", "flexsid.jobs.dispatcher_process"),
+        *("flexsid.streams.stream_process", "flexsid.streams.estimate_process"),
+    ]
+)
 
 
 class PreloadedProgram(Program):
@@ -39,6 +45,11 @@ class PreloadedProgram(Program):
         for end in (child_connection, child_lifeline, lifeline):
             end.close()
 
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._forked.pid or 0
+
     def kill(self) -> None:
         """Kill the process and wait for its end."""
         self._forked.kill()
@@ -56,6 +67,7 @@ class PreloadedProgram(Program):
 def use_preloaded(patch: pytest.MonkeyPatch) -> None:
     """Start dispatchers of this process, and their workers, from loaded libraries."""
     patch.setattr(dispatcher_process, "Program", PreloadedProgram)
+    patch.setattr(live_streams, "Program", PreloadedProgram)
 
 
 def _run(module: str, connection: Connection, lifeline: Connection) -> None:
@@ -64,7 +76,9 @@ def _run(module: str, connection: Connection, lifeline: Connection) -> None:
         _close_others(connection.fileno(), lifeline.fileno())
     _is_forked = True
     child.Program = PreloadedProgram  # of the workers that a dispatcher starts
-    import_module(module).main([str(connection.fileno()), str(lifeline.fileno())])
+    program = import_module(module)
+    vars(program)["Program"] = PreloadedProgram  # of the estimates that a stream starts
+    program.main([str(connection.fileno()), str(lifeline.fileno())])
 
 
 def _close_others(*used: int) -> None:

@@ -9,6 +9,8 @@ from typing import Any
 
 from fastapi import FastAPI
 
+from flexsid.api import live_examples
+
 _PROBLEM = "application/problem+json"
 
 EXAMPLES = Path(__file__).with_name("examples.json")
@@ -58,6 +60,8 @@ _EXAMPLES: dict[str, Any] = {
     "number": 9,
     "airspeed_m_s": 40.0,
     "surface": "bfs",
+    "since_s": 600.0,
+    "columns": 600,
 }
 
 # Examples by operation, where the demonstration campaign needs another value.
@@ -112,6 +116,7 @@ kind = "gyro"
 
 # Bodies by operation.
 _BODIES: dict[str, Any] = {
+    **live_examples.BODIES,
     "request_run": {
         "maneuver_id": 1,
         "method": "OE",
@@ -418,6 +423,7 @@ _AERODYNAMICS_FIT = {
 }
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
+    **live_examples.RESPONSES,
     "request_aerodynamics_comparison": _AERODYNAMICS_JOB,
     "get_aerodynamics_comparison_job": {"job": _AERODYNAMICS_JOB},
     "get_aerodynamics_comparison": {

@@ -55,6 +55,11 @@ class Program:
         if lifeline is not None:
             os.close(lifeline)
 
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
     def kill(self) -> None:
         """Kill the process and wait for its end."""
         self._process.kill()

@@ -181,6 +181,12 @@ class LiveStreams:
         running = self._running.get(stream_id)
         return None if running is None else running.header
 
+    def find_process(self, stream_id: int) -> int | None:
+        """Return the number of the process of a stream; None while there is none."""
+        running = self._running.get(stream_id)
+        program = None if running is None else running.program
+        return None if program is None else program.pid
+
     def find_campaign(self, stream_id: int) -> int | None:
         """Return the aircraft of a running stream; None if it does not run here."""
         running = self._running.get(stream_id)

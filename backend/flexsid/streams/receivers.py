@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, Protocol
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
-from pydantic.dataclasses import dataclass as checked
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from flexsid.errors import BadInput
 from flexsid.extensions import ExtensionFailed, load_extensions
@@ -28,6 +27,12 @@ ENTRY_POINT = "flexsid.receivers"
 
 _LARGEST_DATAGRAM = 65_507  # bytes of UDP over IPv4
 _BUFFERED_BYTES = 4 * 1024**2  # in the system, while a process starts again
+
+
+class Options(BaseModel):
+    """Options of a receiver; unknown ones are refused."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class Source(Protocol):
@@ -58,12 +63,11 @@ class Receiver:
 
     name: str
     label: str
-    options: type[Any]
+    options: type[Options]
     open: Callable[[Store, Any, StreamHeader], Source]
     waits: bool = False
 
 
-_STRICT = ConfigDict(extra="forbid", strict=True)
 _Port = Annotated[int, Field(ge=1024, le=65535, description="Port that packets are sent to.")]
 _Address = Annotated[
     str,
@@ -74,21 +78,18 @@ _Address = Annotated[
 ]
 
 
-@checked(config=_STRICT, frozen=True)
-class ReplayOptions:
+class ReplayOptions(Options):
     """A stored maneuver, and its speed as a multiple of real time."""
 
     maneuver_id: Annotated[int, Field(ge=1, le=LARGEST_ID, description="Maneuver to replay.")]
     speed: Annotated[float, Field(gt=0.0, le=1000.0, description="Multiple of real time.")] = 1.0
 
 
-@checked(config=_STRICT, frozen=True)
-class PushOptions:
+class PushOptions(Options):
     """Frames are posted to the server; there are no options."""
 
 
-@checked(config=_STRICT, frozen=True)
-class PortOptions:
+class PortOptions(Options):
     """Address and port of packets."""
 
     port: _Port
@@ -231,7 +232,7 @@ def find_receiver(settings: ReceiverSettings) -> tuple[Receiver, Any]:
             field="receiver.name",
         )
     try:
-        return receiver, TypeAdapter(receiver.options).validate_python(settings.options)
+        return receiver, receiver.options.model_validate(settings.options)
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(map(str, first["loc"]))

@@ -46,6 +46,7 @@ _log = logging.getLogger(__name__)
 
 _MOST_WAITING = 4  # estimates, after which the computer is too slow for one per second
 _FRAMES_WAITING = 400  # frames (20 s) between receiver and processing
+_FRAMES_AHEAD = 4  # of a source that waits
 _AFTER_DECAY_S = 1.0  # of the record after the response has decayed: channels are delayed [s]
 _RESTART_S = 0.5
 _SKIPPED = "no estimate for this second: the computer is too slow"
@@ -257,7 +258,9 @@ def main(arguments: list[str]) -> None:
         order: StreamOrder = connection.recv()
     except EOFError:
         return
-    arrivals: queue.Queue[_Arrival | EndMessage] = queue.Queue(_FRAMES_WAITING)
+    arrivals: queue.Queue[_Arrival | EndMessage] = queue.Queue(
+        _FRAMES_AHEAD if order.waits else _FRAMES_WAITING
+    )
     stream = _Stream(order, connection)
     after = stream.resume()
     threading.Thread(

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Path, Query, Response, status
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 
 from flexsid.api.analyst import NamedAnalyst, TheAnalyst
 from flexsid.api.context import TheContext, TheStore
@@ -241,7 +241,7 @@ def decide_test_point(
 
 
 def _describe_receiver(receiver: Receiver) -> ReceiverItem:
-    schema = TypeAdapter(receiver.options).json_schema()
+    schema = receiver.options.model_json_schema()
     required = schema.get("required", ())
     return ReceiverItem(
         name=receiver.name,

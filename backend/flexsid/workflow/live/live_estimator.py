@@ -35,7 +35,7 @@ class LiveEstimator:
         self._fit = LiveFit(self._task)
         self._estimate: LiveEstimate | None = None
         self._alarms: tuple[LiveAlarm, ...] = ()
-        self._reason: str | None = None
+        self._reason = ""
         self._evidence: dict[tuple[AlarmKind, str], int] = {}
 
     def complete(self, update: StreamUpdate) -> LiveState:
@@ -47,7 +47,7 @@ class LiveEstimator:
         return replace(
             update.state,
             estimate=self._estimate,
-            reason=update.state.reason if self._reason is None else self._reason,
+            reason=update.state.reason or self._reason,
             alarms=join_alarms(update.state.alarms, self._alarms),
         )
 
@@ -124,7 +124,7 @@ def combine_states(newest: LiveState, estimated: LiveState | None) -> LiveState:
     return replace(
         newest,
         estimate=estimated.estimate,
-        reason=estimated.reason or newest.reason,
+        reason=newest.reason or estimated.reason,
         alarms=join_alarms(newest.alarms, estimated.alarms),
     )
 

@@ -293,6 +293,7 @@ class StreamProcessor:
         if spectra.duration_s < _FIRST_ESTIMATE_S:
             self._reason = f"{spectra.duration_s:.1f} of {_FIRST_ESTIMATE_S:g} s recorded"
             return None
+        self._reason = ""  # from here on it is that of the estimate
         excluded = {n for n, out in zip(self._names, self._excluded, strict=True) if out}
         return EstimateRequest(spectra=spectra, trim=self._trim, excluded=frozenset(excluded))
 
