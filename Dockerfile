@@ -8,7 +8,7 @@ RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels . \
 FROM python:3.12-slim
 COPY --from=build /wheels /wheels
 RUN pip install --no-cache-dir --constraint /wheels/constraints.txt \
-        "$(ls /wheels/*.whl)[dask,postgresql,mdf,parquet]" \
+        "$(ls /wheels/*.whl)[dask,postgresql,mdf,oidc,parquet]" \
     && rm -r /wheels \
     && useradd --create-home --uid 10001 flexsid \
     && install -d -o flexsid -g flexsid /data

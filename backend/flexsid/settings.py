@@ -15,6 +15,7 @@ DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
 DEFAULT_PORT = 8000
 LOOPBACK = "127.0.0.1"
 _SHORTEST_SECRET = 32
+_NAME_CLAIM = "preferred_username"
 
 
 class Mode(StrEnum):
@@ -26,13 +27,27 @@ class Mode(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OpenIdSettings:
+    """The OpenID provider of an organisation, and this server as its client.
+
+    ``name_claim`` is the claim with the name of the account; users must not be able to change it.
+    """
+
+    issuer: str
+    client_id: str
+    client_secret: str = field(repr=False)
+    name_claim: str = _NAME_CLAIM
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Address of the database, port of the web server, number of worker processes, access.
 
     ``dask`` is the address of a scheduler; without it ``workers`` local
     processes compute (None: one less than the number of cores). Reports use the file
     ``report_template``. With accounts the server is known to browsers as ``url``, and listens on
-    ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user.
+    ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
+    unless users log in at the provider ``openid``.
     """
 
     database: str = DEFAULT_DATABASE
@@ -45,6 +60,7 @@ class Settings:
     address: str = LOOPBACK
     proxies: tuple[str, ...] = ()
     proxy_secret: str | None = field(default=None, repr=False)
+    openid: OpenIdSettings | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -76,6 +92,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
             if part.strip()
         ),
         proxy_secret=environment.get("FLEXSID_PROXY_SECRET") or None,
+        openid=_read_openid(environment),
     )
     _check_access(settings)
     return settings
@@ -93,16 +110,50 @@ def _check_access(settings: Settings) -> None:
             f"FLEXSID_ADDRESS is {settings.address}; beyond the loopback address FLEXSID_URL must "
             "be the https:// address of a proxy with TLS"
         )
-    if settings.mode is Mode.ORGANISATION and not (settings.proxies and settings.proxy_secret):
+    if settings.openid is not None:
+        if settings.mode is not Mode.ORGANISATION or settings.proxy_secret is not None:
+            raise BadInput(
+                "FLEXSID_OIDC_ISSUER needs FLEXSID_MODE=organisation, and no FLEXSID_PROXY_SECRET: "
+                "either the provider or a proxy names the user"
+            )
+        if settings.url is None:
+            raise BadInput(
+                "FLEXSID_OIDC_ISSUER needs FLEXSID_URL, the address to which the provider returns"
+            )
+    elif settings.mode is Mode.ORGANISATION and not (settings.proxies and settings.proxy_secret):
         raise BadInput(
-            "organisation mode needs FLEXSID_PROXIES, the addresses of the proxies that name the "
-            "user, and FLEXSID_PROXY_SECRET, which they send"
+            "organisation mode needs FLEXSID_OIDC_ISSUER, the address of the OpenID provider; or "
+            "FLEXSID_PROXIES, the addresses of the proxies that name the user, and "
+            "FLEXSID_PROXY_SECRET, which they send"
         )
     if settings.proxy_secret is not None and len(settings.proxy_secret) < _SHORTEST_SECRET:
         raise BadInput(
             f"FLEXSID_PROXY_SECRET is shorter than {_SHORTEST_SECRET} characters; make one by "
             "`openssl rand -hex 32`"
         )
+
+
+def _read_openid(environment: Mapping[str, str]) -> OpenIdSettings | None:
+    issuer = environment.get("FLEXSID_OIDC_ISSUER") or None
+    client_id = environment.get("FLEXSID_OIDC_CLIENT_ID") or None
+    client_secret = environment.get("FLEXSID_OIDC_CLIENT_SECRET") or None
+    if issuer is None and client_id is None and client_secret is None:
+        return None
+    if issuer is None or client_id is None or client_secret is None:
+        raise BadInput(
+            "FLEXSID_OIDC_ISSUER, FLEXSID_OIDC_CLIENT_ID and FLEXSID_OIDC_CLIENT_SECRET are set "
+            "together"
+        )
+    parts = urlsplit(issuer)
+    is_local = parts.hostname in ("localhost", LOOPBACK)
+    if parts.scheme != "https" and not (parts.scheme == "http" and is_local):
+        raise BadInput(f"FLEXSID_OIDC_ISSUER is {issuer!r}; expected an https:// address")
+    return OpenIdSettings(
+        issuer=issuer,
+        client_id=client_id,
+        client_secret=client_secret,
+        name_claim=environment.get("FLEXSID_OIDC_NAME_CLAIM") or _NAME_CLAIM,
+    )
 
 
 def _read_mode(text: str) -> Mode:

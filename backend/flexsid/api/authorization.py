@@ -15,7 +15,7 @@ from typing import Any, cast
 from urllib.parse import parse_qsl, quote, unquote
 
 import anyio.to_thread
-from fastapi import Request
+from fastapi import Request, Response
 from starlette.requests import HTTPConnection
 
 from flexsid.api.analyst import HEADER
@@ -28,6 +28,7 @@ from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts.accounts import find_role
 from flexsid.workflow.accounts.sessions import (
+    SESSION_HOURS,
     TOKEN_PREFIX,
     Identity,
     NotLoggedIn,
@@ -126,7 +127,7 @@ def identify(store: Store, settings: Settings, request: HTTPConnection) -> Ident
         if scheme.lower() != "bearer" or not secret.startswith(TOKEN_PREFIX):
             return None
         return find_token(store, secret.strip())
-    if settings.mode is Mode.ORGANISATION:
+    if settings.mode is Mode.ORGANISATION and settings.openid is None:
         name = _read_proxy_user(settings, request)
         return None if name is None else find_identity(store, name)
     secret = request.cookies.get(cookie_name(settings))
@@ -136,6 +137,19 @@ def identify(store: Store, settings: Settings, request: HTTPConnection) -> Ident
 def cookie_name(settings: Settings) -> str:
     """Return the name of the session cookie; the prefix binds it to this host and to TLS."""
     return "__Host-flexsid" if settings.is_secure else "flexsid"
+
+
+def set_cookie(settings: Settings, response: Response, secret: str) -> None:
+    """Set the session cookie, which scripts of the page cannot read."""
+    response.set_cookie(
+        cookie_name(settings),
+        secret,
+        max_age=SESSION_HOURS * 3600,
+        path="/",
+        secure=settings.is_secure,
+        httponly=True,
+        samesite="lax",
+    )
 
 
 def client_address(settings: Settings, request: HTTPConnection) -> str:

@@ -20,6 +20,9 @@ DESCRIPTION = (
     " `unknown-parameter`, one that is given twice with `repeated-parameter`."
 )
 
+# Requests of an OpenID provider, which may add parameters (RFC 6749, section 4.1.2).
+_EXTENSIBLE = frozenset({"complete_openid_login"})
+
 # By endpoint, since a route is not hashable; the look-up is slower than many responses.
 _known: dict[Callable[..., Any], tuple[str, ...]] = {}
 
@@ -52,7 +55,7 @@ async def refuse_unknown_parameters(request: Request) -> None:
     known = _list_parameters(request.scope["route"])
     given = Counter(name for name, _value in request.query_params.multi_items())
     unknown = [name for name in given if name not in known]
-    if unknown:
+    if unknown and request.scope["route"].name not in _EXTENSIBLE:
         takes = f"expected {', '.join(known)}" if known else "expected none"
         raise BadInput(
             f"{request.url.path} has no query parameter {', '.join(map(repr, unknown))}; {takes}",

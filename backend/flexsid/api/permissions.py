@@ -35,6 +35,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
     Permission.PUBLIC: (
         *("check_liveness", "check_readiness"),
         *("get_session", "log_in", "log_out", "accept_invitation", "list_axes"),
+        *("begin_openid_login", "complete_openid_login"),
     ),
     Permission.ACCOUNT: (
         *("get_health", "get_metrics", "list_nomenclature", "list_catalogue"),

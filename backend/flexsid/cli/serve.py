@@ -6,6 +6,7 @@ import argparse
 import logging
 import socket
 import sys
+from importlib.util import find_spec
 from types import FrameType
 
 import uvicorn
@@ -18,7 +19,7 @@ from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.demo.campaign_process import CampaignProcess
-from flexsid.errors import FlexsidError
+from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
 from flexsid.jobs.health import PartHealth
 from flexsid.jobs.interpreter import configure_interpreter
@@ -90,6 +91,10 @@ def _serve_on(
     as_json: bool,
     campaign_process: CampaignProcess | None = None,
 ) -> int:
+    if settings.openid is not None and find_spec("authlib") is None:
+        raise BadInput(
+            "log-in at an OpenID provider needs the extra `oidc`: pip install 'flexsid[oidc]'"
+        )
     if settings.mode is not Mode.PERSONAL:
         for handler in logging.getLogger().handlers:
             handler.setFormatter(JsonFormatter())

@@ -27,7 +27,7 @@ class Account:
 
     ``skeleton`` is equal for names that look alike. ``invitation_hash`` is the SHA-256 of
     the code by which a password is set once. An account without a password logs in through the
-    organisation only.
+    organisation only; ``subject`` is issuer and identifier of its user at the OpenID provider.
     """
 
     name: str
@@ -36,6 +36,7 @@ class Account:
     invitation_hash: str | None = None
     invited_until: datetime | None = None
     disabled_at: datetime | None = None
+    subject: str | None = None
     created_at: datetime | None = None
     id: int | None = None
 

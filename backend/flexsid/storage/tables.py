@@ -598,8 +598,10 @@ accounts = table(
     text("invitation_hash", length=64, required=False),
     moment("invited_until", required=False),
     moment("disabled_at", required=False),
+    text("subject", required=False),
     moment("created_at"),
     sa.UniqueConstraint("skeleton"),
+    sa.Index(None, "subject", unique=True),
 )
 
 memberships = table(

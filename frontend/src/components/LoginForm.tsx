@@ -1,4 +1,4 @@
-import { Button, Paper, PasswordInput, Stack, Text, TextInput, Title } from "@mantine/core";
+import { Alert, Button, Paper, PasswordInput, Stack, Text, TextInput, Title } from "@mantine/core";
 import { useDocumentTitle } from "@mantine/hooks";
 import { useState, type ReactNode, type SubmitEvent } from "react";
 import { useAcceptInvitation, useLogIn } from "../api/commands";
@@ -53,6 +53,25 @@ export function LoginForm({ byPassword }: { byPassword: boolean }) {
           </Button>
         </Stack>
       </form>
+    </Entrance>
+  );
+}
+
+/** Log-in at the OpenID provider; the server returns a refusal in the fragment of the address. */
+export function ProviderLogin() {
+  const refusal = new URLSearchParams(window.location.hash.slice(1)).get("detail");
+  return (
+    <Entrance title="Log in">
+      <Stack gap="sm">
+        {refusal !== null && (
+          <Alert color="red" title="Not logged in" role="alert">
+            {refusal}
+          </Alert>
+        )}
+        <Button component="a" href="/api/v1/session/openid" data-testid="log-in-provider">
+          Log in with your organisation
+        </Button>
+      </Stack>
     </Entrance>
   );
 }

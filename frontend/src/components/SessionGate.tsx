@@ -3,7 +3,7 @@ import { useEffect, type ReactNode } from "react";
 import { setAccountName } from "../api/analyst";
 import { LOGGED_OUT } from "../api/client";
 import { sessionQuery } from "../api/queries";
-import { InvitationForm, LoginForm } from "./LoginForm";
+import { InvitationForm, LoginForm, ProviderLogin } from "./LoginForm";
 
 /** Shows the workbench to whoever may use it, and the log-in to others. */
 export function SessionGate({ children }: { children: ReactNode }) {
@@ -29,5 +29,5 @@ export function SessionGate({ children }: { children: ReactNode }) {
   if (data.mode === "team" && window.location.pathname === "/invitation") {
     return <InvitationForm />;
   }
-  return <LoginForm byPassword={data.mode === "team"} />;
+  return data.has_provider ? <ProviderLogin /> : <LoginForm byPassword={data.mode === "team"} />;
 }

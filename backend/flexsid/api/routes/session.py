@@ -5,25 +5,36 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
+from urllib.parse import urlencode
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import RedirectResponse
 from pydantic import Field
 
 from flexsid.api import requests
-from flexsid.api.authorization import client_address, cookie_name, identify
+from flexsid.api.authorization import (
+    client_address,
+    cookie_name,
+    identify,
+    set_cookie,
+)
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Title
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.account import ApiToken, Role
-from flexsid.settings import Mode, Settings
+from flexsid.settings import Mode, OpenIdSettings, Settings
 from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
 
 router = APIRouter(tags=["session"], route_class=JsonRoute)
 
+_ATTEMPT_S = 600  # for the user to log in at the provider
+_LONGEST_RETURNED = 4096
+
+_Returned = Annotated[str, Query(max_length=_LONGEST_RETURNED)]
 Secret = Annotated[str, Field(min_length=1, max_length=LONGEST_PASSWORD)]
 
 
@@ -60,9 +71,13 @@ class CampaignRole:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionState:
-    """How this server is used, and who is logged in; null is nobody."""
+    """How this server is used, and who is logged in; null is nobody.
+
+    With ``has_provider`` users log in at the OpenID provider of the organisation.
+    """
 
     mode: Mode
+    has_provider: bool = False
     name: str | None = None
     roles: tuple[CampaignRole, ...] = ()
     expires_at: datetime | None = None
@@ -99,10 +114,67 @@ def log_in(request: Request, store: TheStore, body: LoginRequest) -> Json:
     # A session that the browser already had ends: its secret may be known to others.
     _end_session(request, store, settings)
     response = Json(_describe(settings, sessions.find_session(store, secret)))
+    set_cookie(settings, response, secret)
+    return response
+
+
+@router.get("/session/openid", status_code=303, response_class=RedirectResponse)
+def begin_openid_login(request: Request) -> RedirectResponse:
+    """Send the browser to the OpenID provider of the organisation."""
+    settings, provider = _require_provider(request)
+    from flexsid.workflow.accounts import openid  # needs an extra
+
+    try:
+        url, attempt = openid.begin_login(provider, _return_address(settings))
+    except openid.ProviderUnavailable as error:
+        return _return_to_page(error.code, error.message)
+    response = RedirectResponse(url, 303)
     response.set_cookie(
-        cookie_name(settings),
-        secret,
-        max_age=sessions.SESSION_HOURS * 3600,
+        _attempt_cookie(settings),
+        attempt.encode(),
+        max_age=_ATTEMPT_S,
+        path="/",
+        secure=settings.is_secure,
+        httponly=True,
+        samesite="lax",
+    )
+    return response
+
+
+@router.get("/session/openid/callback", status_code=303, response_class=RedirectResponse)
+def complete_openid_login(
+    request: Request,
+    store: TheStore,
+    code: _Returned = "",
+    state: _Returned = "",
+    iss: _Returned = "",
+    error: _Returned = "",
+) -> RedirectResponse:
+    """Begin the session of a user whom the provider sends back, and show the page."""
+    settings, provider = _require_provider(request)
+    from flexsid.workflow.accounts import openid  # needs an extra
+
+    sent = {"code": code, "state": state, "iss": iss, "error": error}
+    attempt = openid.decode_attempt(request.cookies.get(_attempt_cookie(settings), ""))
+    try:
+        if attempt is None:
+            raise openid.LoginRefused("this browser has not begun a log-in, or it took too long")
+        claims = openid.complete_login(
+            provider,
+            _return_address(settings),
+            attempt,
+            {name: value for name, value in sent.items() if value},
+        )
+        account = openid.find_user(store, provider, claims)
+    except (openid.LoginRefused, openid.ProviderUnavailable) as refusal:
+        response = _return_to_page(refusal.code, refusal.message)
+    else:
+        _end_session(request, store, settings)
+        secret = sessions.begin_session(store, account, client_address(settings, request))
+        response = RedirectResponse("/", 303)
+        set_cookie(settings, response, secret)
+    response.delete_cookie(
+        _attempt_cookie(settings),
         path="/",
         secure=settings.is_secure,
         httponly=True,
@@ -171,6 +243,26 @@ def _require_mode(request: Request, mode: Mode) -> Settings:
     return settings
 
 
+def _require_provider(request: Request) -> tuple[Settings, OpenIdSettings]:
+    settings: Settings = request.app.state.settings
+    if settings.openid is None:
+        raise Conflict("this server has no OpenID provider", code="no-log-in")
+    return settings, settings.openid
+
+
+def _attempt_cookie(settings: Settings) -> str:
+    return f"{cookie_name(settings)}-login"
+
+
+def _return_address(settings: Settings) -> str:
+    return f"{settings.url}/api/v1/session/openid/callback"
+
+
+def _return_to_page(code: str, message: str) -> RedirectResponse:
+    """Show why a log-in failed, in the fragment, which is not sent to servers."""
+    return RedirectResponse(f"/#{urlencode({'problem': code, 'detail': message[:500]})}", 303)
+
+
 def _require_account(request: Request) -> sessions.Identity:
     found: sessions.Identity | None = getattr(request.state, "identity", None)
     if found is None:
@@ -186,13 +278,14 @@ def _end_session(request: Request, store: TheStore, settings: Settings) -> None:
 
 def _describe(settings: Settings, identity: sessions.Identity | None) -> SessionState:
     if identity is None:
-        return SessionState(mode=settings.mode)
+        return SessionState(mode=settings.mode, has_provider=settings.openid is not None)
     roles = tuple(
         CampaignRole(aircraft_id=key, role=role)
         for key, role in sorted(identity.roles.items(), key=lambda pair: pair[0] or 0)
     )
     return SessionState(
         mode=settings.mode,
+        has_provider=settings.openid is not None,
         name=identity.account.name,
         roles=roles,
         expires_at=identity.expires_at,

@@ -55,7 +55,7 @@ def replace_aircraft(store: Store, aircraft_id: int, text: str) -> Aircraft:
         if omitted and store.flights.find(aircraft_id=aircraft_id):
             raise BadInput(
                 f"The definition omits {', '.join(omitted)}, and flights were recorded with "
-                f"'{former.name}'. Keep its surfaces and sensors; further ones may be added.",
+                f"'{former.name}'. Retain its surfaces and sensors; further ones may be added.",
                 code="aircraft-in-use",
                 key="aircraft.sensors",
             )
