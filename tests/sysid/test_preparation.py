@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import signal
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
@@ -58,6 +59,23 @@ def test_spikes_dropouts_and_saturation_are_distinguished():
     assert found[SampleDefect.SPIKE] == [(700, 701), (1500, 1501), (2000, 2003), (3100, 3101)]
     assert found[SampleDefect.DROPOUT] == [(2400, 2440)]
     assert all(x[a] <= -2.0 for a, _ in found.get(SampleDefect.SATURATION, []))
+
+
+@pytest.mark.parametrize("rate_hz", [25, 50, 100, 200])
+@pytest.mark.parametrize("natural_frequency", [20.0, 40.0, 80.0, 200.0])
+def test_edges_of_pulses_are_no_spikes(rate_hz: int, natural_frequency: float):
+    """A surface overshoots at each edge of a doublet by 5 %, within one or many samples."""
+    fine, wn = 400, natural_frequency
+    command = np.zeros(10 * fine)
+    command[3 * fine : 4 * fine] = 2.0
+    command[4 * fine : 5 * fine] = -2.0
+    surface = signal.lfilter(*signal.bilinear([wn**2], [1.0, 1.4 * wn, wn**2], fine), command)
+    x = surface[:: fine // rate_hz]
+    x = x + 1e-3 * np.random.default_rng(1).standard_normal(x.size)
+    assert kinds(x) == {}
+    x[[8 * rate_hz, 9 * rate_hz]] += 0.05
+    spikes = [(8 * rate_hz, 8 * rate_hz + 1), (9 * rate_hz, 9 * rate_hz + 1)]
+    assert kinds(x) == {SampleDefect.SPIKE: spikes}
 
 
 def test_saturation_is_found_at_either_end():

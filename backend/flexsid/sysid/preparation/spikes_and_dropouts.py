@@ -23,6 +23,10 @@ _FREQUENT, _VERY_FREQUENT = 3, 10
 _FEW_DIGITS = 64  # resolution steps in the range of a coarse recorder
 _LONGEST_REPAIR_S = 0.1  # a longer interval is not interpolated [s]
 _SUPPORT = 8  # samples on either side that the spline of a repair passes through
+_NEAR = 4  # samples on either side whose misfit a spike of its own does not change
+_LEVEL = 8  # samples on either side whose medians are the levels before and after
+_ABRUPT = 2.0  # times the steps before: least first step of a wide spike
+_EDGE = 0.5  # of the size of a spike: least change of level at the edge of a pulse
 
 
 class SampleDefect(StrEnum):
@@ -62,7 +66,9 @@ def find_defects(
     elsewhere change. Saturation stays at the largest or smallest value of the record
     more often than at any value next to it. Equal values due to the resolution of the
     recorder are excluded: where values repeat, a dropout ends with a jump of more than
-    one digit, and a spike is larger than the rounding of a smooth signal.
+    one digit, and a spike is larger than the rounding of a smooth signal. The overshoot at
+    the edge of a pulse is no spike: without it the signal still is not smooth there, and
+    its level changes.
     """
     x = np.asarray(samples, dtype=float)
     if x.size < 3 * _DROPOUT_SAMPLES:
@@ -77,6 +83,9 @@ def find_defects(
     taken = np.repeat(held | saturated, stop - first)
     spikes = _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
     spikes &= ~ndimage.binary_dilation(taken, iterations=2)
+    limit = _SPIKE * _estimate_local_scale(_compute_misfit(x), digit)
+    for run in _find_runs(spikes):
+        spikes[run] = not _is_at_edge(x, run, limit)
     found = {
         SampleDefect.SATURATION: _list_runs(first[saturated], stop[saturated]),
         SampleDefect.DROPOUT: _list_runs(first[held], stop[held]),
@@ -153,10 +162,33 @@ def _find_jumps(
     return (np.maximum(before, after) > 1.5 * digit) | (digit == 0.0)
 
 
-def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
-    """Samples that are outliers, the largest of each group of neighbours."""
+def _compute_misfit(x: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+    """Departure of every sample from the cubic through two neighbours on either side."""
     away = np.zeros_like(x)
     away[2:-2] = x[2:-2] - (4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6.0
+    return away
+
+
+def _is_at_edge(x: Float[np.ndarray, " n"], run: slice, limit: Float[np.ndarray, " n"]) -> bool:
+    """Whether samples overshoot at the edge of a pulse, and do not depart from a smooth signal."""
+    first, stop = max(0, run.start - _NEAR), min(x.size, run.stop + _NEAR)
+    around = slice(max(0, first - 2), min(x.size, stop + 2))
+    at = np.arange(around.start, around.stop)
+    sound = (at < run.start) | (at >= run.stop)
+    smooth = np.where(sound, x[around], np.interp(at, at[sound], x[around][sound]))
+    left = np.abs(_compute_misfit(smooth)) > limit[around]
+    left &= (at < run.start - 1) | (at > run.stop)  # next to it, a line is too coarse a repair
+    if not left.any():
+        return False
+    before = np.median(x[max(0, run.start - _LEVEL) : run.start])
+    after = np.median(x[run.stop : run.stop + _LEVEL])
+    departure = np.max(np.abs(x[around] - smooth))
+    return bool(abs(after - before) > _EDGE * departure)
+
+
+def _find_single_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarray, " n"]:
+    """Samples that are outliers, the largest of each group of neighbours."""
+    away = _compute_misfit(x)
     size = np.abs(away)
     largest = size >= ndimage.maximum_filter1d(size, 5)
     there, back = np.diff(x, prepend=x[0]), np.diff(x, append=x[-1])
@@ -174,10 +206,13 @@ def _find_wide_spikes(x: Float[np.ndarray, " n"], digit: float) -> Bool[np.ndarr
     usual = _SPIKE * _estimate_local_scale(steps, digit)
     jump = steps > usual
     off = np.abs(away) > 0.5 * usual
+    # The smooth crest of an overshoot is reached by steps that become smaller.
+    beside = np.fmax(np.roll(steps, 1), np.roll(steps, 2))
+    abrupt = steps > _ABRUPT * beside
     found = np.zeros(x.size, dtype=bool)
     for run in _find_runs(off):
         is_narrow = run.stop - run.start <= _WIDEST_SPIKE and run.stop < x.size
-        found[run] = is_narrow and jump[run.start] and jump[run.stop]
+        found[run] = is_narrow and abrupt[run.start] and jump[run.start] and jump[run.stop]
     return found
 
 
