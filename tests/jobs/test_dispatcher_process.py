@@ -61,8 +61,10 @@ def test_queued_runs_are_executed_and_the_server_is_notified(
     process: DispatcherProcess,
     changed: threading.Event,
 ) -> None:
+    assert process.is_starting
     process.wake()
     assert changed.wait(PATIENCE_S)  # it has begun
+    assert not process.is_starting
     changed.clear()
     run = add_job("compute")
     process.wake()

@@ -121,7 +121,7 @@ def create_app(
             report_template=template,
             live=live,
             streams=streams,
-            queue_health=QueueHealth(store),
+            queue_health=QueueHealth(store, lambda: dispatcher.is_starting),
             check_additional_part=check_additional_part,
         )
         try:

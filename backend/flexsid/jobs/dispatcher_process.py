@@ -69,6 +69,7 @@ class DispatcherProcess:
         self._line = threading.Lock()  # held while a request is sent or the pipe is closed
         self._program: Program | None = None
         self._is_ready = False
+        self._has_started = False
         self._pending: queue.SimpleQueue[_Request] = queue.SimpleQueue()
         self._threads = [
             threading.Thread(target=target, name=f"dispatcher-{k}", daemon=True)
@@ -87,6 +88,11 @@ class DispatcherProcess:
             make_workers(self._settings.load_kinds, self._settings.dask).close()
         for thread in self._threads:
             thread.start()
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether the first process has neither begun to dispatch nor ended."""
+        return not self._has_started
 
     def wake(self) -> None:
         """Check the queue now: a job was queued or cancelled."""
@@ -133,8 +139,9 @@ class DispatcherProcess:
             with suppress(EOFError, OSError):
                 while True:
                     program.connection.recv_bytes()
-                    self._is_ready = True
+                    self._is_ready = self._has_started = True
                     self._on_change()
+            self._has_started = True
             if not self._stopping.is_set():
                 _log.warning("the dispatcher ended (%s) and is restarted", program.describe_exit())
                 program.kill()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -12,7 +13,8 @@ from flexsid.storage import leases
 from flexsid.storage.leases import Lease
 from flexsid.storage.store import Store
 
-_GRACE_S = 20.0  # longer than the start or replacement of servers and workers
+_GRACE_S = 20.0  # longer than the replacement of servers and workers
+_START_S = 120.0  # longer than the start of a dispatcher on a loaded computer
 _STALLED_S = 2.0 * LEASE_TIMEOUT_S  # by then another server would have taken the lease
 
 
@@ -40,21 +42,34 @@ class NotReady(FlexsidError):
 
 
 class QueueHealth:
-    """Monitor of the lease between calls; clocks of servers are not compared."""
+    """Monitor of the lease between calls; clocks of servers are not compared.
 
-    def __init__(self, store: Store) -> None:
+    Parameters
+    ----------
+    store
+        Store with the lease.
+    is_starting
+        Returns whether the dispatcher of this server could not yet take the lease.
+    """
+
+    def __init__(self, store: Store, is_starting: Callable[[], bool] = lambda: False) -> None:
         self._store = store
+        self._is_starting = is_starting
         self._seen: Lease | None = None
-        self._renewed_at = self._held_at = time.monotonic()
+        self._begun_at = self._renewed_at = time.monotonic()
+        self._free_since: float | None = None
 
     def check(self) -> tuple[PartHealth, PartHealth]:
         """Return the state of the dispatcher and of the workers."""
         now = time.monotonic()
         lease, status = leases.read(self._store), leases.status(self._store)
-        if lease != self._seen:
+        is_starting = now - self._begun_at < _START_S and self._is_starting()
+        if lease != self._seen or is_starting:
             self._seen, self._renewed_at = lease, now
         if lease.holder is not None:
-            self._held_at = now
+            self._free_since = None
+        elif self._free_since is None or is_starting:
+            self._free_since = now
         dispatcher = self._dispatcher(lease, now)
         if dispatcher.state is not PartState.OK or status is None:
             text = "Unknown: no dispatcher reports the workers."
@@ -62,21 +77,22 @@ class QueueHealth:
         return dispatcher, _workers(status)
 
     def _dispatcher(self, lease: Lease, now: float) -> PartHealth:
-        if lease.holder is None:
+        if self._free_since is not None:
+            if now - self._free_since < _GRACE_S:
+                text = "Starting: jobs wait in the queue meanwhile."
+                return _part("dispatcher", PartState.STARTING, text)
             text = (
                 "No server dispatches jobs: they wait in the queue. Read the log of the"
                 " server and restart it."
             )
-            late = now - self._held_at >= _GRACE_S
         elif now - self._renewed_at >= _STALLED_S:
             text = (
                 f"The dispatcher has not responded for {now - self._renewed_at:.0f} s: jobs wait."
                 " Read the log of the server and restart it."
             )
-            late = True
         else:
             return _part("dispatcher", PartState.OK, "Dispatches jobs.")
-        return _part("dispatcher", PartState.DEGRADED if late else PartState.STARTING, text)
+        return _part("dispatcher", PartState.DEGRADED, text)
 
 
 def _workers(status: dict[str, object]) -> PartHealth:

@@ -8,10 +8,25 @@ import { healthQuery } from "../api/queries";
 export function Health() {
   const { data, isError, isPending } = useQuery(healthQuery);
   const degraded = data?.status === "degraded";
-  const color = isError ? "red" : isPending ? "gray" : degraded ? "yellow" : "teal";
-  const label = isError ? "Reconnecting" : isPending ? "Connecting" : data.version;
+  const starting = data?.parts.some((part) => part.state === "starting");
+  const color = isError ? "red" : isPending || starting ? "gray" : degraded ? "yellow" : "teal";
+  const label = isError
+    ? "Reconnecting"
+    : isPending
+      ? "Connecting"
+      : starting
+        ? "Starting"
+        : data.version;
   return (
-    <Tooltip label={isError ? "Server not reachable" : "Server version"}>
+    <Tooltip
+      label={
+        isError
+          ? "Server not reachable"
+          : starting
+            ? "Jobs wait until the dispatcher has started"
+            : "Server version"
+      }
+    >
       <Group gap={6} wrap="nowrap" role="status" data-testid="health">
         <span
           style={{

@@ -6,7 +6,10 @@ import type { FigureSpec } from "../types";
 export const healthQuery = queryOptions({
   queryKey: ["health"],
   queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
-  refetchInterval: (query) => (query.state.status === "error" ? 1500 : 10_000),
+  refetchInterval: ({ state }) =>
+    state.status === "error" || state.data?.parts.some((part) => part.state === "starting")
+      ? 1500
+      : 10_000,
   retry: false,
 });
 
