@@ -15,7 +15,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import Conflict
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.decision import StructureProposal, StructureReference, Vote
+from flexsid.records.decision import EventKind, StructureProposal, StructureReference, Vote
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Progress
@@ -105,6 +105,48 @@ def test_only_the_beats_of_the_queue_do_not(
         queue.log_message(store, run.id, run.attempt, "step 1")
     assert waits == [False] * 3
     assert store.runs.get(run.id).progress == Progress(message="step 1")
+
+
+@only_sqlite
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 41))]
+)
+def test_acknowledged_events_survive_a_power_cut(
+    store: Store, database_url: str, aircraft: Aircraft, tmp_path: Path, seed: int
+) -> None:
+    """The log of the database is cut anywhere behind what was synchronised with the disk."""
+    rng = np.random.default_rng(seed)
+    file = Path(database_url.removeprefix("sqlite:///"))
+    structure = add_structure(
+        store,
+        ModelStructure(aircraft_id=aircraft.id or 0, name="SP", structure=Structure(fixed={})),
+    )
+    reference = StructureReference(id=structure.id or 0, version=1)
+    proposal = StructureProposal(title="SP", structure=reference, limits={}, reasoning="enough")
+    decision = decision_review.propose(store, proposal, "Ann").id or 0
+    lease = leases.take(store, leases.read(store), "me")
+    acknowledged, on_disk = 0, 0
+    with _commits(store) as waits:
+        for is_event in [*(rng.random(rng.integers(5, 30)) < 0.5), True, False, False]:
+            if is_event:
+                decision_review.comment(store, decision, f"comment {acknowledged}", "Bob")
+                acknowledged += 1
+            else:
+                assert lease is not None
+                lease = leases.renew(store, lease, {"workers": int(rng.integers(99))})
+            if waits[-1]:
+                on_disk = file.with_name(f"{file.name}-wal").stat().st_size
+    log = file.with_name(f"{file.name}-wal").read_bytes()
+    assert on_disk < len(log), "the last beats were not synchronised"
+    cut = tmp_path / "cut.db"
+    cut.write_bytes(file.read_bytes())
+    left = int(rng.integers(on_disk, len(log)))
+    cut.with_name("cut.db-wal").write_bytes(log[:left] + rng.bytes(int(rng.integers(0, 9000))))
+    after = Store.open(f"sqlite:///{cut}")
+    events = after.decision_events.find(decision_id=decision)
+    after.close()
+    comments = [event.text for event in events if event.kind is EventKind.COMMENTED]
+    assert comments == [f"comment {number}" for number in range(acknowledged)]
 
 
 def test_durable_transaction_is_not_nested_in_a_lax_one(store: Store) -> None:
