@@ -23,6 +23,7 @@ from playwright.sync_api import (
     expect,
     sync_playwright,
 )
+from preloaded import start_server
 from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
@@ -59,10 +60,8 @@ def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     folder = tmp_path_factory.mktemp("server")
     database = folder / "flexsid.db"
     shutil.copy(campaign, database)
-    port = free_port()
-    with serving(database, port, folder / "server.log") as process:
-        yield f"http://127.0.0.1:{port}"
-        assert process.poll() is None, "the server ended by itself"
+    with _serving_preloaded(database, folder / "server.log") as url:
+        yield url
 
 
 @pytest.fixture
@@ -70,9 +69,8 @@ def own_server(campaign: Path, tmp_path: Path) -> Iterator[str]:
     """Address of a server of one test, for tests that change the data."""
     database = tmp_path / "own.db"
     shutil.copy(campaign, database)
-    port = free_port()
-    with serving(database, port, tmp_path / "own.log"):
-        yield f"http://127.0.0.1:{port}"
+    with _serving_preloaded(database, tmp_path / "own.log") as url:
+        yield url
 
 
 ServingOn = Callable[[Path, Path], AbstractContextManager[str]]
@@ -81,14 +79,21 @@ ServingOn = Callable[[Path, Path], AbstractContextManager[str]]
 @pytest.fixture(scope="session")
 def serving_on() -> ServingOn:
     """Context manager that serves a database, from its file and that of the log."""
+    return _serving_preloaded
 
-    @contextmanager
-    def serve(database: Path, log: Path) -> Iterator[str]:
-        port = free_port()
-        with serving(database, port, log):
-            yield f"http://127.0.0.1:{port}"
 
-    return serve
+@contextmanager
+def _serving_preloaded(database: Path, log: Path) -> Iterator[str]:
+    """A server that is forked from loaded libraries; its address."""
+    port = free_port()
+    process = start_server(database, port, log)
+    try:
+        _wait_until_healthy(f"http://127.0.0.1:{port}", process.is_alive, log)
+        yield f"http://127.0.0.1:{port}"
+        assert process.is_alive(), "the server ended by itself"
+    finally:
+        process.terminate()
+        process.join(PATIENCE_S)
 
 
 def free_port() -> int:
@@ -110,7 +115,7 @@ def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[b
             stderr=subprocess.STDOUT,
         )
         try:
-            _wait_until_healthy(f"http://127.0.0.1:{port}", process, log)
+            _wait_until_healthy(f"http://127.0.0.1:{port}", lambda: process.poll() is None, log)
             yield process
         finally:
             process.terminate()
@@ -173,9 +178,9 @@ def watched_page(browser: Browser, server: str, refused: int | None = None) -> I
     assert not problems, "\n".join(problems)
 
 
-def _wait_until_healthy(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
+def _wait_until_healthy(address: str, is_running: Callable[[], bool], log: Path) -> None:
     def is_healthy() -> bool:
-        assert process.poll() is None, f"the server ended:\n{log.read_text()}"
+        assert is_running(), f"the server ended:\n{log.read_text()}"
         try:
             with urllib.request.urlopen(f"{address}/api/v1/health", timeout=PATIENCE_S):
                 return True

@@ -68,38 +68,34 @@ def test_queued_runs_are_executed(
     assert values == [2.0, 1.0, 2.0]
 
 
-@pytest.mark.parametrize(
-    ("task", "code", "words"),
-    [
-        ("refuse", "not-identifiable", "never moves"),
-        ("unprepared", "unknown-mode", "mode 99"),
-        ("stumble", "internal-error", "IndexError"),
-        ("unpicklable", "internal-error", "log of the server"),
-        ("crash", "worker-died", "died 3 times"),
-        ("segfault", "worker-died", "signal 11"),
-        ("devour", "out-of-memory", "memory limit"),
-        ("sleep", "time-limit", "longer than 0.5 s"),
-    ],
-)
-def test_a_failed_run_has_a_code_and_a_message(
-    store: Store,
-    add_job: AddJob,
-    dispatcher: Dispatcher,
-    until: Until,
-    task: str,
-    code: str,
-    words: str,
+_FAILURES = {
+    "refuse": ("not-identifiable", "never moves"),
+    "unprepared": ("unknown-mode", "mode 99"),
+    "stumble": ("internal-error", "IndexError"),
+    "unpicklable": ("internal-error", "log of the server"),
+    "crash": ("worker-died", "died 3 times"),
+    "segfault": ("worker-died", "signal 11"),
+    "devour": ("out-of-memory", "memory limit"),
+    "sleep": ("time-limit", "longer than 0.5 s"),
+}
+
+
+def test_failed_runs_have_a_code_and_a_message_and_stop_no_other(
+    store: Store, add_job: AddJob, dispatcher: Dispatcher, until: Until
 ) -> None:
-    time_s = 0.5 if task == "sleep" else None
-    run = add_job(task, limits=Limits(time_s=time_s, memory_mb=500))
+    runs = {
+        task: add_job(task, limits=Limits(time_s=0.5 if task == "sleep" else None, memory_mb=500))
+        for task in _FAILURES
+    }
     bystander = add_job("compute")
     dispatcher.start()
-    failed = until(run)
-    assert failed.state is RunState.FAILED
-    assert failed.error is not None
-    assert failed.error["code"] == code
-    assert words in failed.error["message"]
-    assert "Traceback" not in failed.error["message"]
+    for task, (code, words) in _FAILURES.items():
+        failed = until(runs[task])
+        assert failed.state is RunState.FAILED, task
+        assert failed.error is not None
+        assert failed.error["code"] == code, task
+        assert words in failed.error["message"]
+        assert "Traceback" not in failed.error["message"]
     assert until(bystander).state is RunState.SUCCEEDED
 
 

@@ -1,16 +1,20 @@
-"""Dispatchers, workers and streams that are forked from a process which has the libraries loaded.
+"""Servers, dispatchers, workers and streams forked from a process with the libraries loaded.
 
-Importing the numerical libraries takes longer than most jobs of tests. These processes run the
-same programs as those of ``flexsid.jobs.child``, which the tests of `jobs`, `cli` and `e2e` start.
+Importing the libraries takes longer than most tests of servers. These processes run the same
+programs as those of ``flexsid.jobs.child`` and the command ``flexsid serve``, which the tests of
+`jobs`, `cli` and `e2e/test_lost_server.py` start.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
 from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
 
 import pytest
 
@@ -22,7 +26,7 @@ _is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
 _FORKING.set_forkserver_preload(
     [
-        *("flexsid.jobs.kinds", "flexsid.jobs.dispatcher_process"),
+        *("flexsid.cli.serve", "flexsid.jobs.kinds"),
         *("flexsid.streams.stream_process", "flexsid.streams.estimate_process"),
     ]
 )
@@ -68,6 +72,36 @@ def use_preloaded(patch: pytest.MonkeyPatch) -> None:
     """Start dispatchers of this process, and their workers, from loaded libraries."""
     patch.setattr(dispatcher_process, "Program", PreloadedProgram)
     patch.setattr(live_streams, "Program", PreloadedProgram)
+
+
+def start_server(database: Path, port: int, log: Path) -> BaseProcess:
+    """Start ``flexsid serve`` on a database and port."""
+    server = _FORKING.Process(target=_serve, args=(database, port, log))
+    server.start()
+    return server
+
+
+def _serve(database: Path, port: int, log: Path) -> None:
+    global _is_forked
+    _is_forked = True
+    with log.open("ab") as output:
+        for stream in (1, 2):
+            os.dup2(output.fileno(), stream)
+    os.environ["FLEXSID_PORT"] = str(port)
+    # Forked while this process has one thread. A dispatcher that replaces it is started anew.
+    ready = [PreloadedProgram(dispatcher_process.__name__)]
+    setattr(  # noqa: B010
+        dispatcher_process, "Program", lambda module: ready.pop() if ready else Program(module)
+    )
+    from flexsid.cli.main import main
+
+    try:
+        code = main(["serve", "--database", f"sqlite:///{database}"])
+    finally:
+        for program in ready:
+            program.kill()
+            program.close()
+    sys.exit(code)
 
 
 def _run(module: str, connection: Connection, lifeline: Connection) -> None:

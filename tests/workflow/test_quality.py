@@ -167,7 +167,10 @@ def test_skews_scale_factors_and_biases_are_recovered(store: Store, save_maneuve
         undo_step(store, maneuver.id, steps[0].id or 0)
 
 
-@pytest.mark.parametrize("sensor", ["q", "az_ofl", "theta"])
+@pytest.mark.parametrize(
+    "sensor",
+    ["az_ofl", *(pytest.param(one, marks=pytest.mark.long) for one in ("q", "theta"))],
+)
 def test_wrong_sign_is_detected_and_corrected(store: Store, save_maneuver, sensor: str):
     maneuver = save_maneuver(lambda name, x, rate_hz: -x if name == sensor else x)
     found = assess_quality(store, maneuver.id)
