@@ -11,6 +11,7 @@ import pytest
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.run import (
+    ErrorCauses,
     EstimationRun,
     Fit,
     FitBlock,
@@ -40,8 +41,18 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
         residualized: dict[str, float] | None = None,
         quality: tuple[OutputQuality, ...] = (),
         modal_std: dict[str, float] | None = None,
+        components: tuple[tuple[float, ...], ...] = (),
         **changes: Any,
     ) -> EstimationRun:
+        causes = None
+        if components:
+            causes = ErrorCauses(
+                maneuver_ids=(1,),
+                n_frequencies=(OMEGA.size,),
+                omega=store.arrays.put(np.sort(OMEGA)),
+                priors=("Cm_eta11 about 2",),
+                components=store.arrays.put(np.array(components, dtype=np.float32)),
+            )
         variances = [0.0 if sigma is None else sigma**2 for _, sigma in estimates.values()]
         result = RunResult(
             parameters=tuple(
@@ -77,6 +88,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
             ),
             residualized_prediction=residualized,
             prediction_id=changes.get("prediction_id"),
+            error_causes=causes,
         )
         return add_run(method=method, state=RunState.SUCCEEDED, result=result, **changes)
 

@@ -55,6 +55,23 @@ def test_errors_of_the_modal_table_are_shared_by_runs(store, add_result, wind_tu
     assert predicted.difference_sigma == pytest.approx(2.0 / np.hypot(std_error, 0.1))
 
 
+def test_runs_of_one_maneuver_share_its_noise_and_their_priors(store, add_result):
+    """Standard errors 0.6, of which 0.3 and 0.32 (noise) and 0.24 (prior) are common."""
+    noise, prior = (0.3, 0.32, 0.0), 0.24
+    runs = [
+        add_result({"Cm_alpha": (value, 0.6)}, method=method, components=((*noise, prior),))
+        for value, method in ((-1.0, Method.OE), (-1.3, Method.FRE))
+    ]
+    alone = 0.6**2 - 0.3**2 - 0.32**2 - 0.24**2
+    found = row(compare(store, [run.id for run in runs], []), "Cm_alpha")
+    assert found.max_difference_sigma == pytest.approx(0.3 / (2.0 * alone) ** 0.5, rel=1e-4)
+    assert found.limit_sigma == 2.0
+    assert found.mean_std_error == pytest.approx((0.36 - alone / 2.0) ** 0.5, rel=1e-4)
+    independent = add_result({"Cm_alpha": (-1.3, 0.6)}, method=Method.EE)
+    three = row(compare(store, [*(run.id for run in runs), independent.id], []), "Cm_alpha")
+    assert 2.0 < (three.limit_sigma or 0.0) < 2.4, "the largest of three differences"
+
+
 @pytest.fixture
 def wind_tunnel(store, aircraft):
     """A prediction with standard errors that differs from the runs."""

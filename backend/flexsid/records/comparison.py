@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from flexsid.records.run import AdequacyState
+from flexsid.sysid.estimation.agreement import FALSE_ALARM_RATE
 
 PREDICTED = "prediction"  # kind of the sources that were not estimated from flight
 
@@ -39,8 +40,8 @@ class SourceValue:
     ``modal_std`` is the part of it due to the modal table, None of a prediction.
 
     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
-    combined standard errors, and ``consistent`` whether that is at most 2; None of a run, and
-    where one of the two has no standard error.
+    combined standard errors, and ``consistent`` whether that is within the limit; None of a run,
+    and where one of the two has no standard error.
     """
 
     key: str
@@ -55,11 +56,12 @@ class SourceValue:
 class Row:
     """One derivative; ``values`` follow the order of the sources, None without a value.
 
-    ``max_difference_sigma`` is the largest |a - b| / sqrt(sigma_a^2 + sigma_b^2), errors of the
-    modal table excluded, over pairs of runs with a standard error; ``consistent`` is whether it
-    is at most 2. ``mean`` is that of those runs, weighted by their errors, ``chi_square`` their
-    scatter about it and ``probability`` that of a scatter at least as large. Predictions take no
-    part: each is judged against the runs in its own value.
+    ``max_difference_sigma`` is the largest |a - b| / sigma(a - b) over pairs of runs with a
+    standard error, in view of the errors that both share; ``limit_sigma`` is what correct
+    estimates exceed with the probability ``AgreementCount.false_alarm_rate``, 2 for two runs, and
+    ``consistent`` whether it is not exceeded. ``mean`` is that of those runs, weighted by their
+    errors, ``chi_square`` their scatter and ``probability`` that of a scatter at least as large.
+    Predictions take no part: each is judged against the runs in its own value.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Row:
     values: tuple[SourceValue | None, ...]
     consistent: bool | None = None
     max_difference_sigma: float | None = None
+    limit_sigma: float | None = None
     mean: float | None = None
     mean_std_error: float | None = None
     chi_square: float | None = None
@@ -101,15 +104,17 @@ class Setup:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementCount:
-    """How many of the derivatives that can be judged agree within 2 combined standard errors.
+    """How many of the derivatives that can be judged agree within their limit.
 
     ``source`` is the key of the prediction that is judged against the runs; None of the runs
-    judged among each other.
+    judged among each other. ``false_alarm_rate`` is the probability that correct estimates of one
+    derivative do not agree.
     """
 
     source: str | None = None
     n_judged: int = 0
     n_consistent: int = 0
+    false_alarm_rate: float = FALSE_ALARM_RATE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -239,6 +239,22 @@ class RetainedModes:
     noise_share: dict[str, float] = field(default_factory=dict[str, float])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorCauses:
+    """Errors of the parameters of a run by their causes, which other runs may share.
+
+    ``components`` is the hash of the standard deviation of each parameter by cause: the noise at
+    ``n_frequencies`` frequencies of each maneuver, whose frequencies ``omega`` is the hash of
+    [rad/s], then the errors of ``priors``. See ``sysid.estimation.error_components``.
+    """
+
+    maneuver_ids: tuple[int, ...]
+    n_frequencies: tuple[int, ...]
+    omega: str
+    priors: tuple[str, ...]
+    components: str
+
+
 class AdequacyState(StrEnum):
     """Result of the tests for remaining model error."""
 
@@ -286,7 +302,8 @@ class RunResult:
     ``prediction_id`` is the prediction that was used, selected or found; ``held`` are
     the derivatives that were not free, at the values they were held at. ``adequacy`` are the
     tests for remaining model error, ``symmetry`` those for an asymmetry of the aircraft, of
-    maneuvers that excite both axes.
+    maneuvers that excite both axes. ``error_causes`` are the errors that other runs may share,
+    None of an earlier release.
     """
 
     parameters: tuple[ParameterEstimate, ...]
@@ -300,6 +317,7 @@ class RunResult:
     retained: RetainedModes | None = None
     adequacy: ModelAdequacy = ModelAdequacy()
     symmetry: ModelAdequacy | None = None
+    error_causes: ErrorCauses | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,7 +22,6 @@ from flexsid.reports.run import METHOD_NAMES
 from flexsid.reports.validation import report_cross_predictions
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import (
-    CONSISTENT_SIGMA,
     compare,
     list_coefficients,
     select_coefficient,
@@ -143,8 +142,8 @@ def _summarise_count(
     if not verdict.n_judged:
         return Words(f"{none} give standard errors for the same derivative.")
     text = (
-        f"{verdict.n_consistent} of {verdict.n_judged} derivatives agree within "
-        f"{CONSISTENT_SIGMA:g} combined standard errors {which}."
+        f"{verdict.n_consistent} of {verdict.n_judged} derivatives agree {which}; of correct "
+        f"estimates {100.0 * verdict.false_alarm_rate:.2g} % do not."
     )
     known = {name: size for name, size in differences.items() if size is not None}
     if known:
@@ -192,7 +191,7 @@ def _tabulate(part: Comparison, sources: range) -> ReportTable:
             for row in part.rows
         ),
         "Value ± standard error; difference of runs: largest between two runs, and in brackets"
-        " that of a prediction from a run, in combined standard errors",
+        " that of a prediction from a run, in standard errors of the difference",
     )
 
 

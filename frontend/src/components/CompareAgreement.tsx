@@ -41,7 +41,7 @@ export function CompareAgreement({ comparison, view, onChange, onRun }: CompareT
       </Section>
       <Section
         title="Pairs of sources"
-        note="Differences in joint σ, sources taken as independent; expected value 1"
+        note="Differences in σ of the difference, in view of the errors that two runs share; expected value 1"
       >
         {comparison.pairs.length === 0 ? (
           <Empty title="No pairs of sources">

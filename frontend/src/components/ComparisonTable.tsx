@@ -47,8 +47,8 @@ export function ComparisonTable({ sources, rows, baseline }: Props) {
             c={row.consistent ? "var(--page-good)" : "var(--page-warn)"}
             title={
               row.consistent
-                ? "All pairs of runs agree within 2σ"
-                : "At least one pair of runs differs by more than 2σ"
+                ? `The runs differ by at most ${fixed(row.limit_sigma, 2)} standard errors of the difference`
+                : `At least one pair of runs differs by more than ${fixed(row.limit_sigma, 2)} standard errors of the difference`
             }
           >
             {row.consistent ? "yes" : "no"}

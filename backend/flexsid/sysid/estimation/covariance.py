@@ -10,6 +10,7 @@ from jaxtyping import Complex, Float
 from scipy.linalg import lapack
 
 from flexsid.sysid.estimation import noise
+from flexsid.sysid.estimation.error_components import scale_rows
 from flexsid.sysid.estimation.frequency_domain_model import Sensitivity
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.leave_one_out import compute_leave_one_out_residuals
@@ -25,11 +26,15 @@ class Covariance:
     """``plain`` for white residuals independent between outputs, ``corrected`` in general.
 
     The columns of ``lacking`` are the directions in which the information is singular.
+    ``noise_components`` are the parts of every parameter's standard deviation due to the noise at
+    each frequency of each maneuver; ``prior_components`` those due to the parameters with a prior.
     """
 
     plain: Float[np.ndarray, "n_theta n_theta"]
     corrected: Float[np.ndarray, "n_theta n_theta"]
     lacking: Float[np.ndarray, "n_theta n_lacking"]
+    noise_components: tuple[Float[np.ndarray, "n_theta n_omega"], ...]
+    prior_components: Float[np.ndarray, "n_theta n_prior"]
 
     def weak_directions(self, names: tuple[str, ...]) -> list[str]:
         """List the parameters that are not separately identifiable, by singular direction."""
@@ -47,6 +52,7 @@ class FinalSpectra:
 
     ``neighbours`` is the number of segments on either side in the density of the residuals;
     ``noise`` the residuals of the source data points, None: from those of this maneuver.
+    ``source`` are the residuals of the source data points, whatever the density is from.
     """
 
     form: NormalForm
@@ -55,6 +61,7 @@ class FinalSpectra:
     weights: noise.SpectralMatrix
     neighbours: int = 2
     noise: np.ndarray | None = None
+    source: np.ndarray | None = None
 
     @property
     def shares_noise(self) -> bool:
@@ -97,7 +104,9 @@ def compute_covariance(
     1/2 N^-1 [Re sum J^H W S W J] N^-1 with S from neighbouring residuals. It also holds for
     coloured residuals and for noise on the inputs, which is correlated between outputs; the
     plain form is then half too small. Residuals are leave-one-out residuals. Along singular
-    directions of the information its floor is the only bound.
+    directions of the information its floor is the only bound. The components of the noise are
+    N^-1 Re J_k^H W nu_k of every frequency, in the proportion of their squares; those of the
+    priors N^-1 P sigma.
     """
     own = np.diag(information)
     scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
@@ -105,14 +114,53 @@ def compute_covariance(
     resolved, unresolved, lacking = _invert(information / outer)
     resolved, unresolved = resolved / outer, unresolved / outer
     middle = np.diag(prior_information)
+    noise_components = []
     for final in lines:
+        alone = final
         if final.shares_noise:
             middle = middle + inflation * score_covariance(final)
         else:
-            middle = middle + score_covariance(final.with_leave_one_out_residuals(resolved))
+            alone = final.with_leave_one_out_residuals(resolved)
+            middle = middle + score_covariance(alone)
+        noise_components.append(resolved @ compute_scores(alone))
     plain = 0.5 * (resolved + unresolved)
     corrected = 0.5 * (resolved @ middle @ resolved + unresolved)
-    return Covariance(_symmetric(plain), _symmetric(corrected), lacking)
+    held = np.flatnonzero(prior_information)
+    prior_components = resolved[:, held] * np.sqrt(0.5 * prior_information[held])
+    return Covariance(
+        _symmetric(plain),
+        _symmetric(corrected),
+        lacking,
+        _scale_components(noise_components, corrected, prior_components),
+        prior_components,
+    )
+
+
+def _scale_components(
+    found: Sequence[Float[np.ndarray, "n_theta n_omega"]],
+    covariance: Float[np.ndarray, "n_theta n_theta"],
+    prior: Float[np.ndarray, "n_theta n_prior"],
+) -> tuple[Float[np.ndarray, "n_theta n_omega"], ...]:
+    """Scale the components of the noise so that all have the variances of the covariance."""
+    if not found:
+        return ()
+    ends = np.cumsum([one.shape[1] for one in found])[:-1]
+    of_noise = np.diag(covariance) - np.sum(prior**2, axis=1)
+    return tuple(np.split(scale_rows(np.concatenate(found, axis=1), of_noise), ends, axis=1))
+
+
+def compute_scores(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_omega"]:
+    """Compute Re J^H W nu of every frequency of the record.
+
+    Of data points that share the noise of source data points by the frequency of these; zero
+    where the residuals of the source are not known.
+    """
+    if not final.shares_noise:
+        return final.form.scores(final.sensitivity, final.residuals, final.weights)
+    gain = final.form.model.experiment.gain
+    if final.source is None or gain is None:
+        return np.zeros((final.form.model.order.size, 0))
+    return final.form.source_scores(final.sensitivity, final.source, final.weights, gain)
 
 
 def _invert(

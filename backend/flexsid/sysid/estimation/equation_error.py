@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
+from flexsid.sysid.estimation.error_components import ErrorComponents
 from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, Outcome
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
@@ -123,6 +124,7 @@ def equation_error_rows(
     values = np.empty(size)
     covariance = np.zeros((size, size))
     corrected = np.zeros((size, size))
+    components = np.zeros((size, motion.omega.size))
     lines = []
     regressions: dict[int, Regression] = {}
     names = model.coefficients
@@ -146,6 +148,7 @@ def equation_error_rows(
             values[own] = result.values
             covariance[np.ix_(own, own)] = result.covariance
             corrected[np.ix_(own, own)] = result.corrected_covariance
+            components[own] = result.components
             fitted = fitted + mine @ result.values
         lines.append(
             FittedSpectra(name, (name,), motion.omega, z[:, row : row + 1], fitted[:, None])
@@ -160,6 +163,7 @@ def equation_error_rows(
         steps=(),
         outcome=Outcome.CONVERGED,
         message="Solved directly: one linear regression per coefficient.",
+        components=ErrorComponents((motion.omega,), (components,), (), np.zeros((size, 0))),
     )
     return estimate, regressions
 

@@ -9,6 +9,8 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 
+from flexsid.sysid.estimation.error_components import ErrorComponents
+
 
 class Outcome(StrEnum):
     """Outcome of a maximisation."""
@@ -100,7 +102,8 @@ class Estimate:
     ``covariance`` is valid for white residuals that are independent between outputs, or for
     noise of the estimated spectrum where the fit is weighted with it,
     ``corrected_covariance`` for coloured and correlated residuals. ``nuisance`` are the
-    parameters that are no results.
+    parameters that are no results. ``components`` are the errors by their causes, without those
+    that no other estimate shares; None if they were not computed.
     """
 
     names: tuple[str, ...]
@@ -114,6 +117,7 @@ class Estimate:
     message: str
     nuisance: frozenset[str] = frozenset()
     noise: NoiseEstimate | None = None
+    components: ErrorComponents | None = None
 
     def select(self, names: Sequence[str]) -> Estimate:
         """Return the estimate of some parameters; the others are marginalised."""
@@ -127,6 +131,7 @@ class Estimate:
             covariance=self.covariance[pick],
             corrected_covariance=self.corrected_covariance[pick],
             nuisance=self.nuisance & frozenset(names),
+            components=None if self.components is None else self.components.select(index),
         )
 
     def scale_covariance(self, factor: float) -> Estimate:
@@ -135,6 +140,7 @@ class Estimate:
             self,
             covariance=factor * self.covariance,
             corrected_covariance=factor * self.corrected_covariance,
+            components=None if self.components is None else self.components.scale(factor**0.5),
         )
 
     def without_std_errors(self, which: Bool[np.ndarray, " n_theta"] | None = None) -> Estimate:

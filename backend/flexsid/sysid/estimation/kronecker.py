@@ -94,6 +94,49 @@ class NormalForm:
             g = np.append(g, np.real(np.sum(pull * sensitivity.ends, axis=(0, 1))))
         return g if self._in_order else g[np.argsort(model.order)]
 
+    def scores(
+        self,
+        sensitivity: Sensitivity,
+        residuals: Complex[np.ndarray, "n_omega n_y"],
+        weights: SpectralMatrix,
+    ) -> Float[np.ndarray, "n_theta n_omega"]:
+        """Compute Re J^H W nu of every frequency."""
+        model, own = self._factored, self._factored.own_outputs
+        weighted = weights.times(residuals[:, :, None])
+        pull = np.matmul(sensitivity.forces.conj().transpose(0, 2, 1), weighted)[:, :, 0]
+        w = sensitivity.variables.conj()[model.pair_columns]
+        parts = [np.real(pull.T[model.pair_rows] * w) * model.scale[:, None]]
+        parts.append(np.real(sensitivity.own.conj() * weighted[:, own, 0].T))
+        if sensitivity.ends is not None:
+            parts.append(np.real(np.sum(sensitivity.ends.conj() * weighted, axis=1)).T)
+        return self._order_rows(np.concatenate(parts))
+
+    def source_scores(
+        self,
+        sensitivity: Sensitivity,
+        source: Complex[np.ndarray, "n_source n_y"],
+        weights: SpectralMatrix,
+        gain: Complex[np.ndarray, "n_omega n_source"],
+    ) -> Float[np.ndarray, "n_theta n_source"]:
+        """Compute Re sum_k J_k^H W_k gain_km n_m for the residual n of every source frequency m."""
+        model, own = self._factored, self._factored.own_outputs
+        pulled = weights.times(sensitivity.forces).conj().transpose(0, 2, 1) @ source.T
+        w = sensitivity.variables.conj()
+        scores = np.empty((model.order.size, len(source)))
+        for row, index in enumerate(self._of_row):
+            loads = w[model.pair_columns[index]] * model.scale[index, None]
+            scores[index] = np.real(loads @ (gain * pulled[:, row]))
+        for k, output in enumerate(own.tolist(), start=model.pair_rows.size):
+            unit = np.zeros((*weights.block.shape, source.shape[1], 1), dtype=complex)
+            unit[:, output, 0] = sensitivity.own[k - model.pair_rows.size]
+            load = weights.times(unit)[:, :, 0].conj() @ source.T
+            scores[k] = np.real(np.sum(gain * load, axis=0))
+        return self._order_rows(scores)
+
+    def _order_rows(self, values: np.ndarray) -> np.ndarray:
+        """Return the rows in the order of theta."""
+        return values if self._in_order else values[np.argsort(self._factored.order)]
+
     def matrix(
         self, sensitivity: Sensitivity, weights: SpectralMatrix
     ) -> Float[np.ndarray, "n_theta n_theta"]:

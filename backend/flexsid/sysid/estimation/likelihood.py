@@ -17,6 +17,7 @@ from jaxtyping import Float
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance
+from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors
 from flexsid.sysid.estimation.estimate import (
     Estimate,
     FittedSpectra,
@@ -346,7 +347,9 @@ class _Problem:
             state, [noise.compute_likelihood_weights(S.scaled(inflation)) for S in state.densities]
         )
         lines = [
-            FinalSpectra(form, sensitivity, nu, W)
+            FinalSpectra(
+                form, sensitivity, nu, W, source=self._compute_source_residuals(form, state)
+            )
             for form, sensitivity, nu, W in zip(
                 self.forms, around.sensitivities, state.residuals, around.weights, strict=True
             )
@@ -391,7 +394,21 @@ class _Problem:
             steps=tuple(steps),
             outcome=outcome,
             message=message,
+            components=ErrorComponents(
+                tuple((e.source or e).omega for e in self.experiments),
+                found.noise_components,
+                name_priors(self.parameters.names, self.settings.priors),
+                found.prior_components,
+            ),
         )
+
+    def _compute_source_residuals(self, form: NormalForm, state: _State) -> np.ndarray | None:
+        """Compute the residuals of the data points from which those of a maneuver were computed."""
+        source = form.model.experiment.source
+        if source is None:
+            return None
+        model = FrequencyDomainModel(source, self.parameters)
+        return source.measured - model.respond(state.theta).outputs
 
 
 _MESSAGES = {

@@ -21,6 +21,7 @@ from flexsid.sysid.estimation.equation_error import (
     equation_error_rows,
     shape_regressors,
 )
+from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors, scale_rows
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.noise import smooth_density
 from flexsid.sysid.estimation.parameters import Parameters
@@ -127,7 +128,8 @@ class _MarginalSolution:
 
     ``theta`` are all parameters, ``slope`` is the change of those of the band with the nuisance
     parameters; ``plain`` is the covariance of these for white residuals, ``covariance`` that for
-    the observed ones.
+    the observed ones. ``components`` are those of the noise in the nuisance parameters,
+    ``prior_components`` those of their priors.
     """
 
     theta: np.ndarray
@@ -138,6 +140,8 @@ class _MarginalSolution:
     cost: float
     plain: Float[np.ndarray, "n_nu n_nu"]
     covariance: Float[np.ndarray, "n_nu n_nu"]
+    components: Float[np.ndarray, "n_nu n_omega"]
+    prior_components: Float[np.ndarray, "n_nu n_nu"]
 
 
 class _MarginalProblem:
@@ -172,6 +176,7 @@ class _MarginalProblem:
         self.of_rows = np.flatnonzero(parameters.rows[self.nuisance] >= self.n_i)
         mean, std = np.array([priors[parameters.names[k]] for k in self.nuisance]).T
         self.mean, self.information = mean, std**-2.0
+        self.prior_names = name_priors(parameters.names, priors)
         self.factors = model.row_factors()
         self.dynamics = model.known_dynamics(self.omega)
         self.shape = model.derivative_factors(self.omega)
@@ -240,7 +245,7 @@ class _MarginalProblem:
         common = per_error @ noise.spread.conj().transpose(0, 2, 1)
         level = np.sqrt(1.0 if inner.colour is None else inner.colour)[:, None] * inner.noise
         sensors = (equations.z - np.matmul(of_motion, inner.values[:, :, None])[:, :, 0]) / level
-        gradient, information, scores = self._project_sensors(
+        by_frequency, information, scores = self._project_sensors(
             sensors, of_sensors / level[..., None], X
         )
         slope = np.zeros((self.own.size, self.nuisance.size))
@@ -262,18 +267,19 @@ class _MarginalProblem:
         scaled = residual / np.sqrt(variance)
         flat = weighted.reshape(-1, weighted.shape[-1])
         information += 2.0 * np.real(flat.conj().T @ flat)
-        gradient += 2.0 * np.real(flat.conj().T @ scaled.ravel())
+        by_frequency += 2.0 * np.real(np.einsum("kin,ki->nk", weighted.conj(), scaled))
         # The error of the motion is part of residuals and regressors alike.
         conjugate = None if self.shape is None else self.shape.conj()
         biased = per_variable.conj() * common[:, :, columns] / variance[:, :, None]
         if conjugate is not None:
             biased = biased * conjugate[:, None, rows, columns]
-        gradient -= 2.0 * np.real(biased.sum(axis=(0, 1)))
+        by_frequency -= 2.0 * np.real(biased.sum(axis=1)).T
         for row, fit in regressions.items():
             mine = np.flatnonzero(held.rows == row)
             moment = shape_regressors(common[:, row], conjugate, row, held.columns[mine])
             moment = moment / fit.variance[:, None]
-            gradient += 2.0 * slope[mine].T @ np.real(moment.sum(axis=0))
+            by_frequency += 2.0 * slope[mine].T @ np.real(moment).T
+        gradient = by_frequency.sum(axis=1)
         density = smooth_density(scaled, np.zeros(self.omega.size, dtype=int), 1)
         spread = density.times(weighted).reshape(flat.shape)
         scores += 2.0 * np.real(flat.conj().T @ spread)
@@ -283,6 +289,7 @@ class _MarginalProblem:
         offset = theta[self.nuisance] - self.mean
         step = -inverse @ (gradient + self.information * offset)
         middle = np.diag(self.information) + scores
+        of_noise = scale_rows(-inverse @ by_frequency, np.diag(inverse @ scores @ inverse.T))
         return _MarginalSolution(
             theta,
             motion,
@@ -292,6 +299,8 @@ class _MarginalProblem:
             self._compute_cost(inner, residual, offset),
             inverse,
             inverse @ middle @ inverse.T,
+            of_noise,
+            inverse * np.sqrt(self.information),
         )
 
     def _hold_nuisance(self, theta: np.ndarray) -> Parameters:
@@ -385,7 +394,7 @@ class _MarginalProblem:
     def _project_sensors(
         self, residual: np.ndarray, per_coefficient: np.ndarray, X: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return gradient, information and score covariance of the sensors' residuals."""
+        """Return gradient by frequency, information and score covariance of the sensors."""
         k = self.of_rows
         J = per_coefficient[:, :, self.parameters.rows[self.nuisance[k]] - self.n_i]
         own = self.nuisance[k]
@@ -395,8 +404,8 @@ class _MarginalProblem:
         n = self.nuisance.size
         information = np.zeros((n, n))
         information[np.ix_(k, k)] = 2.0 * np.real(flat.conj().T @ flat)
-        gradient = np.zeros(n)
-        gradient[k] = 2.0 * np.real(flat.conj().T @ residual.ravel())
+        gradient = np.zeros((n, len(residual)))
+        gradient[k] = 2.0 * np.real(np.einsum("kyn,ky->nk", J.conj(), residual))
         return gradient, information, information.copy()
 
     def _differentiate_equations(
@@ -431,6 +440,9 @@ class _MarginalProblem:
         J[self.nuisance] = np.eye(self.nuisance.size)
         plain, corrected = (J @ C @ J.T for C in (solution.plain, solution.covariance))
         own = np.ix_(self.own, self.own)
+        components = np.zeros((size, self.omega.size))
+        if solution.conditional.components is not None:
+            components[self.own] = solution.conditional.components.noise[0]
         plain[own] += solution.conditional.covariance
         corrected[own] += solution.conditional.corrected_covariance
         return replace(
@@ -443,6 +455,12 @@ class _MarginalProblem:
             outcome=Outcome.CONVERGED,
             message="Solved by one linear regression per coefficient, with the derivatives of "
             "out-of-band modes as nuisance parameters.",
+            components=ErrorComponents(
+                (self.omega,),
+                (components + J @ solution.components,),
+                self.prior_names,
+                J @ solution.prior_components,
+            ),
         )
 
 

@@ -10,6 +10,7 @@ from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
+from flexsid.sysid.estimation.error_components import scale_rows
 
 _LARGEST_CONDITION = 1e10  # of the scaled regressors: collinear above
 _ITERATIONS = 20
@@ -75,7 +76,8 @@ class Regression:
 
     ``variance`` is that of the equation at every frequency, ``inverse`` the inverse of the
     normal matrix Re X^H X / variance without noise: an error e of the equation changes the
-    values by inverse Re X^H (e / variance).
+    values by inverse Re X^H (e / variance). ``components`` are the parts of the standard
+    deviations due to the error at every frequency.
     """
 
     values: Float[np.ndarray, " p"]
@@ -83,6 +85,7 @@ class Regression:
     corrected_covariance: Float[np.ndarray, "p p"]
     variance: Float[np.ndarray, " n_omega"]
     inverse: Float[np.ndarray, "p p"]
+    components: Float[np.ndarray, "p n_omega"]
 
 
 def regress(
@@ -272,6 +275,12 @@ def _add_covariance(
     root = np.sqrt(np.maximum(density, 0.0) / variance)
     scattered = _as_real(X * root[:, None]) @ inverse.directions
     corrected = 0.5 * directions @ (scattered.T @ scattered) @ directions.T
+    scores = np.real(X.conj() * (z - X @ theta)[:, None])
+    if errors is not None:
+        # Errors of X are part of the residual, too: without this mean a score has a bias.
+        scores += fit.fraction_removed * (errors.regressors @ theta - errors.cross)
+    components = directions @ (inverse.directions.T @ (scores / variance[:, None]).T)
+    components = scale_rows(components, np.diag(corrected))
     if errors is not None:
         corrected += errors.relative_std**2 * np.outer(inverse.bias, inverse.bias)
         corrected += inverse.unresolved_covariance
@@ -288,4 +297,5 @@ def _add_covariance(
         0.5 * (corrected + corrected.T),
         variance * level,
         directions @ inverse.directions.T * level,
+        components,
     )

@@ -263,6 +263,7 @@ def _build(
                 W,
                 neighbours=0,
                 noise=source,
+                source=source,
             )
         )
         fitted.extend(outputs[experiment.group == k] for k in range(len(experiment.group_names)))
@@ -285,6 +286,11 @@ def _build(
         values=theta,
         covariance=bound,
         corrected_covariance=found.corrected,
+        components=None
+        if estimate.components is None
+        else replace(
+            estimate.components, noise=found.noise_components, prior=found.prior_components
+        ),
         lines=tuple(
             replace(block, fitted=values)
             for block, values in zip(estimate.lines, fitted, strict=True)

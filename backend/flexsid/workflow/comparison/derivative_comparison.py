@@ -9,6 +9,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 from scipy import special
 
 from flexsid.errors import BadInput
@@ -28,14 +29,13 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.trend import fit_trend
+from flexsid.sysid.estimation.agreement import compute_difference_variance, compute_limit
 from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
+from flexsid.workflow.comparison.joint_errors import compute_covariances
 from flexsid.workflow.model_structures.run_results import get_result
 
-CONSISTENT_SIGMA = 2.0
-"""Two estimates agree when they differ by at most this many combined standard errors."""
-
+_SINGULAR = 1e-8  # of the largest singular value: estimates that are numerically the same
 _COEFFICIENTS = [name for body in RIGID_BODIES.values() for name in body.coefficients]
 _VARIABLES = [*(m for body in RIGID_BODIES.values() for m in body.motions), "eta", "etadot"]
 
@@ -44,6 +44,41 @@ _VARIABLES = [*(m for body in RIGID_BODIES.values() for m in body.motions), "eta
 class _Column:
     source: ComparedSource
     values: dict[str, SourceValue]
+
+
+@dataclass(frozen=True, slots=True)
+class _JointRow:
+    """Values of one derivative by all sources, and their covariance; NaN: no standard error."""
+
+    values: tuple[SourceValue | None, ...]
+    covariance: Float[np.ndarray, "n_sources n_sources"]
+
+    def is_judged(self, i: int) -> bool:
+        """Whether the source has a value with a standard error."""
+        return self.values[i] is not None and bool(self.covariance[i, i] > 0.0)
+
+    def normalise_difference(self, i: int, j: int) -> float | None:
+        """Divide a difference by its standard error."""
+        a, b = self.values[i], self.values[j]
+        if a is None or b is None or not (self.is_judged(i) and self.is_judged(j)):
+            return None
+        return (a.value - b.value) / compute_difference_variance(self.covariance, (i, j)) ** 0.5
+
+    def find_largest_difference(
+        self, couples: Iterable[tuple[int, int]]
+    ) -> tuple[float | None, float | None]:
+        """Find the largest difference of any couple, and the limit for correct estimates."""
+        differences = {
+            pair: abs(found)
+            for pair in couples
+            if (found := self.normalise_difference(*pair)) is not None
+        }
+        if not differences:
+            return None, None
+        index = sorted({i for pair in differences for i in pair})
+        pairs = [(index.index(i), index.index(j)) for i, j in differences]
+        limit = compute_limit(self.covariance[np.ix_(index, index)], pairs)
+        return max(differences.values()), limit
 
 
 def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]) -> Comparison:
@@ -68,12 +103,12 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
 
     Notes
     -----
-    Two estimates a and b are judged by |a - b| / sqrt(sigma_a^2 + sigma_b^2 - 2 t_a t_b), with
-    the parts t of their errors that are due to the modal table, which all runs share. Apart from
-    them they count as independent. Runs of one maneuver share its noise, so the measure is
-    lenient for them. Runs are judged among each other, and each prediction against the runs: what
-    was predicted does not change how the runs agree. A source without standard errors is shown,
-    not judged.
+    Two estimates a and b are judged by |a - b| / sqrt(var(a - b)). Runs of one maneuver share its
+    noise, runs with the same prior its error, and all runs the errors of the modal table: their
+    covariance is part of var(a - b). Two agree within 2 standard errors of the difference. Of more
+    runs the largest difference has the limit that correct estimates exceed as often, 4.6 %. Runs
+    are judged among each other, and each prediction against the runs: what was predicted does not
+    change how the runs agree. A source without standard errors is shown, not judged.
     """
     if not run_ids:
         raise BadInput("a comparison needs at least one run; select one", code="no-run")
@@ -91,12 +126,13 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     columns += _build_residualized_columns(finished, predictions)
     names = _sort_names(parameter.name for _, result in finished for parameter in result.parameters)
     sources = tuple(column.source for column in columns)
-    rows = tuple(_build_row(name, columns) for name in names)
+    joint = _join_rows(store, finished, columns, names)
+    rows = tuple(_build_row(name, columns, one) for name, one in zip(names, joint, strict=True))
     comparison = Comparison(
         maneuver_ids=tuple(maneuvers),
         sources=sources,
         rows=rows,
-        pairs=_compare_pairs(sources, rows),
+        pairs=_compare_pairs(sources, names, joint),
         setup=_compare_setups(sources, {run.id: run for run in runs if run.id is not None}),
     )
     return _select_rows(comparison, rows)
@@ -226,32 +262,51 @@ def _build_residualized_columns(
     return columns
 
 
-def _build_row(name: str, columns: list[_Column]) -> Row:
-    estimates = [column.values.get(name) for column in columns if not column.source.is_prediction]
-    largest, consistent = _find_largest_difference(combinations(estimates, 2))
+def _join_rows(
+    store: Store,
+    finished: Sequence[tuple[EstimationRun, RunResult]],
+    columns: Sequence[_Column],
+    names: Sequence[str],
+) -> list[_JointRow]:
+    """Collect values and covariance of every derivative; predictions are independent."""
+    of_runs = compute_covariances(store, finished, names)
+    n_runs = len(finished)
+    joint = []
+    for name in names:
+        values = tuple(column.values.get(name) for column in columns)
+        errors = [np.nan if v is None or v.std_error is None else v.std_error for v in values]
+        covariance = np.diag(np.square(errors))
+        covariance[:n_runs, :n_runs] = of_runs[name]
+        joint.append(_JointRow(values, covariance))
+    return joint
+
+
+def _build_row(name: str, columns: Sequence[_Column], joint: _JointRow) -> Row:
+    runs = [k for k, column in enumerate(columns) if not column.source.is_prediction]
+    largest, limit = joint.find_largest_difference(combinations(runs, 2))
     return Row(
         name=name,
         label=describe(name).label,
         values=tuple(
-            _add_difference(column.values.get(name), estimates)
+            _add_difference(value, *joint.find_largest_difference((k, run) for run in runs))
             if column.source.is_prediction
-            else column.values.get(name)
-            for column in columns
+            else value
+            for k, (column, value) in enumerate(zip(columns, joint.values, strict=True))
         ),
-        consistent=consistent,
+        consistent=None if largest is None or limit is None else largest <= limit,
         max_difference_sigma=largest,
-        **_average_estimates(estimates),
+        limit_sigma=limit,
+        **_average_estimates(joint, runs),
     )
 
 
 def _add_difference(
-    predicted: SourceValue | None, estimates: Sequence[SourceValue | None]
+    predicted: SourceValue | None, largest: float | None, limit: float | None
 ) -> SourceValue | None:
     """Add to a predicted value its largest difference from the estimates."""
-    if predicted is None:
-        return None
-    largest, consistent = _find_largest_difference((predicted, one) for one in estimates)
-    return replace(predicted, difference_sigma=largest, consistent=consistent)
+    if predicted is None or largest is None or limit is None:
+        return predicted
+    return replace(predicted, difference_sigma=largest, consistent=largest <= limit)
 
 
 def _sort_names(names: Iterable[str]) -> list[str]:
@@ -277,31 +332,39 @@ def _split_mode(text: str) -> tuple[str, int]:
     return letters, int(digits) if digits else -1
 
 
-def _find_largest_difference(
-    couples: Iterable[tuple[SourceValue | None, SourceValue | None]],
-) -> tuple[float | None, bool | None]:
-    """Find the largest difference of any couple in combined standard errors, and judge it."""
-    differences = [_normalise_difference(a, b) for a, b in couples]
-    largest = max((abs(one) for one in differences if one is not None), default=None)
-    return largest, None if largest is None else largest <= CONSISTENT_SIGMA
+def _average_estimates(joint: _JointRow, runs: Sequence[int]) -> dict[str, float | None]:
+    """Compute the mean of estimates, weighted by their variances, and their scatter.
 
-
-def _average_estimates(values: Sequence[SourceValue | None]) -> dict[str, float | None]:
-    """Compute the weighted mean of estimates and the chi-square of their scatter."""
-    judged = [(v.value, v.std_error) for v in values if v is not None and v.std_error]
+    Notes
+    -----
+    The scatter is d^T Cov(d)^-1 d of the differences d of the others from the first estimate.
+    """
+    judged = [k for k in runs if joint.is_judged(k)]
     if len(judged) < 2:
         return {}
-    found, errors = (np.array(part, dtype=float) for part in zip(*judged, strict=True))
-    mean = fit_trend(np.zeros(found.size), found, errors, 0)
+    found = np.array([value.value for k in judged if (value := joint.values[k]) is not None])
+    covariance = joint.covariance[np.ix_(judged, judged)]
+    weights = 1.0 / np.diag(covariance)
+    weights /= weights.sum()
+    contrasts = np.eye(len(judged))[1:] - np.eye(len(judged))[0]
+    of_differences = contrasts @ covariance @ contrasts.T
+    of_differences[np.diag_indices_from(of_differences)] = [
+        compute_difference_variance(covariance, (0, k)) for k in range(1, len(judged))
+    ]
+    difference = contrasts @ found
+    solved = np.linalg.lstsq(of_differences, difference, rcond=_SINGULAR)[0]
+    chi_square = float(difference @ solved)
     return {
-        "mean": float(mean.coefficients[0]),
-        "mean_std_error": float(np.sqrt(mean.covariance[0, 0])),
-        "chi_square": mean.chi_square,
-        "probability": mean.probability,
+        "mean": float(weights @ found),
+        "mean_std_error": float(np.sqrt(weights @ covariance @ weights)),
+        "chi_square": chi_square,
+        "probability": float(special.chdtrc(len(judged) - 1, chi_square)),
     }
 
 
-def _compare_pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tuple[Pair, ...]:
+def _compare_pairs(
+    sources: Sequence[ComparedSource], names: Sequence[str], joint: Sequence[_JointRow]
+) -> tuple[Pair, ...]:
     """Compare every pair of sources by all derivatives with standard errors.
 
     Notes
@@ -312,9 +375,9 @@ def _compare_pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tu
     found: list[Pair] = []
     for (i, first), (j, second) in combinations(enumerate(sources), 2):
         differences = {
-            row.name: difference
-            for row in rows
-            if (difference := _normalise_difference(row.values[i], row.values[j])) is not None
+            name: difference
+            for name, one in zip(names, joint, strict=True)
+            if (difference := one.normalise_difference(i, j)) is not None
         }
         if not differences:
             continue
@@ -333,15 +396,6 @@ def _compare_pairs(sources: Sequence[ComparedSource], rows: Sequence[Row]) -> tu
             )
         )
     return tuple(found)
-
-
-def _normalise_difference(a: SourceValue | None, b: SourceValue | None) -> float | None:
-    """Divide a difference by its standard error; errors of the modal table are shared."""
-    if a is None or b is None or a.std_error is None or b.std_error is None:
-        return None
-    shared = 2.0 * (a.modal_std or 0.0) * (b.modal_std or 0.0)
-    variance = a.std_error**2 + b.std_error**2 - shared
-    return (a.value - b.value) / variance**0.5 if variance > 0.0 else None
 
 
 def _compare_setups(

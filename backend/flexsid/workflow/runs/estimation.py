@@ -18,6 +18,7 @@ from flexsid.records.maneuver import COMBINED, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     Aerodynamics,
+    ErrorCauses,
     EstimationRun,
     Fit,
     FitBlock,
@@ -37,6 +38,7 @@ from flexsid.storage import queue
 from flexsid.storage.arrays import describe_array
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.diagnostics import compute_output_fit, compute_parameter_quality
+from flexsid.sysid.estimation.error_components import ErrorComponents
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -259,6 +261,8 @@ def store_result(
         ]
     with store.transaction():
         covariance, whole_covariance, *names = store.arrays.put_many(bulk)
+        run = store.runs.get(run_id)
+        maneuver_ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
         blocks = tuple(
             FitBlock(
                 name=block.name,
@@ -296,10 +300,35 @@ def store_result(
             else _describe_retained_modes(retained, whole_covariance),
             adequacy=computed.adequacy,
             symmetry=computed.symmetry,
+            error_causes=_store_error_causes(store, estimate.components, maneuver_ids),
         )
         return queue.finish(
             store, run_id, attempt, result, computed.versions, worker, computed.provenance
         )
+
+
+def _store_error_causes(
+    store: Store, components: ErrorComponents | None, maneuver_ids: tuple[int, ...]
+) -> ErrorCauses | None:
+    """Store the errors by their causes in single precision; None where some are not known."""
+    if components is None or any(one.shape[1] == 0 for one in components.noise):
+        return None
+    matrix = np.concatenate([*components.noise, components.prior], axis=1)
+    if not np.isfinite(matrix).all():
+        return None
+    omega, values = store.arrays.put_many(
+        [
+            describe_array(np.concatenate(components.omega), "rad/s"),
+            describe_array(matrix.astype(np.float32)),
+        ]
+    )
+    return ErrorCauses(
+        maneuver_ids=maneuver_ids,
+        n_frequencies=tuple(one.size for one in components.omega),
+        omega=omega,
+        priors=components.prior_names,
+        components=values,
+    )
 
 
 def _describe_retained_modes(found: ComputedRetainedModes, covariance: str) -> RetainedModes:
