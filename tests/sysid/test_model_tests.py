@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import Case
 
+from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.model_tests import Hypothesis, ModelTest, compute_model_tests
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.signals import FrequencyData
 
 FREQUENCIES = 2.0 * np.pi * np.arange(6, 206) / 24.0  # five inputs, forty harmonics each
 LEVEL = 0.03
@@ -59,6 +62,48 @@ def test_a_correct_model_is_rejected_in_five_percent_of_fits(make_case, fits, lo
         fit_and_test(measure(case, seed, case), case.free())[0].rejects for seed in range(fits)
     ]
     assert low <= np.mean(rejected) <= high, f"{np.mean(rejected):.3f}"
+
+
+def fit_equation_error_and_test(fitted: Case, experiment: Experiment) -> tuple[ModelTest, ...]:
+    """Tests at the estimate of equation error, with the noise of the sensors declared."""
+    level = LEVEL * np.sqrt(np.mean(np.abs(experiment.measured) ** 2, axis=0))
+    outputs = FrequencyData(FREQUENCIES, experiment.measured, fitted.model.outputs)
+    motion = reconstruct_motion(fitted.model, outputs, experiment.instruments, guess=level)
+    inputs = FrequencyData(FREQUENCIES, experiment.inputs, fitted.model.inputs)
+    estimate = equation_error(fitted.model, motion, inputs, fitted.free())
+    return compute_model_tests([experiment], fitted.free(), estimate.values)
+
+
+@pytest.mark.parametrize(
+    ("fits", "low", "high"),
+    [(60, 0.0, 0.1), pytest.param(400, 0.03, 0.07, marks=pytest.mark.long)],
+)
+def test_equation_error_of_a_correct_model_is_rejected_as_rarely(make_case, fits, low, high):
+    case = make_case(1, n_outputs=12)
+    rejected = [
+        fit_equation_error_and_test(case, measure(case, seed, case))[0].rejects
+        for seed in range(fits)
+    ]
+    assert low <= np.mean(rejected) <= high, f"{np.mean(rejected):.3f}"
+
+
+def test_model_error_of_equation_error_is_found(make_case):
+    """A delay of 10 ms, a scale factor of 1.03, and a fourth mode."""
+    case, true = make_case(3), make_case(4)
+    for seed in range(3):
+
+        def delay(z: np.ndarray, output: int = seed) -> None:
+            z[:, output] *= np.exp(-0.01j * FREQUENCIES)
+
+        def scale(z: np.ndarray, output: int = seed) -> None:
+            z[:, output] *= 1.03
+
+        for experiment in (
+            measure(case, seed, case, delay),
+            measure(case, seed, case, scale),
+            measure(true, seed, case),
+        ):
+            assert fit_equation_error_and_test(case, experiment)[0].rejects
 
 
 def test_priors_are_no_model_error(make_case):

@@ -13,6 +13,7 @@ from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.fusion import apply_priors
 from flexsid.sysid.estimation.input_noise import compute_input_noise_errors
+from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import (
@@ -40,7 +41,7 @@ from flexsid.workflow.runs.likelihood_fit import (
     refit_with_leakage_correction,
     refit_with_spread,
 )
-from flexsid.workflow.runs.model_adequacy import UNTESTED_METHOD, assess_model_adequacy
+from flexsid.workflow.runs.model_adequacy import assess_model_adequacy
 from flexsid.workflow.runs.nuisance_parameters import (
     ComputedRetainedModes,
     marginalise,
@@ -189,7 +190,13 @@ def _fit_regressions(task: EstimationTask, report: Report) -> _Fit:
     if fit.out_of_band:
         start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
     estimate = apply_priors(estimate, task.priors)
-    return _Fit(parameters, estimate, spread, start, fit.warnings, UNTESTED_METHOD)
+    # The tests remove the errors of the estimate to first order, whatever the estimator.
+    experiments = [
+        remove_leakage(experiment, parameters, estimate.values)
+        for experiment in build_experiments(task, Method.OE)
+    ]
+    adequacy, symmetry = assess_model_adequacy(task, experiments, parameters, estimate, spread)
+    return _Fit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
 
 
 def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:

@@ -36,14 +36,15 @@ _PERTURBATION = 0.3  # of a start value, relative to it
 _SAME_COST = 1e-3  # optima whose costs differ by less are the same
 
 
-def build_experiments(task: EstimationTask) -> list[Experiment]:
-    """Build one OE or FRE experiment for each maneuver."""
+def build_experiments(task: EstimationTask, method: Method | None = None) -> list[Experiment]:
+    """Build one OE or FRE experiment for each maneuver, by default of the method of the task."""
+    method = task.method if method is None else method
     several = len(task.maneuvers) > 1
     result = []
     for data in task.maneuvers:
-        name = data.label if several else task.method.value
+        name = data.label if several else method.value
         spectra = data.measured
-        if task.method is Method.OE:
+        if method is Method.OE:
             result.append(
                 output_error(
                     data.model,

@@ -24,9 +24,6 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.runs.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
 
-UNTESTED_METHOD = ModelAdequacy(
-    reason="Equation error has no test for remaining model error: compare with output error."
-)
 _MOST_REASONS = 2
 
 
@@ -37,7 +34,7 @@ def assess_model_adequacy(
     estimate: Estimate,
     spread: float,
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
-    """Test an output-error or frequency-response-error fit for remaining model error.
+    """Test a fit for remaining model error; equation error by the residuals of output error.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ def predict_maneuver(store: Store, run: EstimationRun, maneuver_id: int) -> Pred
 
 def build_output_experiments(task: EstimationTask) -> list[Experiment]:
     """Build the output-error experiments of a task of any method."""
-    return build_experiments(replace(task, method=Method.OE))
+    return build_experiments(task, Method.OE)
 
 
 def build_identified_parameters(task: EstimationTask, values: dict[str, float]) -> Parameters:
