@@ -10,11 +10,15 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.io import savemat
+from tests.recovery.test_rigid_aircraft import CONDITION, TRUE, simulate
 
+from flexsid import units
 from flexsid.cli.main import main
 from flexsid.demo.campaign import PLAN, SEED, add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
@@ -80,9 +84,13 @@ def _places(printed: str) -> int:
 
 def check_table(store: Store, tutorial: str) -> None:
     """Compare the estimates of runs 1 to 3 with the columns of the table."""
+    check_cells(tutorial, [read_estimates(store, run_id) for run_id in (1, 2, 3)])
+
+
+def check_cells(tutorial: str, columns: Sequence[Found]) -> None:
+    """Compare estimates with the columns of the table."""
     file = TUTORIALS / f"{tutorial}.md"
     text = file.read_text(encoding="utf-8")
-    columns = [read_estimates(store, run_id) for run_id in (1, 2, 3)]
     wrong = {}
     for name, row in re.findall(r"^\| ([^|]+) \| (.*\d.*) \|$", text, re.MULTILINE):
         cells = row.split(" | ")
@@ -131,6 +139,71 @@ def test_the_demonstration(store: Store, follow: Callable[[str], str]) -> None:
         assert one == pytest.approx(other, abs=0.11)
     (low, high) = re.findall(r"between \+([\d.]+)% and \+([\d.]+)%", printed)[0]
     assert f"{float(low):.0f} to {float(high):.0f} %" in text
+
+
+FDATA = {
+    "de": (14, 180.0 / np.pi), "da": (15, 180.0 / np.pi), "dr": (16, 180.0 / np.pi),
+    "beta": (3, 180.0 / np.pi), "alpha": (4, 180.0 / np.pi), "p": (5, 180.0 / np.pi),
+    "q": (6, 180.0 / np.pi), "r": (7, 180.0 / np.pi), "phi": (8, 180.0 / np.pi),
+    "theta": (9, 180.0 / np.pi), "ay": (12, 1.0 / 9.80665), "az": (13, 1.0 / 9.80665),
+}  # fmt: skip
+NOISE = {"deg": 0.02, "deg/s": 0.05, "g": 0.002}
+SLUG_FT2 = units.factor("slug*ft2", "inertia")
+
+
+def write_fdata(file: Path, axis: str) -> None:
+    """Write the record of a rigid transport as ``fdata`` of SIDPAC, trim and noise included."""
+    flown, rng = simulate(axis), np.random.default_rng(21)
+    fdata = np.zeros((flown["t"].size, 90))
+    fdata[:, 0] = flown["t"]
+    fdata[:, [3, 8]] = np.rad2deg(CONDITION.alpha)
+    fdata[:, 12] = -np.cos(CONDITION.alpha)
+    for name, (column, factor) in FDATA.items():
+        if name in flown:
+            fdata[:, column - 1] += factor * flown[name]
+        if column < 14:  # surfaces are measured without noise
+            unit = "g" if column > 11 else "deg/s" if 5 <= column <= 7 else "deg"
+            fdata[:, column - 1] += rng.normal(scale=NOISE[unit], size=len(fdata))
+    constants = {
+        2: CONDITION.airspeed / 0.3048,
+        29: CONDITION.density / units.factor("slug/ft3", "density"),
+        48: CONDITION.mass / units.factor("slug", "mass"),
+        49: CONDITION.roll_inertia / SLUG_FT2,
+        50: CONDITION.pitch_inertia / SLUG_FT2,
+        51: CONDITION.yaw_inertia / SLUG_FT2,
+        52: CONDITION.product_of_inertia / SLUG_FT2,
+    }
+    for column, value in constants.items():
+        fdata[:, column - 1] = value
+    savemat(file, {"fdata": fdata})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
+def test_fdata_to_a_table_of_derivatives(
+    store: Store, tmp_path: Path, follow: Callable[[str], str], axis: str
+) -> None:
+    write_fdata(tmp_path / "flight.mat", axis)
+    mapping = (ROOT / "examples/sidpac/fdata.toml").read_text(encoding="utf-8")
+    assert len(mapping.splitlines()) <= 30
+    mapping = mapping.replace('axis = "longitudinal"', f'axis = "{axis}"')
+    (tmp_path / "fdata.toml").write_text(mapping, encoding="utf-8")
+    follow("fdata")
+    surfaces = {"de": "elevator", "da": "aileron", "dr": "rudder"}
+    true = {}
+    for name, value in TRUE[axis].items():
+        coefficient, _, variable = name.partition("_")
+        true[f"{coefficient}_{surfaces.get(variable, variable)}"] = value
+    estimates = {}
+    for run_id in (1, 2):
+        result = store.runs.get(run_id).result
+        assert result is not None
+        estimates[run_id] = {p.name: (p.value, p.std_error) for p in result.parameters}
+        assert set(estimates[run_id]) == set(true)
+        for name, (value, std_error) in estimates[run_id].items():
+            assert std_error is not None
+            assert abs(value - true[name]) < 3.0 * std_error + 0.002 * abs(true[name]), name
+    if axis == "longitudinal":
+        check_cells("fdata", list(estimates.values()))
 
 
 @pytest.mark.skipif(

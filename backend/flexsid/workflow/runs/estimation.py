@@ -212,7 +212,11 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
         else next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         nuisance=nuisance,
         prediction_id=None if prediction is None else prediction.id,
-        warnings=(*assumed, *request_warnings, *warn_of_unknown_modes(settings, nuisance)),
+        warnings=(
+            *assumed,
+            *request_warnings,
+            *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
+        ),
         provenance=hash_provenance(
             store,
             run,

@@ -142,9 +142,15 @@ def warn_of_lag(adequacy: ModelAdequacy, settings: RunSettings) -> tuple[str, ..
     )
 
 
-def warn_of_unknown_modes(settings: RunSettings, nuisance: NuisancePrior | None) -> tuple[str, ...]:
-    """Warn that no further modes are known, where they were to be retained."""
-    if settings.out_of_band_modes is OutOfBandModes.OMITTED or nuisance is not None:
+def warn_of_unknown_modes(
+    settings: RunSettings, nuisance: NuisancePrior | None, *, is_rigid: bool
+) -> tuple[str, ...]:
+    """Warn that no further modes are known, where they were to be retained.
+
+    An aircraft without a modal table is rigid.
+    """
+    is_omitted = settings.out_of_band_modes is OutOfBandModes.OMITTED
+    if is_rigid or is_omitted or nuisance is not None:
         return ()
     return (
         "No prediction gives the derivatives of modes outside the model structure a size: the "
