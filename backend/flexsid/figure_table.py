@@ -77,6 +77,7 @@ from flexsid.records.views import (
 from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
+from flexsid.sysid.model.axes import ModelAxis
 from flexsid.text import split_ids, split_names
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
@@ -375,6 +376,9 @@ class _Reconstruction(_Maneuver):
         description="alpha, q, CZ, Cm, CQ7, eta7, etaddot7 ..., separated by commas.",
     )
     modes: _Ids = Field(None, description="Mode numbers; by default those that are excited.")
+    axis: ModelAxis | None = Field(
+        None, description="Half of a combined maneuver; by default the longitudinal one."
+    )
     domain: Domain = "time"
 
 

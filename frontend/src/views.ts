@@ -222,6 +222,8 @@ export const maneuverView = view((search) => ({
   /** Reconstructed quantities, and the modes of the reconstruction. */
   quantities: words(search.quantities),
   modes: integers(search.modes),
+  /** Half that is reconstructed, of a maneuver that excites both axes. */
+  axis: oneOf<ModelAxis>(search.axis, MODEL_AXES),
   /** Modes whose equation-error regressors are compared instead of channels. */
   regressors: integers(search.regressors),
   selected: integers(search.selected),

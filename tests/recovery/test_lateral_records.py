@@ -19,6 +19,8 @@ from lateral_flying_wing import (
 )
 
 from flexsid.errors import BadInput
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
@@ -30,6 +32,7 @@ from flexsid.workflow.measurements.reconstruction import (
 from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
+from flexsid.workflow.views.response import compute_bode
 
 pytestmark = [needs_records, pytest.mark.parametrize("backend", ["sqlite"])]
 
@@ -199,6 +202,40 @@ def test_proposal_and_reconstruction_know_the_axis(store: Store) -> None:
     found = reconstruct(store, ReconstructionQuery(maneuver_id=number))
     motion = select_quantities(found, ("CY", "Cn", "p", "rdot", "lateral_acceleration"))
     assert [trace.unit for trace in motion.traces] == ["1", "1", "rad/s", "rad/s2", "m/s2"]
+
+
+def test_both_halves_of_a_combined_maneuver_are_shown(store: Store) -> None:
+    number = add_record(store, NOISE_FREE, BOTH)
+    lateral = reconstruct(store, ReconstructionQuery(maneuver_id=number, axis="lateral"))
+    assert lateral.offered[:7] == ("CY", "Cl", "Cn", "CQ8", "beta", "p", "r")
+    longitudinal = reconstruct(store, ReconstructionQuery(maneuver_id=number))
+    assert longitudinal.offered[:2] == ("CZ", "Cm")
+    runs = {
+        axis: execute_run(
+            store,
+            EstimationRun(
+                maneuver_id=number,
+                method=Method.EE,
+                structure=Structure(modes=modes, fixed={}, axis=axis),
+                settings=RunSettings(),
+            ),
+            RUN,
+            lambda progress: None,
+        ).id
+        for axis, modes in MODES.items()
+    }
+    ids = [run_id for run_id in runs.values() if run_id is not None]
+    # A single surface has half the response of each part, with the sign of its side.
+    shown = compute_bode(store, number, ("q", "p"), ("wf4l", "wf4r"), ids)
+    halves = {("q", runs["longitudinal"]), ("p", runs["lateral"])}
+    assert {(curve.output, curve.run_id) for curve in shown.models} == halves
+    measured = {(one.output, one.input): one for one in shown.measured}
+    for curve in shown.models:
+        points = measured[curve.output, curve.input]
+        magnitude = np.interp(points.frequency_hz, curve.frequency_hz, curve.magnitude)
+        phase = np.interp(points.frequency_hz, curve.frequency_hz, curve.phase_rad)
+        error = magnitude * np.exp(1j * phase) / (points.magnitude * np.exp(1j * points.phase_rad))
+        assert np.median(np.abs(error - 1.0)) < 0.1, (curve.output, curve.input)
 
 
 def test_a_structure_of_the_other_axis_is_refused(store: Store) -> None:

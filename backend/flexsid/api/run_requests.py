@@ -28,8 +28,8 @@ from flexsid.records.run import (
     RunSettings,
     Start,
 )
+from flexsid.sysid.model.axes import ModelAxis
 
-ModelAxis = Literal["longitudinal", "lateral"]
 ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
 Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, le=LARGEST_NUMBER)]]
 Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]

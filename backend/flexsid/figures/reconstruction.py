@@ -100,7 +100,11 @@ def _describe(value: Reconstruction, count: int) -> Spec:
         "least_rank": int(value.rank.min()),
         "worst_condition": float(finite.max()) if finite.size else None,
         "n_sensors": len(value.sensors),
-        "excluded": [f"{name}: {reason}" for name, reason in value.excluded.items()],
+        "excluded": [
+            f"{', '.join(name for name, given in value.excluded.items() if given == reason)}: "
+            f"{reason}"
+            for reason in dict.fromkeys(value.excluded.values())
+        ],
     }
 
 

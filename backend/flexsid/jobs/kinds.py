@@ -221,7 +221,8 @@ def _identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object,
 
 
 def _identify_reconstruction(store: Store, query: ReconstructionQuery) -> tuple[object, ...]:
-    gather_sensors(store, store.maneuvers.get(query.maneuver_id))  # refused at once, not as a job
+    maneuver = store.maneuvers.get(query.maneuver_id)
+    gather_sensors(store, maneuver, query.axis)  # refused at once, not as a job
     return list_run_contents(store, (), (query.maneuver_id,))
 
 

@@ -26,6 +26,7 @@ from flexsid.storage.maneuver_list import (
 from flexsid.storage.paging import Page
 from flexsid.storage.tables import aircraft, flights, maneuvers, run_tags, runs
 from flexsid.storage.tags import read_tags
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +44,7 @@ class RunItem(FlownItem):
     dynamic_pressure_pa: float
     method: Method
     state: RunState
+    axis: str
     modes: tuple[int, ...]
     start: str
     prediction_id: int | None
@@ -99,6 +101,7 @@ _read = (
     runs.c.structure["modes"].label("modes"),
     runs.c.rests_on,
     runs.c.settings["start"].as_string().label("start"),
+    runs.c.structure["axis"].as_string().label("axis"),
     runs.c.error["code"].as_string().label("error_code"),
     runs.c.result["poles"].label("poles"),
     _fit["outcome"].as_string().label("outcome"),
@@ -201,6 +204,7 @@ def _make_item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) ->
         **{column.name: row[column.name] for column in _shown},
         method=Method(row["method"]),
         state=RunState(row["state"]),
+        axis=row["axis"] or LONGITUDINAL.axis,  # not stored by earlier releases
         modes=tuple(row["modes"]),
         start=row["start"],
         error_code=row["error_code"],

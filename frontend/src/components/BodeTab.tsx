@@ -2,7 +2,7 @@ import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/cor
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { figureQuery, maneuversQuery, runsQuery } from "../api/queries";
 import { bandOf, overFrequency, windowOf } from "../lib/band";
-import { excitedInputs } from "../lib/channels";
+import { excitedInputs, rateOutputs } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
@@ -26,7 +26,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const runs = useQuery(runsQuery({ maneuver_id: maneuver.id, state: "succeeded" }));
   const excited = excitedInputs(maneuver);
   const offered = useOfferedChannels(maneuver);
-  const outputs = view.outputs ?? ["q"];
+  const outputs = view.outputs ?? rateOutputs(maneuver);
   const inputs = view.inputs ?? excited.slice(0, 3);
   const params = {
     maneuver_id: maneuver.id,
@@ -65,7 +65,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
             .filter((run) => run.has_model)
             .map((run) => ({
               value: String(run.id),
-              label: `${run.method} run ${run.id}, modes ${run.modes.join(" ")}`,
+              label: `${run.method} run ${run.id}, ${run.axis}, modes ${run.modes.join(" ")}`,
             }))}
           value={(view.models ?? []).map(String)}
           onChange={(ids) => {

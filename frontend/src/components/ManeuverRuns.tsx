@@ -24,6 +24,12 @@ const columns: Column<RunItem>[] = [
     ),
   },
   { key: "state", header: "State", render: (run) => <StateBadge state={run.state} /> },
+  {
+    key: "axis",
+    header: "Axis",
+    onlyIf: (run) => run.axis !== "longitudinal",
+    render: (run) => run.axis,
+  },
   { key: "modes", header: "Modes", render: (run) => run.modes.join(", ") || "rigid" },
   { key: "start", header: "Start", help: "Start", render: (run) => run.start.replaceAll("-", " ") },
   {

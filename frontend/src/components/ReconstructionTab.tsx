@@ -5,12 +5,14 @@ import { integers } from "../lib/urlState";
 import { axisNames } from "../lib/derivatives";
 import { fixed } from "../lib/format";
 import { overFrequency, overTime } from "../lib/band";
+import { AxisPicker } from "./AxisPicker";
 import { BandBar } from "./BandBar";
 import { ComputeButton } from "./ComputeButton";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
+import { asAxis } from "./runRequest";
 import { WindowBar } from "./WindowBar";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
@@ -28,13 +30,17 @@ interface Meta {
 /** Rigid and modal motion and coefficients reconstructed from all sensors (Fig. 16a). */
 export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const domain = view.domain ?? "time";
+  const both = maneuver.axis === "combined";
+  const axis = asAxis(both ? (view.axis ?? "longitudinal") : maneuver.axis);
+  const { coefficients, motions } = axisNames(axis);
   const params = {
     maneuver_id: maneuver.id,
     quantities: view.quantities,
     modes: view.modes,
+    axis: both ? axis : undefined,
     domain,
   };
-  const stored = reconstructionResult(maneuver.id, view.modes);
+  const stored = reconstructionResult(maneuver.id, view.modes, params.axis);
   const { result, jobId, error, onEnd, compute } = useStoredResult(stored);
   const meta = (result.data?.layout.meta ?? {}) as Meta;
   const shared = domain === "time" ? overTime(view, onChange) : overFrequency(view, onChange);
@@ -42,11 +48,19 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
     shared.onWindow(null);
   };
   const first = meta.modes?.[0];
-  const force = axisNames(maneuver.axis).coefficients[0] ?? "CZ";
+  const force = coefficients[0] ?? "CZ";
   const selected = view.quantities ?? (first === undefined ? [force] : [force, `etaddot${first}`]);
   return (
     <div className="split">
       <Stack gap="md">
+        {both && (
+          <AxisPicker
+            value={axis}
+            onChange={(next) => {
+              onChange({ axis: next, quantities: undefined, modes: undefined });
+            }}
+          />
+        )}
         <SegmentedControl
           aria-label="Domain"
           data={[
@@ -72,6 +86,7 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
           label="Modes"
           description="Mode numbers; empty: all significant modes"
           placeholder={meta.modes?.join(", ")}
+          key={axis}
           defaultValue={view.modes?.join(", ") ?? ""}
           onBlur={(event) => {
             onChange({ modes: integers(event.currentTarget.value) });
@@ -79,9 +94,9 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
         />
         {meta.n_motions !== undefined && (
           <Text size="xs" className="quiet" data-testid="reconstruction-rank">
-            {meta.n_sensors} sensors, {meta.n_motions} motions: α, q and{" "}
-            {meta.mode_names?.join(", ")}. Lowest rank {meta.least_rank}, largest condition number{" "}
-            {fixed(meta.worst_condition, 0)}.
+            {meta.n_sensors} sensors, {meta.n_motions} motions:{" "}
+            {[...motions, ...(meta.mode_names ?? [])].join(", ")}. Lowest rank {meta.least_rank},
+            largest condition number {fixed(meta.worst_condition, 0)}.
           </Text>
         )}
         {(meta.excluded ?? []).map((reason) => (

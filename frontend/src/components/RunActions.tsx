@@ -11,7 +11,10 @@ import { ReportMenu } from "./ReportMenu";
 /** Actions on a run: compare, repeat, export, delete. */
 export function RunActions({ run }: { run: Run }) {
   const others = useQuery(runsQuery({ maneuver_id: run.maneuver_id, state: "succeeded" }));
-  const methods = latestPerMethod(others.data ?? []).filter((one) => one.method !== run.method);
+  const { axis } = run.structure;
+  const methods = latestPerMethod(others.data ?? []).filter(
+    (one) => one.method !== run.method || one.axis !== axis,
+  );
   const done = run.state === "succeeded";
   return (
     <>

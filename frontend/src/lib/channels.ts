@@ -54,3 +54,14 @@ export function firstLook(channels: readonly ChannelLike[]): string[] {
   const rest = outputs.filter((name) => !rigid.includes(name));
   return [...named(channels, "input").slice(0, 2), ...[...rigid, ...rest].slice(0, 4)];
 }
+
+/** Rates of the axes that a maneuver excites, as recorded; else its first output. */
+export function rateOutputs(maneuver: {
+  axis: string;
+  channels: readonly ChannelLike[];
+}): string[] {
+  const outputs = named(maneuver.channels, "output");
+  const rates = { lateral: ["p"], combined: ["q", "p"] }[maneuver.axis] ?? ["q"];
+  const recorded = rates.filter((name) => outputs.includes(name));
+  return recorded.length > 0 ? recorded : outputs.slice(0, 1);
+}

@@ -11,6 +11,7 @@ import {
   runQuery,
 } from "../api/queries";
 import type { Aircraft, Maneuver, ModalTable, Prediction, Run, RunProposal } from "../api/types";
+import { AxisPicker } from "../components/AxisPicker";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
@@ -204,17 +205,11 @@ function Form({ maneuver, aircraft, tables, predictions, template, origin, propo
         aside={
           <>
             {maneuver.axis === "combined" && (
-              <SegmentedControl
-                aria-label="Axis of the model"
-                data-testid="model-axis"
-                data={[
-                  { value: "longitudinal", label: "Longitudinal" },
-                  { value: "lateral", label: "Lateral-directional" },
-                ]}
-                value={draft.axis}
-                onChange={(value) =>
+              <AxisPicker
+                value={asAxis(draft.axis)}
+                onChange={(axis) =>
                   void navigate({
-                    search: (previous) => ({ ...previous, axis: asAxis(value) }),
+                    search: (previous) => ({ ...previous, axis }),
                     replace: true,
                   })
                 }

@@ -10,6 +10,7 @@ import { BlockPicker, FitTab } from "../components/FitTab";
 import { JobProgress } from "../components/JobProgress";
 import { Loaded } from "../components/Loaded";
 import { AdequacyTests, SymmetryTests } from "../components/ModelAdequacy";
+import { OtherAxis } from "../components/OtherAxis";
 import { PageHead } from "../components/PageHead";
 import { NuisanceParameters } from "../components/NuisanceParameters";
 import { ParameterTable } from "../components/ParameterTable";
@@ -87,6 +88,7 @@ function OneRun({ run }: { run: Run }) {
           {run.error?.message ?? "The worker gave no reason."}
         </Alert>
       )}
+      {maneuver.data?.axis === "combined" && <OtherAxis run={run} />}
       <RunDerivation run={run} />
       <RunIntegrity run={run} />
       {run.fit !== null && <RunOutcome run={run} fit={run.fit} />}

@@ -11,7 +11,6 @@ from fastapi import APIRouter, Depends, File, Form, Query, UploadFile
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest
 from flexsid.api.responses import ChangedRecords, ManeuverDetail, extend_record
-from flexsid.api.run_requests import ModelAxis
 from flexsid.api.serialization import (
     After,
     Identity,
@@ -33,6 +32,7 @@ from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters, Maneuver
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
+from flexsid.sysid.model.axes import ModelAxis
 from flexsid.text import split_ids
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
@@ -109,8 +109,12 @@ async def _read_reconstruction(
     modes: Annotated[
         str | None, Query(description="Mode numbers, separated by commas; by default as resolved.")
     ] = None,
+    axis: Annotated[
+        ModelAxis | None,
+        Query(description="Half of a combined maneuver; by default the longitudinal one."),
+    ] = None,
 ) -> ReconstructionQuery:
-    return ReconstructionQuery(maneuver_id=maneuver_id, modes=split_ids(modes, "modes"))
+    return ReconstructionQuery(maneuver_id=maneuver_id, modes=split_ids(modes, "modes"), axis=axis)
 
 
 # The figure of the reconstruction has its result.

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 
 RIGID_BODIES: dict[str, RigidBody] = {body.axis: body for body in (LONGITUDINAL, LATERAL)}
+
+ModelAxis = Literal["longitudinal", "lateral"]
+"""Axis of a model; a combined maneuver has one of each."""

@@ -14,6 +14,7 @@ from flexsid.records.views import ReconstructedTrace, Reconstruction
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, compute_observability
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.axes import ModelAxis
 from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
 from flexsid.sysid.preparation.resampling import Response, resample
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -48,10 +49,14 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReconstructionQuery:
-    """Maneuver, and numbers of the modes; by default those that its sensors resolve."""
+    """Maneuver, and numbers of the modes; by default those that its sensors resolve.
+
+    ``axis`` selects the half of a maneuver that excites both axes, by default the longitudinal one.
+    """
 
     maneuver_id: int
     modes: tuple[int, ...] = ()
+    axis: ModelAxis | None = None
 
 
 def reconstruct(store: Store, query: ReconstructionQuery) -> Reconstruction:
@@ -64,7 +69,7 @@ def reconstruct(store: Store, query: ReconstructionQuery) -> Reconstruction:
     NotIdentifiable
         If the sensors do not resolve the modes.
     """
-    sensing = gather_sensors(store, store.maneuvers.get(query.maneuver_id))
+    sensing = gather_sensors(store, store.maneuvers.get(query.maneuver_id), query.axis)
     model, motion = reconstruct_resolved_modes(sensing, query.modes)
     offered = _list_quantities(model)
     time_s, smoothed = smooth(store, sensing, model, motion)

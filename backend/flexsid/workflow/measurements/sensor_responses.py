@@ -24,6 +24,7 @@ from flexsid.workflow.aircraft.axes import (
     is_axis_sensor,
     list_opposed_surfaces,
     reads_own_motion_only,
+    require_axis,
 )
 from flexsid.workflow.measurements.maneuver_spectra import load_channels, read_measurement
 from flexsid.workflow.measurements.measured_axis import require_own_motion
@@ -99,18 +100,29 @@ class SensorData:
         )
 
 
-def gather_sensors(store: Store, maneuver: Maneuver) -> SensorData:
+def gather_sensors(store: Store, maneuver: Maneuver, axis: str | None = None) -> SensorData:
     """Gather all sensors of a maneuver that have a mode shape.
+
+    Parameters
+    ----------
+    store, maneuver
+        Maneuver.
+    axis
+        Axis of the model; by default that of the maneuver, the longitudinal one if it has both.
 
     Raises
     ------
     BadInput
         If no sensor is usable.
+    AxisNotSupported
+        If the maneuver has another axis.
     """
+    body = find_body(maneuver.axis if axis is None else axis)
+    if axis is not None:
+        require_axis(body, (maneuver,))
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     table, _ = load_modes_of_model(store, maneuver.aircraft_id, None, None, ())
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
-    body = find_body(maneuver.axis)
     inputs = _list_recorded_surfaces(aircraft, channels.values())
     opposed = list_opposed_surfaces(maneuver, aircraft, inputs, body)
     names, excluded = _select_usable_sensors(aircraft, channels, table, opposed, body)

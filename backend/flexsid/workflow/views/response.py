@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.records.aircraft import list_surface_parts
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.views import Blanked, Bode, Response
 from flexsid.storage.store import Store
+from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.reliability import find_unreliable_points, relative_std
 from flexsid.sysid.spectra.repetition import combine_responses
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
@@ -50,7 +52,8 @@ def compute_bode(
     outputs, inputs
         Names.
     run_ids
-        Runs whose models are added, if they have output and input.
+        Runs whose models are added, if they have output and input. Inputs of models may combine
+        left and right surfaces: each side has its share of their response.
     overlay
         Further maneuvers, as measured.
     average
@@ -98,6 +101,7 @@ def compute_bode(
     low = min(response.frequency_hz[0] for response in measured)
     high = max(response.frequency_hz[-1] for response in measured)
     band = (low / _MARGIN, high * _MARGIN)
+    parts = list_surface_parts(store.aircraft.get(first.aircraft_id))
     runs = [store.runs.get(number) for number in dict.fromkeys(run_ids)]
     models: list[Response] = []
     for run in runs:
@@ -107,7 +111,7 @@ def compute_bode(
         if rigid:
             curves.append((_remove_flexibility(own), f"{label}, C_e = 0", True))
         for model, name, is_rigid in curves:
-            for curve in _compute_curves(model, pairs, (low, high), units):
+            for curve in _compute_curves(model, pairs, (low, high), units, parts):
                 anchor = anchors[curve.output, curve.input]
                 models.append(
                     replace(_align_phase(curve, anchor), run_id=run.id, label=name, rigid=is_rigid)
@@ -165,14 +169,31 @@ def _compute_curves(
     pairs: Sequence[tuple[str, str]],
     band_hz: tuple[float, float],
     units: dict[str, str],
+    parts: Mapping[str, tuple[tuple[str, float], ...]],
 ) -> list[Response]:
     """Compute responses of an identified model on a fine grid over the measured band."""
     response = model.response(2.0 * np.pi * np.geomspace(*band_hz, _GRID))
+    sides = _compute_side_responses(response, parts)
     return [
-        _build_response(MeasuredColumn(response), output, units, name)
+        _build_response(MeasuredColumn(column), output, units, name)
         for output, name in pairs
-        if output in response.outputs and name in response.inputs
+        if (column := sides.get(name)) is not None and output in response.outputs
     ]
+
+
+def _compute_side_responses(
+    response: FrequencyResponse, parts: Mapping[str, tuple[tuple[str, float], ...]]
+) -> dict[str, FrequencyResponse]:
+    """Return the response to each input, and to each single surface that an input combines."""
+    weights = {name: np.zeros((len(response.inputs), 1)) for name in response.inputs}
+    for column, part in enumerate(response.inputs):
+        weights[part][column] = 1.0
+        for side, weight in parts.get(part, ()):
+            weights.setdefault(side, np.zeros((len(response.inputs), 1)))[column] = weight
+    return {
+        name: FrequencyResponse(response.omega, response.values @ own, response.outputs, (name,))
+        for name, own in weights.items()
+    }
 
 
 def _align_phase(model: Response, data: Response) -> Response:

@@ -42,14 +42,15 @@ export const maneuverQuery = (id: number) =>
 export const reconstructionResult = (
   id: number,
   modes: number[] | undefined,
+  axis: ModelAxis | undefined,
 ): StoredResultOptions<FigureSpec> => {
-  const params = { path: { maneuver_id: id }, query: { modes: modes?.join(",") } };
+  const params = { path: { maneuver_id: id }, query: { modes: modes?.join(","), axis } };
   const path = "/api/v1/maneuvers/{maneuver_id}/reconstruction/results";
   return {
-    key: ["reconstruction", id, modes ?? []],
+    key: ["reconstruction", id, modes ?? [], axis],
     enabled: true,
     read: (signal) =>
-      json(address("figures/reconstruction", { maneuver_id: id, modes }), {
+      json(address("figures/reconstruction", { maneuver_id: id, modes, axis }), {
         signal,
       }) as Promise<FigureSpec>,
     find: (signal) => body(api.GET(path, { params, signal })),
