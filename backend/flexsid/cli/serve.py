@@ -19,6 +19,7 @@ from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
 from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.demo.campaign_process import CampaignProcess
+from flexsid.demo.transport import add_transport
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
 from flexsid.jobs.health import PartHealth
@@ -126,6 +127,7 @@ def _serve_on(
 def _fill(settings: Settings, as_json: bool) -> None:
     with open_store(settings, new=True) as store:
         campaign.add_campaign(store, _report_progress)
+        add_transport(store)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
         print(file=sys.stderr)

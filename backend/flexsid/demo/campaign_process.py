@@ -1,4 +1,4 @@
-"""Process that simulates the demonstration campaign while the server runs."""
+"""Process that simulates the demonstration aircraft while the server runs."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from multiprocessing.connection import Connection
 from types import FrameType
 
 from flexsid.demo.campaign import Report, add_campaign
+from flexsid.demo.transport import add_transport
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.health import PartHealth, PartState
@@ -93,6 +94,7 @@ def main(arguments: list[str]) -> None:
     try:
         with closing(Store.open(connection.recv())) as store:
             add_campaign(store, lambda fraction, message: connection.send((fraction, message)))
+            add_transport(store)
     except FlexsidError as error:
         connection.send((None, error.message))
     except (KeyboardInterrupt, EOFError, OSError):
