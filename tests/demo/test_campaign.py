@@ -11,7 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.demo.campaign import PLAN, Card, add_aircraft, add_campaign, add_maneuver
+from flexsid.demo.campaign import (
+    PLAN,
+    UNSTEADY_PLAN,
+    Card,
+    add_aircraft,
+    add_campaign,
+    add_maneuver,
+)
 from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
@@ -141,6 +148,20 @@ def test_campaign_is_added_once_without_changes_to_user_data(
     labels = {item.label for item in store.maneuver_page(limit=None).items}
     assert "mine" in labels
     assert "3-01 FTA 506" not in labels
+
+
+def test_the_aircraft_with_unsteady_forces_has_a_campaign_of_its_own(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+):
+    sortie = replace(UNSTEADY_PLAN[0], cards=UNSTEADY_PLAN[0].cards[:1])
+    monkeypatch.setattr("flexsid.demo.campaign.UNSTEADY_PLAN", (sortie,))
+    assert add_campaign(store, unsteady=True) == 1
+    assert add_campaign(store, unsteady=True) == 0
+    assert [aircraft.name for aircraft in store.aircraft.find()] == ["FLEX-28U"]
+    lattice = store.predictions.find(source="Doublet lattice")[0]
+    assert lattice.unsteady is not None
+    assert lattice.unsteady.reference_k == 0.15
+    assert store.maneuvers.find()[0].airspeed_ratio == pytest.approx(0.5, rel=2e-3)
 
 
 def _first_samples(store: Store, maneuver: Maneuver) -> np.ndarray:

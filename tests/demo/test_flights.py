@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design_fta, fly
 from flexsid.demo.recorder import FlownChannel
-from flexsid.records.maneuver import Role
+from flexsid.records.maneuver import Flight, Role
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.storage.store import Store
+from flexsid.workflow.runs.estimation import prepare
 
 
 def channel(flown: FlownManeuver, name: str) -> FlownChannel:
@@ -86,6 +93,30 @@ def test_recorded_command_is_the_design(quiet: FlownManeuver):
     spectrum = np.abs(np.fft.rfft(command.samples[first : first + 4800].astype(float)))
     own = list(excitation.harmonics["wf3s"])
     assert np.delete(spectrum, own).max() < 1e-5 * spectrum[own].min()
+
+
+def test_unsteady_forces_are_those_of_the_lattice_at_every_frequency(store: Store):
+    """The simulation has rational functions; its response to the surfaces is that of C(k)."""
+    aircraft = add_aircraft(store, unsteady=True)
+    assert aircraft.id is not None
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=1))
+    flown = fly(modes_in_truth=2, noise=False, unsteady=True)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    request = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=flown.truth.modes, fixed={}),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    data = prepare(store, request).maneuvers[0]
+    model = replace(data.model, shape=load_truth(unsteady=True).shape_at(0.5, 2))
+    measured = data.measured
+    response = model.response(flown.truth, measured.omega)
+    outputs = np.einsum("kyu,ku->ky", response, measured.inputs.values) * measured.instruments
+    true = measured.outputs.values
+    error = np.sqrt(np.mean(np.abs(outputs - true) ** 2, 0) / np.mean(np.abs(true) ** 2, 0))
+    assert np.median(error) < 0.003
+    assert error.max() < 0.005
 
 
 def test_truth_is_returned_by_name(quiet: FlownManeuver):

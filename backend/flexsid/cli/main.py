@@ -77,6 +77,8 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "serve, and fill an empty workbench with the demonstration campaign"
     demo = add("demo", "serve:demo", summary)
     demo.add_argument("--no-serve", action="store_true", help="fill only")
+    meaning = "fly FLEX-28U, whose air forces lag the motion, in place of FLEX-28"
+    demo.add_argument("--unsteady", action="store_true", help=meaning)
 
     summary = "upgrade the database to the current schema, after a backup copy"
     add("migrate", "backup:migrate", summary)

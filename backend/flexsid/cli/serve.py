@@ -17,8 +17,8 @@ from flexsid.api.request_log import JsonFormatter
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
-from flexsid.demo.aircraft import NAME as DEMO_AIRCRAFT
 from flexsid.demo.campaign_process import CampaignProcess
+from flexsid.demo.flex28 import NAME, UNSTEADY_NAME
 from flexsid.demo.transport import add_transport
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
@@ -67,10 +67,12 @@ def serve(settings: Settings, arguments: argparse.Namespace) -> int:
 def demo(settings: Settings, arguments: argparse.Namespace) -> int:
     """Serve while the missing maneuvers of the demonstration campaign are simulated."""
     if arguments.no_serve:
-        _fill(settings, arguments.json)
+        _fill(settings, arguments.json, unsteady=arguments.unsteady)
         return 0
     _load_extensions()
-    campaign_process = CampaignProcess(settings.database, _report_progress)
+    campaign_process = CampaignProcess(
+        settings.database, _report_progress, unsteady=arguments.unsteady
+    )
     with _bind_port(settings.address, settings.port) as port:
         upgrade(settings.database)
         try:
@@ -124,9 +126,9 @@ def _serve_on(
     return 0 if server.started else 1
 
 
-def _fill(settings: Settings, as_json: bool) -> None:
+def _fill(settings: Settings, as_json: bool, *, unsteady: bool) -> None:
     with open_store(settings, new=True) as store:
-        campaign.add_campaign(store, _report_progress)
+        campaign.add_campaign(store, _report_progress, unsteady=unsteady)
         add_transport(store)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
@@ -136,9 +138,9 @@ def _fill(settings: Settings, as_json: bool) -> None:
 
 
 def add_builtin_aircraft(store: Store, name: str) -> None:
-    """Add the built-in aircraft if ``name`` is its name."""
-    if name == DEMO_AIRCRAFT:
-        campaign.add_aircraft(store)
+    """Add a built-in aircraft if ``name`` is its name."""
+    if name in (NAME, UNSTEADY_NAME):
+        campaign.add_aircraft(store, unsteady=name == UNSTEADY_NAME)
 
 
 def _bind_port(address: str, port: int) -> socket.socket:

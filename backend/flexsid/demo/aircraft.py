@@ -25,13 +25,11 @@ from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, STRAIN, VANE
 from flexsid.units import factor
 
-NAME = "FLEX-28"
-
 _RIGHT_ACCELEROMETERS = ("az_mfr", "az_mar", "az_ofr", "az_oar", "ax_oar", "ay_wlr")
 
 _DESCRIPTION = (
     "Invented flexible flying wing of 28 ft span with two full-span rows of trailing-edge "
-    "surfaces. Every number comes from a beam finite element model and a vortex lattice "
+    "surfaces. Every number comes from a beam finite element model and a {} lattice "
     "made for this purpose; none is of a real aircraft."
 )
 
@@ -46,8 +44,8 @@ def describe_aircraft(truth: Truth) -> Aircraft:
     noise = source["noise_sigma"]
     drag = source["drag"]
     return Aircraft(
-        name=NAME,
-        description=_DESCRIPTION,
+        name=truth.name,
+        description=_DESCRIPTION.format("vortex" if truth.unsteady is None else "doublet"),
         geometry=Geometry(area_m2=truth.area, chord_m=truth.chord, span_m=truth.span),
         mass=MassTable(
             fuel=tuple(truth.fuel.tolist()),

@@ -1,4 +1,4 @@
-"""The demonstration campaign: three flights of FLEX-28, simulated and stored."""
+"""The demonstration campaigns of FLEX-28 and of FLEX-28U, simulated and stored."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from functools import partial
 
 from threadpoolctl import threadpool_limits
 
-from flexsid.demo.aircraft import NAME, describe_aircraft, describe_controller
+from flexsid.demo.aircraft import describe_aircraft, describe_controller
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.demo.ground import simulate_ground_test
@@ -96,11 +96,28 @@ PLAN = (
         ),
     ),
 )
+UNSTEADY_PLAN = (
+    Sortie(
+        1,
+        date(2025, 6, 3),
+        "Clearance to 0.95 of the flutter speed",
+        (
+            Card(0.50, 0.70, 506),
+            *(Card(0.65, 0.64, 503), Card(0.65, 0.60, 506)),
+            *(Card(0.80, 0.52, 503), Card(0.80, 0.46, 506)),
+            *(Card(0.95, 0.36, 503), Card(0.95, 0.30, 506)),
+        ),
+    ),
+)
+"""Of FLEX-28U; its structure is that of FLEX-28, and has no records on the ground."""
+
 _FIRST_CARD_S = 600.0
 _BETWEEN_CARDS_S = 90.0
 
 
-def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -> int:
+def add_campaign(
+    store: Store, report: Report | None = None, seed: int = SEED, *, unsteady: bool = False
+) -> int:
     """Simulate and store the missing maneuvers of the campaign.
 
     Parameters
@@ -111,6 +128,8 @@ def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -
         Called with the completed fraction and a message after every maneuver.
     seed
         The same seed gives the same samples.
+    unsteady
+        True for the campaign of FLEX-28U, whose air forces lag the motion.
 
     Returns
     -------
@@ -118,9 +137,10 @@ def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -
         Number of maneuvers added.
     """
     report_progress = report or (lambda fraction, message: None)
-    aircraft = add_aircraft(store)
-    missing = _find_missing(store, aircraft, seed)
-    add_uncut_flight(store, aircraft, seed)
+    aircraft = add_aircraft(store, unsteady=unsteady)
+    missing = _find_missing(store, aircraft, seed, unsteady=unsteady)
+    if not unsteady:
+        add_uncut_flight(store, aircraft, seed)
     if missing:
         report_progress(0.0, f"{len(missing)} maneuvers to simulate")
     else:
@@ -134,12 +154,12 @@ def add_campaign(store: Store, report: Report | None = None, seed: int = SEED) -
     return len(missing)
 
 
-def add_aircraft(store: Store) -> Aircraft:
-    """Store FLEX-28 with modal tables, predictions and model structures, if missing."""
-    known = store.aircraft.find(name=NAME)
+def add_aircraft(store: Store, *, unsteady: bool = False) -> Aircraft:
+    """Store FLEX-28 or FLEX-28U with modal tables, predictions and structures, if missing."""
+    truth = load_truth(unsteady=unsteady)
+    known = store.aircraft.find(name=truth.name)
     if known:
         return known[0]
-    truth = load_truth()
     with store.transaction():
         aircraft = store.aircraft.add(describe_aircraft(truth))
         assert aircraft.id is not None
@@ -170,20 +190,24 @@ def add_maneuver(store: Store, flown: FlownManeuver, flight_id: int) -> Maneuver
 _Simulation = partial[FlownManeuver]
 
 
-def _find_missing(store: Store, aircraft: Aircraft, seed: int) -> list[tuple[int, _Simulation]]:
+def _find_missing(
+    store: Store, aircraft: Aircraft, seed: int, *, unsteady: bool
+) -> list[tuple[int, _Simulation]]:
     """Return flight and simulation of what is not stored yet, e.g. after an interruption."""
     missing = []
-    for sortie in PLAN:
+    for sortie in UNSTEADY_PLAN if unsteady else PLAN:
         flight = _flight(store, aircraft, sortie)
         assert flight.id is not None
         present = {maneuver.label for maneuver in store.maneuvers.find(flight_id=flight.id)}
-        records = (*_simulate_cards(sortie, seed), *_simulate_ground_records(sortie, seed))
+        records = list(_simulate_cards(sortie, seed, unsteady=unsteady))
+        if not unsteady:
+            records += _simulate_ground_records(sortie, seed)
         missing += [(flight.id, one) for one in records if one.keywords["label"] not in present]
     # Ground records last, so that the cards have the first numbers.
     return sorted(missing, key=lambda entry: entry[1].func is simulate_ground_test)
 
 
-def _simulate_cards(sortie: Sortie, seed: int) -> Iterator[_Simulation]:
+def _simulate_cards(sortie: Sortie, seed: int, *, unsteady: bool) -> Iterator[_Simulation]:
     for number, card in enumerate(sortie.cards):
         yield partial(
             fly,
@@ -194,6 +218,7 @@ def _simulate_cards(sortie: Sortie, seed: int) -> Iterator[_Simulation]:
             seed=(seed, sortie.number, number),
             start_s=_FIRST_CARD_S + number * _BETWEEN_CARDS_S,
             label=f"{sortie.number}-{number + 1:02d} FTA {card.fta}",
+            unsteady=unsteady,
         )
 
 

@@ -29,10 +29,12 @@ class CampaignProcess:
         URL of the database.
     report
         Called with the completed fraction and a message after every maneuver.
+    unsteady
+        True for the campaign of FLEX-28U.
     """
 
-    def __init__(self, database: str, report: Report) -> None:
-        self._database = database
+    def __init__(self, database: str, report: Report, *, unsteady: bool = False) -> None:
+        self._request = database, unsteady
         self._report = report
         self._program: Program | None = None
         self._thread = threading.Thread(target=self._receive, name="campaign", daemon=True)
@@ -41,7 +43,7 @@ class CampaignProcess:
     def start(self) -> None:
         """Start the process."""
         self._program = Program("flexsid.demo.campaign_process")
-        self._program.connection.send(self._database)
+        self._program.connection.send(self._request)
         self._thread.start()
 
     def stop(self) -> None:
@@ -92,8 +94,13 @@ def main(arguments: list[str]) -> None:
         signal.signal(number, _interrupt_once)
     threading.Thread(target=_interrupt_with, args=(lifeline,), daemon=True).start()
     try:
-        with closing(Store.open(connection.recv())) as store:
-            add_campaign(store, lambda fraction, message: connection.send((fraction, message)))
+        database, unsteady = connection.recv()
+        with closing(Store.open(database)) as store:
+            add_campaign(
+                store,
+                lambda fraction, message: connection.send((fraction, message)),
+                unsteady=unsteady,
+            )
             add_transport(store)
     except FlexsidError as error:
         connection.send((None, error.message))

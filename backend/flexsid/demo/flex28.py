@@ -1,4 +1,7 @@
-"""True parameters of FLEX-28: the numbers of ``data/flex28.json`` in SI units and radians."""
+"""True parameters of FLEX-28: the numbers of ``data/flex28.json`` in SI units and radians.
+
+FLEX-28U is the same aircraft with unsteady aerodynamics, those of ``data/flex28_unsteady.npz``.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,16 @@ import numpy as np
 from scipy import interpolate
 
 from flexsid.errors import BadInput
+from flexsid.sysid.interpolation import interpolate as interpolate_rows
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
+from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
 from flexsid.sysid.modes import ModeTable, StructuralModes
 from flexsid.sysid.simulation.closed_loop import Actuator, ScheduledController
 from flexsid.units import factor
+
+NAME, UNSTEADY_NAME = "FLEX-28", "FLEX-28U"
+"""Of the aircraft with quasi-steady and with unsteady aerodynamics."""
 
 INPUTS = ("bfs", "wf1s", "wf2s", "wf3s", "wf4s")
 """Symmetric surface pairs by their names in the workbench."""
@@ -37,11 +45,31 @@ _FLUTTER_SPEED = (
     194.285, 194.004, 193.723, 193.470, 193.240, 193.004, 192.819, 192.628,
 )  # fmt: skip
 
+# The same of FLEX-28U, by the p-k method. [ft/s]
+_UNSTEADY_FLUTTER_SPEED = (209.185, 204.649, 201.118, 195.652)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnsteadyTruth:
+    """Air forces of FLEX-28U by fuel and reduced frequency, as a doublet lattice predicts them.
+
+    Those of the aircraft are these times ``factors``, which no prediction knows.
+    """
+
+    k: np.ndarray
+    fuel: np.ndarray
+    predicted: np.ndarray  # (fuel, k, rows, columns) of the eight symmetric modes
+    factors: np.ndarray  # (rows, columns)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """The simulated aircraft; ``source`` is the content of the file in its units."""
+    """The simulated aircraft; ``source`` is the content of the file in its units.
 
+    Its derivatives are those at k = 0 where the air forces are ``unsteady``.
+    """
+
+    name: str
     source: dict[str, Any]
     fuel: np.ndarray
     area: float
@@ -60,6 +88,7 @@ class Truth:
     flutter_speed: np.ndarray
     actuator: Actuator
     controller: ScheduledController
+    unsteady: UnsteadyTruth | None = None
 
     def flutter_speed_at(self, fuel: float) -> float:
         """Return the open-loop flutter speed. [m/s]"""
@@ -74,6 +103,18 @@ class Truth:
         values = interpolate.interp1d(self.fuel, self.derivatives, axis=0)(fuel)
         return DerivativeTable(self.symmetric, INPUTS, values).select(
             self.symmetric[:count], INPUTS
+        )
+
+    def shape_at(self, fuel: float, count: int) -> FrequencyShape | None:
+        """Return the frequency shape of the derivatives; None where they are quasi-steady."""
+        if self.unsteady is None:
+            return None
+        predicted = interpolate_rows(self.unsteady.fuel, self.unsteady.predicted, fuel)
+        names = list_derivative_names(self.symmetric, INPUTS)
+        by_name = dict(zip(names, predicted.reshape(len(self.unsteady.k), -1).T, strict=True))
+        modes = self.symmetric[:count]
+        return build_frequency_shape(
+            modes, INPUTS, self.unsteady.k, by_name, 0.0, smallest_ratio=0.0
         )
 
     def without(self, absent: Sequence[str]) -> Truth:
@@ -118,12 +159,15 @@ class Truth:
 
 
 @cache
-def load_truth() -> Truth:
-    """Return the aircraft of the package, read once."""
+def load_truth(*, unsteady: bool = False) -> Truth:
+    """Return FLEX-28, or FLEX-28U with unsteady aerodynamics, read once."""
+    if unsteady:
+        return _load_unsteady_truth()
     source = json.loads(_data("flex28.json").read_text(encoding="utf-8"))
     dynamics, law = source["dynamics"]["actuator"], source["controller"]
     delay = dynamics["delay_s"]
     return Truth(
+        name=NAME,
         source=source,
         fuel=np.array(source["fuel_fraction"]),
         area=source["S"] * _FOOT**2,
@@ -159,6 +203,23 @@ def load_truth() -> Truth:
             # The delay of the file is that of the whole loop, including the actuator.
             delay_s=law["total_delay_s"] - delay,
         ),
+    )
+
+
+def _load_unsteady_truth() -> Truth:
+    with _data("flex28_unsteady.npz").open("rb") as stream, np.load(stream) as data:
+        unsteady = UnsteadyTruth(
+            k=data["k"], fuel=data["fuel"], predicted=data["C"], factors=data["factors"]
+        )
+    truth = load_truth()
+    at_rest = np.real(unsteady.predicted[:, 0]) * unsteady.factors
+    return replace(
+        truth,
+        name=UNSTEADY_NAME,
+        derivatives=interpolate_rows(unsteady.fuel, at_rest, truth.fuel),
+        flutter_fuel=unsteady.fuel,
+        flutter_speed=np.array(_UNSTEADY_FLUTTER_SPEED) * _FOOT,
+        unsteady=unsteady,
     )
 
 

@@ -53,6 +53,7 @@ def fly(
     absent: tuple[str, ...] = (),
     turbulence: Turbulence = Turbulence.NONE,
     fault: SurfaceFault | None = None,
+    unsteady: bool = False,
 ) -> FlownManeuver:
     """Simulate a flight test aid in closed loop from trim and record all channels.
 
@@ -84,8 +85,10 @@ def fly(
         Intensity of the turbulence, in which the aircraft flies before the record too.
     fault
         Fault of a surface, None for none.
+    unsteady
+        True flies FLEX-28U, whose air forces lag the motion.
     """
-    truth = load_truth().without(absent)
+    truth = load_truth(unsteady=unsteady).without(absent)
     aircraft = describe_aircraft(truth)
     multisine = design_fta(fta, peak_deg)
     excitation, during = sample_excitation(multisine, n_periods)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 
 import numpy as np
 
-from flexsid.demo.flex28 import INPUTS, Truth, load_nodes
-from flexsid.records.aircraft import DerivativePrediction
+from flexsid.demo.flex28 import INPUTS, Truth, UnsteadyTruth, load_nodes
+from flexsid.records.aircraft import DerivativePrediction, UnsteadyPrediction
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.sysid.model.derivatives import list_derivative_names, parse_derivative
+from flexsid.sysid.model.derivatives import (
+    list_derivative_names,
+    parse_derivative,
+    variables,
+)
+from flexsid.workflow.modal_data.computed_predictions import KIND, compute_spread
 
 SaveArray = Callable[[np.ndarray], str]
 """Stores an array and returns its name."""
@@ -19,6 +25,7 @@ _NAMES = {7: "SW1B", 8: "AW1B", 9: "SW1T", 10: "AW1T", 11: "SFA", 12: "SWL"}
 
 # Inviscid panel code: surface effectiveness too large, damping too small.
 _PANEL_BIAS = {"alpha": 1.08, "q": 0.88, "eta": 1.10, "etadot": 0.90, "surface": 1.18}
+_REFERENCE_K = 0.15  # of flutter
 # A stiff half-span model on a splitter plate, at low Reynolds number.
 _TUNNEL_BIAS = {"alpha": 0.95, "surface": 0.86}
 
@@ -74,7 +81,10 @@ def build_modal_tables(
 def build_predictions(
     truth: Truth, aircraft_id: int, save: SaveArray
 ) -> tuple[DerivativePrediction, DerivativePrediction]:
-    """Return two predictions with typical, reproducible errors of their kind."""
+    """Return two predictions with typical, reproducible errors of their kind.
+
+    A panel code or, of unsteady aerodynamics, a doublet lattice; and a wind tunnel test.
+    """
     names = list_derivative_names(truth.symmetric, INPUTS)
     true = truth.derivatives.reshape(truth.fuel.size, -1)
     noise = np.random.default_rng(28).standard_normal((2, len(names)))
@@ -106,7 +116,39 @@ def build_predictions(
         std_errors=save(0.03 * np.abs(values) + 0.002),
         note="stiff model, moments transferred to the centre of gravity at each fuel weight",
     )
+    if truth.unsteady is not None:
+        return build_lattice_prediction(truth, truth.unsteady, aircraft_id, save), tunnel
     return panel, tunnel
+
+
+def build_lattice_prediction(
+    truth: Truth, unsteady: UnsteadyTruth, aircraft_id: int, save: SaveArray
+) -> DerivativePrediction:
+    """Return the doublet lattice of FLEX-28U as a prediction at the k of flutter."""
+    names = list_derivative_names(truth.symmetric, INPUTS)
+    at = int(np.searchsorted(unsteady.k, _REFERENCE_K))
+    values = np.real(unsteady.predicted[:, at])
+    n_fuel, n_k = unsteady.predicted.shape[:2]
+    return DerivativePrediction(
+        aircraft_id=aircraft_id,
+        source="Doublet lattice",
+        kind=KIND,
+        fuel=tuple(unsteady.fuel.tolist()),
+        names=names,
+        values=save(values.reshape(n_fuel, -1)),
+        std_errors=save(
+            compute_spread(values, variables(truth.symmetric, INPUTS)).reshape(n_fuel, -1)
+        ),
+        note=f"320 boxes on the right half, Mach 0.1, derivatives at k = {_REFERENCE_K:g}",
+        unsteady=UnsteadyPrediction(
+            k=tuple(unsteady.k.tolist()),
+            reference_k=_REFERENCE_K,
+            coefficients=save(unsteady.predicted.reshape(n_fuel, n_k, -1)),
+            mach=0.1,
+            n_boxes=320,
+            geometry=hashlib.sha256(truth.name.encode()).hexdigest(),
+        ),
+    )
 
 
 def build_model_structures(aircraft_id: int) -> tuple[ModelStructure, ...]:

@@ -64,7 +64,9 @@ def fly_truth(
     """
     condition = truth.condition_at(airspeed, fuel)
     derivatives = truth.derivatives_at(fuel, count)
-    airframe = assemble_airframe(condition, truth.modes_at(fuel, count), derivatives)
+    airframe = assemble_airframe(
+        condition, truth.modes_at(fuel, count), derivatives, truth.shape_at(fuel, count)
+    )
     motion = simulate_closed_loop(
         airframe,
         truth.actuator if fault is None else fault.limit(truth.actuator),

@@ -13,6 +13,8 @@ from jaxtyping import Float
 
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.frequency_shape import FrequencyShape
+from flexsid.sysid.model.rational_functions import build_lagged_forces
 from flexsid.sysid.modes import StructuralModes
 
 ALPHA, Q, THETA = range(3)
@@ -20,7 +22,7 @@ ALPHA, Q, THETA = range(3)
 
 @dataclass(frozen=True, slots=True)
 class Airframe:
-    """x = [alpha, q, theta, eta..., etadot...], u = surfaces; rows act on [x, u].
+    """x = [alpha, q, theta, eta..., etadot..., lags...], u = surfaces; rows act on [x, u].
 
     ``rates`` gives x-dot, ``lift_row`` the normal force and ``drag_row`` the
     forward force, both per unit mass [m/s2], as measured by an accelerometer.
@@ -57,9 +59,14 @@ class Airframe:
 
 
 def assemble_airframe(
-    condition: FlightCondition, modes: StructuralModes, derivatives: DerivativeTable
+    condition: FlightCondition,
+    modes: StructuralModes,
+    derivatives: DerivativeTable,
+    shape: FrequencyShape | None = None,
 ) -> Airframe:
     """Build the equations of motion at a trim condition, whose thrust balances the drag.
+
+    With a frequency shape the air forces lag the motion, by rational functions.
 
     Raises
     ------
@@ -74,21 +81,27 @@ def assemble_airframe(
     if modes.numbers != derivatives.modes:
         raise ValueError(f"modes {modes.numbers} and derivatives {derivatives.modes} must match")
     n = len(modes.numbers)
-    n_x, n_u = 3 + 2 * n, len(derivatives.inputs)
+    n_motion, n_u = 3 + 2 * n, len(derivatives.inputs)
     speed, chord = condition.airspeed, condition.chord
     force = condition.dynamic_pressure * condition.area
 
-    # Columns of the table (alpha, q, eta, etadot, u) in the vector [x, u].
-    columns = np.r_[ALPHA, Q, 3 : n_x + n_u]
-    half = chord / (2.0 * speed)
-    scale = np.concatenate([[1.0, half], np.ones(n), np.full(n, half), np.ones(n_u)])
-    table = np.zeros((2 + n, n_x + n_u))
-    table[:, columns] = derivatives.values * scale
+    if shape is None:
+        # Columns of the table (alpha, q, eta, etadot, u) in the vector [x, u].
+        columns = np.r_[ALPHA, Q, 3 : n_motion + n_u]
+        half = chord / (2.0 * speed)
+        scale = np.concatenate([[1.0, half], np.ones(n), np.full(n, half), np.ones(n_u)])
+        table = np.zeros((2 + n, n_motion + n_u))
+        table[:, columns] = derivatives.values * scale
+        lag_rates = np.zeros((0, n_motion + n_u))
+    else:
+        lagged = build_lagged_forces(shape, condition)
+        table = np.einsum("rw,rwz->rz", derivatives.values, lagged.loads)
+        lag_rates = lagged.lag_rates
 
-    rates = np.zeros((n_x, n_x + n_u))
+    rates = np.vstack([np.zeros((n_motion, table.shape[1])), lag_rates])
     rates[ALPHA] = force / (condition.mass * speed) * table[0]
     rates[Q] = force * chord / condition.pitch_inertia * table[1]
-    rates[3 + n : n_x] = force * chord / modes.mass[:, None] * table[2:]
+    rates[3 + n : n_motion] = force * chord / modes.mass[:, None] * table[2:]
 
     tilt = GRAVITY * np.sin(condition.gamma) / speed
     rates[ALPHA, ALPHA] += tilt - condition.thrust * np.cos(condition.alpha) / (
@@ -97,9 +110,9 @@ def assemble_airframe(
     rates[ALPHA, Q] += 1.0
     rates[ALPHA, THETA] -= tilt
     rates[THETA, Q] = 1.0
-    rates[3 : 3 + n, 3 + n : n_x] = np.eye(n)
-    rates[3 + n : n_x, 3 : 3 + n] -= np.diag(modes.omega**2)
-    rates[3 + n : n_x, 3 + n : n_x] -= np.diag(2.0 * modes.zeta * modes.omega)
+    rates[3 : 3 + n, 3 + n : n_motion] = np.eye(n)
+    rates[3 + n : n_motion, 3 : 3 + n] -= np.diag(modes.omega**2)
+    rates[3 + n : n_motion, 3 + n : n_motion] -= np.diag(2.0 * modes.zeta * modes.omega)
 
     lift = condition.lift_coefficient
     forward = -(condition.alpha - 2.0 * condition.induced_drag * lift) * table[0]

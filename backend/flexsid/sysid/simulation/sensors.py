@@ -20,7 +20,7 @@ def accelerometer(
     translation, rotation = _shapes(airframe, point)
     n = translation.shape[1]
     pitch_acceleration = airframe.rates[1]
-    modal_acceleration = airframe.rates[3 + n : airframe.n_x]
+    modal_acceleration = airframe.rates[3 + n : 3 + 2 * n]
     row = translation["xyz".index(axis)] @ modal_acceleration
     if axis == "x":
         row += airframe.drag_row + position[2] * pitch_acceleration

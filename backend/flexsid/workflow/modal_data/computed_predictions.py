@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -253,11 +253,7 @@ def compute_prediction(
     values = np.array([np.real(C.at(request.reference_k)) for C in found])
     place = int(np.searchsorted(near, request.reference_k))
     mesh = values - np.array([np.real(C.values[place]) for C in coarse])
-    columns = variables(task.modes, inputs)
-    relative = [_SPREAD.get(c.rstrip("0123456789"), _SPREAD_OF_SURFACES) for c in columns]
-    # Of rates and angles apart: they are of different size.
-    size = np.maximum(np.abs(values), _SMALL * np.abs(values).max(axis=2, keepdims=True))
-    std = np.hypot(size * np.array(relative), mesh)
+    std = np.hypot(compute_spread(values, variables(task.modes, inputs)), mesh)
     n_fuel = len(task.fuel)
     return ComputedPrediction(
         task,
@@ -273,6 +269,16 @@ def compute_prediction(
             for s in surfaces
         ),
     )
+
+
+def compute_spread(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
+    """Compute standard deviations of (fuel, rows, columns) by experience, without that of a mesh.
+
+    15 to 25 % of each derivative, at least of 5 % of the largest of its row.
+    """
+    relative = [_SPREAD.get(c.rstrip("0123456789"), _SPREAD_OF_SURFACES) for c in columns]
+    size = np.maximum(np.abs(values), _SMALL * np.abs(values).max(axis=2, keepdims=True))
+    return size * np.array(relative)
 
 
 def store_computed_prediction(store: Store, found: ComputedPrediction) -> DerivativePrediction:
