@@ -197,7 +197,12 @@ def test_held_out_frequencies_decide_between_aerodynamic_models(
     if verdict is AerodynamicsVerdict.QUASI_STEADY:
         assert with_shape.lag_rejects
         assert not steady.lag_rejects
-    if name == "080Vf_n2_fta506" and band_hz is None:
-        flutter = np.load(DATA / "records" / f"{name}.npz")["true_flutter_speed_ft_s"] * 0.3048
-        assert with_shape.flutter_m_s == pytest.approx(float(flutter), rel=0.01)
+    if name.startswith("080Vf_n2_fta506") and band_hz is None:
+        flutter = float(np.load(DATA / "records" / f"{name}.npz")["true_flutter_speed_ft_s"])
+        flutter *= 0.3048
+        percent = 4.0 if name.endswith("gust") else 1.0
+        assert with_shape.flutter_m_s == pytest.approx(flutter, rel=percent / 100.0)
+        assert abs(with_shape.flutter_m_s - flutter) < 2.0 * with_shape.flutter_std_m_s
         assert steady.flutter_m_s is None or steady.flutter_m_s > 1.05 * flutter
+    if band_hz is not None:
+        assert "the data reach k = 0.14" in found.sentence

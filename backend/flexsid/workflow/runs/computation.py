@@ -103,7 +103,7 @@ class ComputedRun:
 
 
 @dataclass(frozen=True, slots=True)
-class _Fit:
+class MethodFit:
     """Estimate of all parameters by one method, with the spread of the nuisance prior."""
 
     parameters: Parameters
@@ -172,7 +172,7 @@ def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
     )
 
 
-def _fit_regressions(task: EstimationTask, report: Report) -> _Fit:
+def _fit_regressions(task: EstimationTask, report: Report) -> MethodFit:
     """Estimate by equation error."""
     report(Progress(message="Reconstructing motion from the sensors"))
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
@@ -196,13 +196,29 @@ def _fit_regressions(task: EstimationTask, report: Report) -> _Fit:
         for experiment in build_experiments(task, Method.OE)
     ]
     adequacy, symmetry = assess_model_adequacy(task, experiments, parameters, estimate, spread)
-    return _Fit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
+    return MethodFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
 
 
-def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:
+def _fit_likelihood(task: EstimationTask, report: Report) -> MethodFit:
     """Estimate by output error or frequency-response error."""
     experiments = build_experiments(task)
     parameters, start, estimate = maximize_from_starts(task, experiments, report)
+    return complete_likelihood_fit(task, experiments, parameters, estimate, start, report)
+
+
+def complete_likelihood_fit(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    start: str,
+    report: Report,
+) -> MethodFit:
+    """Complete a fit of output error or frequency-response error from its optimum.
+
+    The spread of the nuisance prior, leakage, weights from the noise spectrum, and the tests for
+    remaining model error.
+    """
 
     def refit(estimate: Estimate, spread: float) -> Estimate:
         return refit_with_spread(task, experiments, parameters, estimate, spread, report)
@@ -252,7 +268,7 @@ def _fit_likelihood(task: EstimationTask, report: Report) -> _Fit:
         warnings = (*warnings, reason)
         if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
-    return _Fit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
+    return MethodFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
 
 
 def _warn_of_input_noise(

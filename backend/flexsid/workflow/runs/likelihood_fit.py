@@ -120,11 +120,14 @@ def build_fit_settings(task: EstimationTask, spread: float = PRIOR_SPREAD) -> Fi
 
 
 def maximize_from_starts(
-    task: EstimationTask, experiments: list[Experiment], report: Report
+    task: EstimationTask,
+    experiments: list[Experiment],
+    report: Report,
+    n_perturbed: int = _PERTURBED_STARTS,
 ) -> tuple[Parameters, str, Estimate]:
     """Maximise the likelihood from every start and return the best optimum.
 
-    Perturbed starts follow where no start converged.
+    At most ``n_perturbed`` perturbed starts follow where no start converged.
     """
     candidates = collect_starting_points(task, report)
     settings = build_fit_settings(task)
@@ -153,7 +156,7 @@ def maximize_from_starts(
         for number, (name, parameters) in enumerate(candidates.items())
     ]
     best = _select_best(task, ends)
-    for seed in range(_PERTURBED_STARTS):
+    for seed in range(n_perturbed):
         if best[2].outcome in (Outcome.CONVERGED, Outcome.SINGULAR_INFORMATION):
             break
         parameters, name, _ = best
