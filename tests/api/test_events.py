@@ -1,8 +1,9 @@
-"""Events of jobs are streamed, and repeated after a reconnection."""
+"""Events of jobs and streams are sent, and those of jobs repeated after a reconnection."""
 
 from __future__ import annotations
 
 import json
+import struct
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -66,3 +67,39 @@ def test_event_stream_resumes_after_last_event(live_url: str) -> None:
     assert numbers == sorted(numbers)
     with _listen(f"{api}/events", **{"Last-Event-ID": str(numbers[0])}) as events:
         assert _read_until_end(events, run) == seen[1:]
+
+
+def test_samples_and_states_of_a_stream_are_events(live_url: str) -> None:
+    live = f"{live_url}/api/v1/live/streams"
+    stream = _post(live, {"run_id": 1, "title": "Flight 2", "receiver": {"name": "push"}})["id"]
+    with urllib.request.urlopen(f"{live}/{stream}", timeout=PATIENCE_S) as response:
+        size = json.load(response)["packet_bytes"]
+
+    def push(number: int) -> None:
+        start = struct.pack("<4sId", b"FXS1", number, number * 0.05)
+        request = urllib.request.Request(
+            f"{live}/{stream}/frames",
+            start + bytes(size - len(start)),
+            {"Content-Type": "application/octet-stream"},
+        )
+        urllib.request.urlopen(request, timeout=PATIENCE_S).close()
+
+    seen: dict[str, Any] = {}
+    with _listen(f"{live_url}/api/v1/events?stream_id={stream}&channels=q,bfs") as events:
+        for number in range(40):
+            push(number)
+        for name, _, data in events:
+            if name == "live" and data["state"] is not None:
+                seen[name] = data
+            if name == "samples":
+                seen[name] = data
+            if name in ("live", "samples"):
+                number += 1
+                push(number)
+            if len(seen) == 2:
+                break
+    assert seen["live"]["stream_id"] == stream
+    assert seen["live"]["state"]["phase"] == "trim"
+    assert seen["samples"]["names"] == ["q", "bfs"]
+    assert set(seen["samples"]["low"][0]) == {0.0}
+    _post(f"{live}/{stream}/stop", {})

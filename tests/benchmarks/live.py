@@ -2,12 +2,13 @@
 
 Prints one JSON line per figure. ``live_core_share``: transforms and checks of 100 channels at
 200 Hz and 325 harmonics, CPU time over time of the record, without estimates.
-``live_estimate_core_share``: estimates every second of a simulated maneuver, still air.
-``sample_to_screen_p95_ms``: a frame from its arrival to the state that it completes; estimates
-are computed in the same process, and frames that arrive meanwhile wait. ``alarm_delay_p95_ms``:
-a sample beyond its limit to the state with the alarm, from the end of its frame on. Both are in
-CPU time, as on a free core, so that a loaded machine does not change them; no network or browser
-is included.
+``live_estimate_core_share``: estimates every second of a simulated maneuver, still air, CPU time of
+one process. ``sample_to_screen_p95_ms``: from the arrival of a frame to its columns in the
+server, in real time, with the processes of the server, while estimates are computed; the network
+and the browser are not included. ``estimate_age_p95_ms``: from the arrival of the last sample to
+the state with its estimate. ``alarm_delay_p95_ms``: from the arrival of a sample beyond its limit
+to the state with the alarm. The last three are in the time of the clock, with the load of the
+computer when they began.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import json
 import tempfile
+import threading
 import time
 from dataclasses import replace
 
@@ -26,17 +28,20 @@ import numpy as np
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.records.live import AlarmKind, Frame
+from flexsid.records.live import Frame, LiveStream, ReceiverSettings
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
+from flexsid.storage.live_history import list_states
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.streams.live_streams import LiveStreams
 from flexsid.sysid.preparation.stream_checks import StreamChecks
 from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
 from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import FRAME_S, LiveTask, prepare_live_task
-from flexsid.workflow.live.replay import read_replay
+from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
+from flexsid.workflow.live.packets import encode_frame
+from flexsid.workflow.live.replay import pace, read_replay
 
 CHANNELS, RATE_HZ, SECONDS = 100, 200.0, 30.0
 OMEGA = 2.0 * np.pi * np.arange(6, 331) / 24.0
@@ -45,9 +50,12 @@ OMEGA = 2.0 * np.pi * np.arange(6, 331) / 24.0
 def main() -> None:
     """Measure and print everything."""
     print_core_share()
-    task, frames = simulate_stream()
-    print_latency(task, frames)
-    print_alarm_delay(task, frames)
+    with tempfile.TemporaryDirectory() as folder:
+        store, stream = simulate_stream(folder)
+        print_estimate_share(store, stream)
+        print_latency(store, stream)
+        print_alarm_delay(store, stream)
+        store.close()
 
 
 def print_core_share() -> None:
@@ -72,74 +80,133 @@ def print_core_share() -> None:
     report("live_core_share", share, channels=CHANNELS, harmonics=OMEGA.size, rate_hz=RATE_HZ)
 
 
-def simulate_stream() -> tuple[LiveTask, list[Frame]]:
+def simulate_stream(folder: str) -> tuple[Store, LiveStream]:
     """Simulate a maneuver of FLEX-28, four modes identified and four retained with priors."""
-    with tempfile.TemporaryDirectory() as folder:
-        address = f"sqlite:///{folder}/flexsid.db"
-        upgrade(address)
-        store = Store.open(address)
-        aircraft = add_aircraft(store)
-        flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1)).id or 0
-        maneuver = add_maneuver(store, fly(airspeed_ratio=0.80, seed=(27, 1)), flight)
-        run = EstimationRun(
+    address = f"sqlite:///{folder}/flexsid.db"
+    upgrade(address)
+    store = Store.open(address)
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1)).id or 0
+    maneuver = add_maneuver(store, fly(airspeed_ratio=0.80, seed=(27, 1)), flight)
+    run = store.runs.add(
+        EstimationRun(
             maneuver_id=maneuver.id or 0,
             method=Method.OE,
             structure=Structure(modes=(7, 9, 11, 12), fixed={}),
             settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+            state=RunState.SUCCEEDED,
         )
-        task = prepare_live_task(store, run)
-        frames = list(read_replay(store, run.maneuver_id, task.header).frames())
-        store.close()
-    return task, frames
-
-
-def print_latency(task: LiveTask, frames: list[Frame]) -> None:
-    """Process a maneuver as it would arrive, one frame every 50 ms.
-
-    A frame that arrives during an estimate waits for it: arrival is that of the record, processing
-    is measured.
-    """
-    processor = LiveProcessor(task)
-    free_s, delays, cpu = 0.0, [], time.process_time()
-    for count, frame in enumerate(frames, start=1):
-        arrival_s = count * FRAME_S
-        begun = time.process_time()
-        processor.push(frame)
-        free_s = max(free_s, arrival_s) + time.process_time() - begun
-        delays.append(free_s - arrival_s)
-    processor.finish()
-    share = (time.process_time() - cpu) / (len(frames) * FRAME_S)
-    report("live_estimate_core_share", share, channels=sum(map(len, task.header.groups)))
-    p95 = 1e3 * float(np.percentile(delays, 95))
-    report("sample_to_screen_p95_ms", p95, worst_ms=1e3 * max(delays), frames=len(frames))
-
-
-def print_alarm_delay(task: LiveTask, frames: list[Frame]) -> None:
-    """A sample beyond its limit at any time of the trim, to the state with the alarm."""
-    group, column = next(
-        (k, [c.name for c in g].index("q"))
-        for k, g in enumerate(task.header.groups)
-        if any(c.name == "q" for c in g)
     )
-    limited = replace(task, limits={"q": (-1.0, 1.0)})
-    delays = []
-    for number in range(0, 30):
-        processor = LiveProcessor(limited)
-        raised_s = frames[number].time_s + FRAME_S
-        processing = 0.0
-        for frame in frames[:60]:
-            if frame.number == number:
-                samples = [x.copy() for x in frame.samples]
-                samples[group][:, column] = 2.0
-                frame = replace(frame, samples=tuple(samples))
-            begun = time.process_time()
-            states = processor.push(frame)
-            processing = time.process_time() - begun
-            alarms = [a for s in states for a in s.alarms if a.kind is AlarmKind.LIMIT]
-            if alarms:
-                delays.append(frame.time_s + FRAME_S - raised_s + processing)
-                break
-    report("alarm_delay_p95_ms", 1e3 * float(np.percentile(delays, 95)), alarms=len(delays))
+    stream = LiveStream(
+        aircraft_id=aircraft.id or 0,
+        run_id=run.id or 0,
+        title="benchmark",
+        receiver=ReceiverSettings(name="push"),
+    )
+    return store, stream
+
+
+def print_estimate_share(store: Store, stream: LiveStream) -> None:
+    """Process a maneuver in this process."""
+    task = prepare_live_task(store, store.runs.get(stream.run_id))
+    frames = list(read_replay(store, 1, task.header).frames())
+    processor = LiveProcessor(task)
+    begun = time.process_time()
+    for frame in frames:
+        processor.push(frame)
+    processor.finish()
+    share = (time.process_time() - begun) / (len(frames) * FRAME_S)
+    report("live_estimate_core_share", share, channels=sum(map(len, task.header.groups)))
+
+
+def print_latency(store: Store, stream: LiveStream) -> None:
+    """Push a maneuver in real time; read what the server has."""
+    load = os.getloadavg()[0]
+    sent: dict[int, float] = {}
+    seen: dict[int, float] = {}
+
+    def notice(stream_id: int) -> None:
+        newest_s = streams.find_newest_s(stream_id)
+        if newest_s is not None:
+            seen.setdefault(round(newest_s / FRAME_S) - 1, time.monotonic())
+
+    streams = LiveStreams(store, on_change=notice)
+    stored, frames = start(streams, store, stream)
+    for frame in pace(frames, FRAME_S, 1.0):
+        sent[frame.number] = time.monotonic()
+        streams.push(stored.id or 0, encode_frame(frame))
+    streams.stop(stored.id or 0)
+    delays = 1e3 * np.array([seen[number] - at for number, at in sent.items()])
+    states, _ = list_states(store, stored.id or 0, None, 1000)
+    fresh = [
+        one.delay_s
+        for one in states
+        if one.state.estimate is not None and one.state.estimate.time_s == one.time_s
+    ]
+    streams.close()
+    p95 = float(np.percentile(delays, 95))
+    report("sample_to_screen_p95_ms", p95, worst_ms=delays.max(), frames=delays.size, load=load)
+    age = 1e3 * np.array(fresh)
+    p95 = float(np.percentile(age, 95))
+    report("estimate_age_p95_ms", p95, worst_ms=age.max(), estimates=age.size, load=load)
+
+
+def print_alarm_delay(store: Store, stream: LiveStream) -> None:
+    """Let one channel after the other leave its limits, in real time."""
+    load = os.getloadavg()[0]
+    task = prepare_live_task(store, store.runs.get(stream.run_id))
+    names = [c.name for group in task.header.groups for c in group][:30]
+    raised: dict[str, float] = {}
+    changed = threading.Event()
+    streams = LiveStreams(store, on_change=lambda _: changed.set())
+    limited = replace(stream, limits=dict.fromkeys(names, (-1e6, 1e6)))
+    stored, frames = start(streams, store, limited)
+
+    def watch() -> None:
+        while len(raised) < len(names) and changed.wait(30.0):
+            changed.clear()
+            snapshot = streams.find_snapshot(stored.id or 0)
+            if snapshot is not None and snapshot.state is not None:
+                for alarm in snapshot.state.alarms:
+                    raised.setdefault(alarm.subject, time.monotonic())
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    sent: dict[str, float] = {}
+    for frame in pace(frames[: 2 * len(names)], FRAME_S, 1.0):
+        name = names[frame.number // 2]
+        if name not in sent:
+            for group, samples in zip(task.header.groups, frame.samples, strict=True):
+                for column, channel in enumerate(group):
+                    if channel.name == name:
+                        samples[:, column] = 2e6
+            sent[name] = time.monotonic()
+        streams.push(stored.id or 0, encode_frame(frame))
+    watcher.join()
+    streams.close()
+    delays = [1e3 * (raised[name] - sent[name]) for name in names]
+    p95 = float(np.percentile(delays, 95))
+    report("alarm_delay_p95_ms", p95, worst_ms=max(delays), alarms=len(delays), load=load)
+
+
+def start(streams: LiveStreams, store: Store, stream: LiveStream) -> tuple[LiveStream, list[Frame]]:
+    """Start a stream and wait until its process takes frames; return its frames."""
+    stored = streams.start(stream)
+    assert stored.id is not None
+    header = streams.find_header(stored.id)
+    assert header is not None
+    frames = [
+        replace(frame, samples=tuple(x.copy() for x in frame.samples))
+        for frame in read_replay(store, 1, header).frames()
+    ]
+    # Frames before those of the maneuver, until one comes back.
+    first = replace(frames[0], number=0)
+    while streams.find_newest_s(stored.id) is None:
+        streams.push(stored.id, encode_frame(first))
+        time.sleep(1.0)
+    moved = [replace(f, number=f.number + 1, time_s=f.time_s + FRAME_S) for f in frames]
+    time.sleep(2.0)
+    return stored, moved
 
 
 def report(name: str, value: float, **values: float | int) -> None:

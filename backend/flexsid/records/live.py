@@ -170,7 +170,7 @@ class ReceiverSettings:
     """Receiver of a stream, by name, and its options."""
 
     name: str
-    options: dict[str, Any] = field(default_factory=dict)
+    options: dict[str, Any] = field(default_factory=dict[str, Any])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,7 +189,7 @@ class LiveStream:
     receiver: ReceiverSettings
     flight_id: int | None = None
     next_airspeed_m_s: float | None = None
-    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+    limits: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     status: StreamStatus = StreamStatus.RUNNING
     message: str = ""
     author: str = ""

@@ -38,6 +38,11 @@ def locate_frames(store: Store, stream_id: int) -> Path:
     return folder / str(stream_id)
 
 
+def has_sealed(folder: Path) -> bool:
+    """Whether the folder of a stream has a maneuver that is not stored."""
+    return any(folder.glob(f"*{_SEALED}"))
+
+
 def read_frames(file: Path, header: StreamHeader) -> list[Frame]:
     """Read the whole packets of a segment; a killed process leaves part of one at the end."""
     size, data = compute_packet_size(header), file.read_bytes()

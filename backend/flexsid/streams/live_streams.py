@@ -29,7 +29,7 @@ from flexsid.records.live import (
 from flexsid.storage.access import using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import live_streams
-from flexsid.streams.frame_log import locate_frames
+from flexsid.streams.frame_log import has_sealed, locate_frames
 from flexsid.streams.messages import (
     EndMessage,
     FrameMessage,
@@ -132,7 +132,16 @@ class LiveStreams:
 
     def stop(self, stream_id: int) -> LiveStream:
         """Stop a stream; returns when its last maneuver is stored."""
+        stream = self._store.live_streams.get(stream_id)
+        if stream.status is not StreamStatus.RUNNING:
+            return stream
         running = self._running.get(stream_id)
+        if running is None and not is_gone(stream.holder):
+            raise Conflict(
+                f"stream {stream_id} runs on another server; stop it there", code="other-server"
+            )
+        # In the name of who stops it; the rest is done by the threads of the server.
+        self._store.live_streams.replace(replace(stream, stopped_at=datetime.now(UTC)))
         if running is not None:
             running.stopping.set()
             self._send(running, None)
@@ -141,11 +150,6 @@ class LiveStreams:
             self._kill(running)
         stream = self._store.live_streams.get(stream_id)
         if stream.status is StreamStatus.RUNNING:
-            if running is None and not is_gone(stream.holder):
-                raise Conflict(
-                    f"stream {stream_id} runs on another server; stop it there",
-                    code="other-server",
-                )
             return self._finish(stream_id, StreamStatus.STOPPED)
         return stream
 
@@ -350,11 +354,19 @@ class LiveStreams:
         with using_access(None), self._store.transaction():
             stream = self._store.live_streams.get(stream_id)
             stream = replace(
-                stream, status=status, message=message, holder=None, stopped_at=datetime.now(UTC)
+                stream,
+                status=status,
+                message=message,
+                holder=None,
+                stopped_at=stream.stopped_at or datetime.now(UTC),
             )
             self._store.live_streams.replace(stream)
         with self._lock:
             self._running.pop(stream_id, None)
-        shutil.rmtree(locate_frames(self._store, stream_id), ignore_errors=True)
+        folder = locate_frames(self._store, stream_id)
+        if has_sealed(folder):
+            _log.warning("maneuvers of stream %d are not stored; frames: %s", stream_id, folder)
+        else:
+            shutil.rmtree(folder, ignore_errors=True)
         self._on_change(stream_id)
         return stream
