@@ -85,6 +85,7 @@ def test_samples_and_states_of_a_stream_are_events(live_url: str) -> None:
         urllib.request.urlopen(request, timeout=PATIENCE_S).close()
 
     seen: dict[str, Any] = {}
+    number = 0
     with _listen(f"{live_url}/api/v1/events?stream_id={stream}&channels=q,bfs") as events:
         for number in range(40):
             push(number)

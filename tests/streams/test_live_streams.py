@@ -181,7 +181,7 @@ def list_content(store: Store, maneuver_id: int | None) -> list[tuple[Any, ...]]
 
 def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypatch):
     stream = streams.start(describe_stream("push"))
-    frames = read_frames_of_flight(store, 0, 240)
+    frames = read_frames_of_flight(store, 0, 200)
     push(streams, stream.id, frames[:120])
     wait_for_time(streams, stream.id, 6.0)
     wait_until(lambda: streams.find_snapshot(stream.id).state.estimate)
@@ -191,7 +191,7 @@ def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypat
     # Ten frames are lost while no process receives.
     wait_until(lambda: streams.find_process(stream.id) not in (None, killed))
     push(streams, stream.id, frames[130:])
-    wait_for_time(streams, stream.id, 12.0)
+    wait_for_time(streams, stream.id, 10.0)
     wait_until(lambda: streams.find_snapshot(stream.id).state.lost_frames)
     streams.stop(stream.id)
     after, _ = list_states(store, stream.id, None, 1000)
@@ -199,7 +199,8 @@ def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypat
     last = after[-1].state
     assert last.lost_frames == 10
     assert last.estimate is not None
-    assert {h.missing_s for h in last.health} == {pytest.approx(0.5)}
+    assert last.health
+    assert all(one.missing_s == pytest.approx(0.5) for one in last.health)
     # The part of the maneuver that was received is stored, the gap is a repair of it.
     (point,) = store.live_test_points.find(stream_id=stream.id)
     assert "0.50 s in a row were not received" in point.message
@@ -331,6 +332,7 @@ def test_frames_on_disk_stay_bounded_and_overlap(store, tmp_path):
     assert log.length_s == pytest.approx(5.0)
     for frame in frames[150:]:
         log.append(frame)
+    log.close()
     with (tmp_path / "s" / "1" / "present").open("ab") as file:
         file.write(b"FXS1 part of a packet")  # killed while it was written
     resumed = FrameLog(tmp_path / "s" / "1", header)

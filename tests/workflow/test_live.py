@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from speed_ramp import find_doubling_s, fly_speed_ramp
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
@@ -48,12 +49,15 @@ class Stream:
 
 
 def build_stream(folder, ratio: float) -> Stream:
+    return build_stream_of(folder, fly(airspeed_ratio=ratio, modes_in_truth=len(MODES), seed=3))
+
+
+def build_stream_of(folder, flown: FlownManeuver) -> Stream:
     address = f"sqlite:///{folder}/flexsid.db"
     upgrade(address)
     store = Store.open(address)
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
-    flown = fly(airspeed_ratio=ratio, modes_in_truth=len(MODES), seed=3)
     maneuver = add_maneuver(store, flown, flight.id or 0)
     run = EstimationRun(
         maneuver_id=maneuver.id or 0,
@@ -214,3 +218,28 @@ def test_frames_are_packed_for_the_network_without_loss(stream):
     wrong = replace(frame, samples=frame.samples[:-1])
     with pytest.raises(BadInput, match="header"):
         LiveProcessor(stream.task).push(wrong)
+
+
+def find_alarm_of_instability(folder, seed: int) -> tuple[float, float]:
+    """Time of the first alarm of a flight whose wing becomes unstable, and that of doubling."""
+    stream = build_stream_of(folder, fly_speed_ramp(seed))
+    processor = LiveProcessor(stream.task)
+    for frame in stream.frames:
+        for state in processor.push(frame):
+            for alarm in state.alarms:
+                if alarm.kind is AlarmKind.UNSTABLE:
+                    assert alarm.subject == "SW1B"
+                    return state.time_s, find_doubling_s(2.0, 24.0)
+    pytest.fail("no alarm")
+
+
+def test_an_instability_within_a_maneuver_raises_an_alarm_before_the_motion_doubles(tmp_path):
+    alarm_s, doubling_s = find_alarm_of_instability(tmp_path, 1)
+    assert 10.0 < alarm_s < doubling_s
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(50))
+def test_every_instability_raises_an_alarm_before_the_motion_doubles(tmp_path, seed):
+    alarm_s, doubling_s = find_alarm_of_instability(tmp_path, seed)
+    assert 10.0 < alarm_s < doubling_s

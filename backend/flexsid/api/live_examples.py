@@ -50,6 +50,7 @@ _STATE = {
                 "instability_probability": 1.0,
             }
         ],
+        "recent_modes": [],
         "names": ["Cm_alpha"],
         "values": [-0.252],
         "std_errors": [0.0021],

@@ -105,13 +105,15 @@ class LiveEstimate:
     ``time_s`` is the end of the record on the clock of the recorder, ``duration_s`` its length
     without gaps. The flutter speed is None where none
     is predicted; ``next_point_probability`` is that of a flutter speed below the next test point.
-    ``excluded`` are channels without data over the whole record.
+    ``recent_modes`` are the poles from the last seconds of the record only, where a mode is lightly
+    damped; ``excluded`` are channels without data over the whole record.
     """
 
     time_s: float
     duration_s: float
     converged: bool
     modes: tuple[LiveMode, ...]
+    recent_modes: tuple[LiveMode, ...] = ()
     names: tuple[str, ...]
     values: tuple[float, ...]
     std_errors: tuple[float | None, ...]

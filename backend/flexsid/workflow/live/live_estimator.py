@@ -12,6 +12,7 @@ from flexsid.workflow.live.live_estimate import LiveFit
 from flexsid.workflow.live.live_task import LiveTask
 from flexsid.workflow.live.processing import EstimateRequest, StreamProcessor, StreamUpdate
 
+_WATCHED = 0.05  # damping ratio below which the recent motion is fitted too: it may change soon
 _UNSTABLE = 0.9  # probability of negative damping that raises an alarm
 _BEYOND = 0.05  # probability of a flutter speed below the next point that raises an alarm
 _CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
@@ -33,6 +34,7 @@ class LiveEstimator:
     def _begin(self, maneuver: int) -> None:
         self._maneuver = maneuver
         self._fit = LiveFit(self._task)
+        self._recent_fit = LiveFit(self._task)
         self._estimate: LiveEstimate | None = None
         self._alarms: tuple[LiveAlarm, ...] = ()
         self._reason = ""
@@ -66,9 +68,23 @@ class LiveEstimator:
         except (FlexsidError, np.linalg.LinAlgError) as error:
             self._reason = f"no estimate: {error}"
             return
-        self._estimate = estimate
+        self._estimate = estimate = self._add_recent(time_s, request, estimate)
         self._reason = "" if estimate.converged else "the estimate did not converge"
         self._raise_alarms(time_s, estimate)
+
+    def _add_recent(
+        self, time_s: float, request: EstimateRequest, estimate: LiveEstimate
+    ) -> LiveEstimate:
+        """Add the modes of the recent motion, if a mode of the whole record is lightly damped."""
+        if request.recent is None or min(mode.damping for mode in estimate.modes) > _WATCHED:
+            return estimate
+        try:
+            recent = self._recent_fit.estimate(
+                request.recent, request.trim, request.excluded, time_s
+            )
+        except (FlexsidError, np.linalg.LinAlgError):
+            return estimate
+        return replace(estimate, recent_modes=recent.modes if recent.converged else ())
 
     def _raise_alarms(self, time_s: float, estimate: LiveEstimate) -> None:
         unstable = {
@@ -77,7 +93,7 @@ class LiveEstimator:
                 f"sigma) at {mode.frequency:.2f} rad/s: negative with probability "
                 f"{mode.instability_probability:.2f}"
             )
-            for mode in estimate.modes
+            for mode in (*estimate.modes, *estimate.recent_modes)
             if (mode.instability_probability or 0.0) >= _UNSTABLE
         }
         if (estimate.next_point_probability or 0.0) >= _BEYOND:

@@ -40,6 +40,7 @@ _TRIM_S = 2.0  # before the excitation, over which trim values are averaged [s]
 _LEAD_S = 0.5  # of trim that belongs to the record [s]
 _QUIET_S = 3.0  # without excitation, after which a maneuver has ended [s]
 _FIRST_ESTIMATE_S = 3.0  # of a record: less than a period of the lowest modes is not enough [s]
+_WINDOW_S = 6.0  # longest record of the recent motion: the damping may change within a maneuver [s]
 _EXCLUDED_S = 1.0  # without valid samples, after which a channel no longer takes part [s]
 
 
@@ -47,11 +48,13 @@ _EXCLUDED_S = 1.0  # without valid samples, after which a channel no longer take
 class EstimateRequest:
     """Spectra of the record of a maneuver so far, from which an estimate is computed.
 
+    ``recent`` are those of the last three to six seconds; None while the record is not longer.
     ``trim`` is the trim value of every channel, ``excluded`` are the channels that do not take
     part.
     """
 
     spectra: GrowingSpectra
+    recent: GrowingSpectra | None
     trim: np.ndarray
     excluded: frozenset[str]
 
@@ -126,7 +129,9 @@ class StreamProcessor:
 
     def _reset(self) -> None:
         """Begin to wait for the next maneuver."""
-        self._record = GrowingRecord(self._task.omega, self._channel_groups)
+        self._record = self._start_record()
+        # Two records of the recent motion, each begun when the other is half as long as allowed.
+        self._recent: deque[tuple[float, GrowingRecord]] = deque()
         self._trim = np.zeros(len(self._names))
         self._begun_s = self._quiet_s = 0.0
         self._missing = np.zeros(len(self._names))
@@ -273,10 +278,18 @@ class StreamProcessor:
         # An outage of the telemetry ends for all channels at once; they return.
         if not lost[~self._is_command].all():
             self._excluded |= lost
-        if (absent & ~self._excluded & ~self._is_command).any():
-            self._record.close()
-        else:
-            self._record.append(time_s, [np.nan_to_num(x) for x in blocks])
+        if not self._recent or time_s - self._recent[-1][0] >= 0.5 * _WINDOW_S - 1e-6:
+            self._recent.append((time_s, self._start_record()))
+        if time_s - self._recent[0][0] >= _WINDOW_S - 1e-6:
+            self._recent.popleft()
+        for record in (self._record, *(record for _, record in self._recent)):
+            if (absent & ~self._excluded & ~self._is_command).any():
+                record.close()
+            else:
+                record.append(time_s, [np.nan_to_num(x) for x in blocks])
+
+    def _start_record(self) -> GrowingRecord:
+        return GrowingRecord(self._task.omega, self._channel_groups)
 
     def _is_commanded(self, blocks: list[np.ndarray]) -> bool:
         """Whether any input is excited; a lost frame is no end of an excitation."""
@@ -295,7 +308,15 @@ class StreamProcessor:
             return None
         self._reason = ""  # from here on it is that of the estimate
         excluded = {n for n, out in zip(self._names, self._excluded, strict=True) if out}
-        return EstimateRequest(spectra=spectra, trim=self._trim, excluded=frozenset(excluded))
+        recent = self._recent[0][1].compute_spectra()
+        is_longer = recent.duration_s < spectra.duration_s
+        is_enough = recent.duration_s >= 0.5 * _WINDOW_S - 3.0 * self._frame_s
+        return EstimateRequest(
+            spectra=spectra,
+            recent=recent if is_longer and is_enough else None,
+            trim=self._trim,
+            excluded=frozenset(excluded),
+        )
 
     def _check_limits(
         self,
