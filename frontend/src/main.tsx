@@ -9,6 +9,7 @@ import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
 import { axesQuery, healthQuery } from "./api/queries";
 import { SessionGate } from "./components/SessionGate";
+import { colorSchemeManager } from "./lib/colorScheme";
 import { setAxes } from "./lib/derivatives";
 import { router } from "./routes";
 import { theme } from "./theme";
@@ -42,7 +43,11 @@ await queries
   .catch(() => undefined);
 createRoot(root).render(
   <StrictMode>
-    <MantineProvider theme={theme} defaultColorScheme="auto">
+    <MantineProvider
+      theme={theme}
+      defaultColorScheme="auto"
+      colorSchemeManager={colorSchemeManager}
+    >
       <QueryClientProvider client={queries}>
         <SessionGate>
           <RouterProvider router={router} />

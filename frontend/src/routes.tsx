@@ -21,6 +21,8 @@ import {
   excitationView,
   importView,
   flightView,
+  liveStreamView,
+  liveView,
   flutterView,
   globalModelView,
   searchView,
@@ -95,6 +97,21 @@ const miniGvt = createRoute({
   path: "/flights/$id/mini-gvt",
   params: byId,
   component: page(() => import("./pages/MiniGvtPage"), "MiniGvtPage"),
+});
+
+const live = createRoute({
+  getParentRoute: () => root,
+  path: "/live",
+  validateSearch: liveView,
+  component: page(() => import("./pages/LivePage"), "LivePage"),
+});
+
+const liveStream = createRoute({
+  getParentRoute: () => root,
+  path: "/live/$id",
+  params: byId,
+  validateSearch: liveStreamView,
+  component: page(() => import("./pages/LiveStreamPage"), "LiveStreamPage"),
 });
 
 const newRun = createRoute({
@@ -310,6 +327,8 @@ export const router = createRouter({
     glossary,
     maneuver,
     miniGvt,
+    live,
+    liveStream,
     quality,
     flight,
     newRun,

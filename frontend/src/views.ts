@@ -20,6 +20,7 @@ export interface MenuPage {
     | "/campaign"
     | "/quality"
     | "/mini-gvt"
+    | "/live"
     | "/import"
     | "/aircraft"
     | "/modal-data"
@@ -52,6 +53,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
   {
     label: "Flights",
     pages: [
+      { to: "/live", label: "Live", key: "w", at: /^\/live/ },
       { to: "/import", label: "Import", key: "i" },
       {
         to: "/campaign",
@@ -157,6 +159,13 @@ export const flightView = view((search) => ({
   fta: integer(search.fta),
 }));
 export type FlightView = ReturnType<typeof flightView>;
+
+export const liveView = view((search) => ({
+  /** Run whose settings a new stream has. */
+  run: integer(search.run),
+}));
+
+export const liveStreamView = view((search) => ({ channels: words(search.channels) }));
 
 export const VERDICTS = ["bad", "questionable", "unchecked", "good", "missing"] as const;
 

@@ -15,6 +15,7 @@ SHOWN = {
     "/maneuvers/$id/new-run": "2",
     "/flights/$id": "2",
     "/flights/$id/mini-gvt": "2",
+    "/live/$id": "{stream}",
     "/runs/$id": "{run}",
     "/jobs/$id": "{run}",
     "/batches/$id": "{batch}",

@@ -64,6 +64,10 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     workbench.wait(*(job["id"] for job in jobs), simulated["id"], timeout_s=PATIENCE_S)
     path = f"searches/{search_id}"
     wait_until(lambda: workbench.get(path)["state"] not in ("queued", "running"), path)
+    replay = {"name": "replay", "options": {"maneuver_id": 2, "speed": 1000.0}}
+    live = {"run_id": compared[0], "title": "Replay", "receiver": replay}
+    stream = f"live/streams/{workbench.post('live/streams', live)['id']}"
+    wait_until(lambda: workbench.get(stream)["stream"]["status"] == "stopped", stream)
     return {
         "run": str(compared[0]),
         "runs": ",".join(map(str, compared)),
@@ -73,6 +77,7 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
         "search": str(search_id),
         "design": str(design),
         "decision": str(decision),
+        "stream": stream.rsplit("/", 1)[1],
     }
 
 
@@ -97,6 +102,8 @@ def _walk(page: Page, name: str, address: str) -> None:
     axe = _axe()
     if name != "start":  # an unnamed analyst has to enter a name before a proposal
         page.add_init_script("localStorage.setItem('flexsid.analyst', 'Bo')")
+    if name == "live-one":  # dark unless somebody has decided
+        page.add_init_script("localStorage.setItem('mantine-color-scheme-value', 'light')")
     page.goto(address)
     _settled(page)
     is_photographed = bool(os.environ.get("FLEXSID_SCREENSHOTS"))

@@ -2,7 +2,7 @@
 
 type Layout = Record<string, unknown>;
 
-interface Ink {
+export interface Ink {
   text: string;
   quiet: string;
   grid: string;
@@ -10,7 +10,8 @@ interface Ink {
   surface: string;
 }
 
-const INK: Record<"light" | "dark", Ink> = {
+/** Colors of figures. */
+export const INK: Record<"light" | "dark", Ink> = {
   light: {
     text: "#212529",
     quiet: "#495057",

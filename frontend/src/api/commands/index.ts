@@ -3,6 +3,7 @@ export * from "./aircraft";
 export * from "./designs";
 export * from "./jobs";
 export * from "./lists";
+export * from "./live";
 export * from "./maneuvers";
 export * from "./modes";
 export * from "./review";

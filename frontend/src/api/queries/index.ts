@@ -5,6 +5,7 @@ export * from "./flights";
 export * from "./flutter";
 export * from "./globalModel";
 export * from "./jobs";
+export * from "./live";
 export * from "./maneuvers";
 export * from "./modes";
 export * from "./quality";

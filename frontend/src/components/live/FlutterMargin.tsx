@@ -1,0 +1,63 @@
+import type { LiveEstimate } from "../../api/types";
+import { fixed, percent } from "../../lib/format";
+import { Section } from "../Section";
+
+interface Props {
+  estimate: LiveEstimate | null;
+  /** Airspeed of the next test point; null if none is planned. [m/s] */
+  next_m_s: number | null;
+}
+
+/** Predicted flutter speed and the margin of the next test point, in large digits. */
+export function FlutterMargin({ estimate, next_m_s }: Props) {
+  const flutter = estimate?.flutter_m_s ?? null;
+  const std = estimate?.flutter_std_m_s ?? null;
+  const margin = flutter === null || next_m_s === null ? null : flutter / next_m_s - 1;
+  return (
+    <Section title="Flutter" note="Predicted from this maneuver, ± 2 standard errors">
+      <dl className="live-facts" data-testid="flutter-margin">
+        <div>
+          <dt>
+            Flutter speed <span className="unit">[m/s]</span>
+          </dt>
+          <dd className="live-digits">
+            {flutter === null ? (estimate === null ? "–" : "none predicted") : fixed(flutter, 1)}
+            {flutter !== null && (
+              <span className="live-interval">
+                {" "}
+                ± {std === null ? "unknown" : fixed(2 * std, 1)}
+              </span>
+            )}
+          </dd>
+        </div>
+        <div>
+          <dt>
+            Next test point <span className="unit">[m/s]</span>
+          </dt>
+          <dd className="live-digits">{next_m_s === null ? "none" : fixed(next_m_s, 1)}</dd>
+        </div>
+        {next_m_s !== null && (
+          <>
+            <div>
+              <dt>
+                Margin <span className="unit">[% of the next airspeed]</span>
+              </dt>
+              <dd className="live-digits" data-negative={margin !== null && margin < 0}>
+                {percent(margin, 1)}
+                {margin !== null && std !== null && (
+                  <span className="live-interval"> ± {percent((2 * std) / next_m_s, 1)}</span>
+                )}
+              </dd>
+            </div>
+            <div>
+              <dt>
+                Flutter below the next test point <span className="unit">[% probability]</span>
+              </dt>
+              <dd className="live-digits">{percent(estimate?.next_point_probability, 1)}</dd>
+            </div>
+          </>
+        )}
+      </dl>
+    </Section>
+  );
+}

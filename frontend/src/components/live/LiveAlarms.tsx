@@ -1,0 +1,89 @@
+import { Button, Stack, Text } from "@mantine/core";
+import { useDocumentTitle } from "@mantine/hooks";
+import { useAnalyst } from "../../api/analyst";
+import { useAcknowledgeAlarm } from "../../api/commands";
+import type { Acknowledgement, LiveAlarm } from "../../api/types";
+import { fixed } from "../../lib/format";
+import { alarmKey, splitAlarms } from "../../lib/live/alarms";
+import { NameForm } from "../AnalystMenu";
+import { ProblemAlert } from "../ProblemAlert";
+
+const KINDS: Record<LiveAlarm["kind"], string> = {
+  unstable: "Unstable mode",
+  "next point": "Flutter below the next test point",
+  limit: "Limit exceeded",
+};
+
+interface Props {
+  streamId: number;
+  title: string;
+  alarms: readonly LiveAlarm[];
+  acknowledgements: readonly Acknowledgement[];
+}
+
+/** Alarms with their evidence, above everything else until somebody acknowledges each by name. */
+export function LiveAlarms({ streamId, title, alarms, acknowledgements }: Props) {
+  const name = useAnalyst();
+  const acknowledge = useAcknowledgeAlarm(streamId);
+  const { open, acknowledged } = splitAlarms(alarms, acknowledgements);
+  useDocumentTitle(open.length > 0 ? `ALARM · ${title}` : `${title} · flexsid`);
+  return (
+    <>
+      <div className="live-alarms">
+        {/* The region exists before it has alarms: only then are additions announced. */}
+        <div role="alert" aria-live="assertive" data-testid="live-alarms">
+          {open.map((alarm) => (
+            <section key={alarmKey(alarm)} className="live-alarm">
+              <span className="live-alarm-sign" aria-hidden="true">
+                ⚠
+              </span>
+              <div>
+                <h2 className="live-alarm-title">
+                  ALARM: {KINDS[alarm.kind]}, {alarm.subject}
+                </h2>
+                <p className="live-alarm-evidence numbers">
+                  {alarm.evidence}, at {fixed(alarm.time_s, 1)} s
+                </p>
+              </div>
+              {name !== "" && (
+                <Button
+                  size="md"
+                  variant="white"
+                  color="dark"
+                  loading={acknowledge.isPending}
+                  data-testid="acknowledge"
+                  onClick={() => {
+                    acknowledge.mutate(alarm);
+                  }}
+                >
+                  Acknowledge as {name}
+                </Button>
+              )}
+            </section>
+          ))}
+        </div>
+        {open.length > 0 && name === "" && (
+          <div className="panel live-name">
+            <Text size="sm">Set your name to acknowledge.</Text>
+            <NameForm />
+          </div>
+        )}
+        {acknowledge.isError && <ProblemAlert error={acknowledge.error} />}
+      </div>
+      {acknowledged.length > 0 && (
+        <Stack gap={2} mb="sm" component="ul" className="lines" aria-label="Acknowledged alarms">
+          {acknowledged.map((alarm) => (
+            <li key={alarmKey(alarm)} data-testid="acknowledged">
+              <span>
+                ⚠ {KINDS[alarm.kind]}, {alarm.subject}: {alarm.evidence}
+              </span>
+              <span className="quiet">
+                at {fixed(alarm.time_s, 1)} s, acknowledged by {alarm.author}
+              </span>
+            </li>
+          ))}
+        </Stack>
+      )}
+    </>
+  );
+}

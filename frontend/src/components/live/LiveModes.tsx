@@ -1,0 +1,102 @@
+import { useMemo } from "react";
+import { useComputedColorScheme } from "@mantine/core";
+import type { LiveMode, LiveState } from "../../api/types";
+import { fixed, percent } from "../../lib/format";
+import { trackModes } from "../../lib/live/tracks";
+import { Empty } from "../Empty";
+import { Section } from "../Section";
+import { MODE_COLORS, TrackPlot } from "./TrackPlot";
+
+interface Props {
+  states: readonly LiveState[];
+  modes: readonly LiveMode[];
+  /** Why there is no new estimate; empty where there is one. */
+  reason: string;
+}
+
+/** Frequency and damping of every mode: the last estimate in large digits, and all of them. */
+export function LiveModes({ states, modes, reason }: Props) {
+  const scheme = useComputedColorScheme("light");
+  const damping = useMemo(() => trackModes(states, "damping"), [states]);
+  const frequency = useMemo(() => trackModes(states, "frequency"), [states]);
+  const order = damping.tracks.map((track) => track.name);
+  const colorOf = (name: string) => MODE_COLORS[scheme][order.indexOf(name) % 6];
+  return (
+    <Section title="Modes" note="Estimates ± 2 standard errors">
+      {modes.length > 0 && reason !== "" && (
+        <p className="live-reason">No new estimate: {reason}</p>
+      )}
+      {modes.length === 0 ? (
+        <Empty title="No estimate yet">{reason}</Empty>
+      ) : (
+        <>
+          <div className="table-scroll" role="region" aria-label="Modes" tabIndex={0}>
+            <table className="live-modes numbers" data-testid="live-modes">
+              <thead>
+                <tr>
+                  <th scope="col">Mode</th>
+                  <th scope="col">
+                    Damping ratio <span className="unit">[%]</span>
+                  </th>
+                  <th scope="col">
+                    Frequency <span className="unit">[rad/s]</span>
+                  </th>
+                  <th scope="col">
+                    Unstable <span className="unit">[%]</span>
+                  </th>
+                </tr>
+              </thead>
+              <tbody>
+                {modes.map((mode) => (
+                  <tr key={mode.name} data-testid={`mode-${mode.name}`}>
+                    <th scope="row">
+                      <span
+                        className="live-swatch"
+                        style={{ background: colorOf(mode.name) }}
+                        aria-hidden="true"
+                      />
+                      {mode.name}
+                    </th>
+                    <td className="live-digits" data-negative={mode.damping < 0}>
+                      {percent(mode.damping, 1)}
+                      <Interval>{percentInterval(mode.damping_std)}</Interval>
+                    </td>
+                    <td className="live-digits">
+                      {fixed(mode.frequency, 2)}
+                      <Interval>{interval(mode.frequency_std, 2)}</Interval>
+                    </td>
+                    <td className="live-digits">{percent(mode.instability_probability)}</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </div>
+          <h3 className="live-caption">
+            Damping ratio over time; the aircraft is unstable below zero
+          </h3>
+          <TrackPlot
+            label="Damping ratio of every mode over time, with intervals of 2 standard errors"
+            height={200}
+            tracks={damping}
+            zero
+          />
+          <h3 className="live-caption">Frequency [rad/s] over time</h3>
+          <TrackPlot
+            label="Frequency of every mode [rad/s] over time, with intervals of 2 standard errors"
+            height={170}
+            tracks={frequency}
+          />
+        </>
+      )}
+    </Section>
+  );
+}
+
+function Interval({ children }: { children: string }) {
+  return <span className="live-interval"> ± {children}</span>;
+}
+
+const interval = (std: number | null, decimals: number) =>
+  std === null ? "unknown" : fixed(2 * std, decimals);
+
+const percentInterval = (std: number | null) => (std === null ? "unknown" : percent(2 * std, 1));
