@@ -83,7 +83,7 @@ from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
-from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes
+from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes, Variation
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
@@ -231,7 +231,11 @@ class FlutterParameters(Parameters):
         UnmodelledModes.PREDICTED,
         description="Modes not modelled by the runs: with predicted dynamics, or residualised.",
     )
-    trend: bool = Field(False, description="Linear trend of the derivatives with dynamic pressure.")
+    variation: Variation = Field(
+        Variation.CONSTANT,
+        description="Derivatives over the envelope: constant, linear over dynamic pressure, or of "
+        "a global model over dynamic pressure and fuel.",
+    )
 
 
 class GlobalModelParameters(Parameters):

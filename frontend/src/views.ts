@@ -321,6 +321,7 @@ export type CompareView = ReturnType<typeof compareView>;
 const UNMODELLED_MODES = ["residualized"] as const;
 
 export const ALONG = ["dynamic_pressure", "fuel"] as const;
+export const VARIATIONS = ["linear", "global-model"] as const;
 
 export const flutterView = view((search) => ({
   runs: integers(search.runs),
@@ -331,8 +332,8 @@ export const flutterView = view((search) => ({
   unmodelled_modes: oneOf(search.unmodelled_modes, UNMODELLED_MODES),
   /** What roots are followed along, where not airspeed. */
   along: oneOf(search.along, ALONG),
-  /** Derivatives drift linearly with dynamic pressure. */
-  trend: flag(search.trend),
+  /** Derivatives over the envelope, where not constant. */
+  variation: oneOf(search.variation, VARIATIONS),
   /** Prediction whose flutter is shown, beside that of the runs or alone. */
   prediction: integer(search.prediction),
 }));
@@ -379,6 +380,7 @@ export const closedLoopView = view((search) => ({
   fuel: number(search.fuel),
   altitude: number(search.altitude),
   unmodelled_modes: oneOf(search.unmodelled_modes, UNMODELLED_MODES),
+  variation: oneOf(search.variation, VARIATIONS),
 }));
 export type ClosedLoopView = ReturnType<typeof closedLoopView>;
 

@@ -45,6 +45,22 @@ def test_a_global_model_is_requested_and_read(client: TestClient):
     assert client.get(f"{API}/figures/global-coverage?{query}").json()["data"]
     table = client.get(f"{API}/figures/global-slice?{query}&name=Cm_alpha&format=csv")
     assert "global model" in table.text
+    stored = client.post(
+        f"{API}/global-models/predictions?{query}", json={"source": "flight", "condition": [450, 0]}
+    )
+    assert stored.status_code == 201, stored.text
+    prediction = client.get(f"{API}/predictions/{stored.json()['id']}?fuel=0.5").json()
+    (cm_alpha,) = (one for one in prediction["derivatives"] if one["name"] == "Cm_alpha")
+    (of_model,) = (one for one in found["derivatives"] if one["name"] == "Cm_alpha")
+    assert cm_alpha["value"] == pytest.approx(of_model["value"], rel=0.3)
+    assert 0.0 < cm_alpha["std_error"] < 0.2 * abs(cm_alpha["value"])
+    for body, status in (
+        ({"source": "flight"}, 409),
+        ({"source": "other", "condition": [450]}, 422),
+        ({"source": "other", "condition": [9000, 0.5]}, 422),
+    ):
+        refused = client.post(f"{API}/global-models/predictions?{query}", json=body)
+        assert refused.status_code == status, refused.text
     for more in ("&name=Cm_beta", "&name=Cm_q&along=alpha_rad", "&name=Cm_q&condition=1,x"):
         assert client.get(f"{API}/figures/global-slice?{query}{more}").status_code == 422
     for refused, status in (

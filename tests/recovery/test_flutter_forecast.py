@@ -28,6 +28,7 @@ from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_analysis import (
     FlutterQuery,
     UnmodelledModes,
+    Variation,
     analyse_flutter,
     map_flutter_speed,
     summarise_flutter,
@@ -334,7 +335,7 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9)).id or 0
     ids: tuple[int, ...] = ()
-    for ratio in (0.56, 0.68, 0.80):
+    for ratio in (0.56, 0.62, 0.68, 0.80):
         maneuver = add_maneuver(store, fly(airspeed_ratio=ratio, seed=3), flight)
         request = EstimationRun(
             maneuver_id=maneuver.id or 0,
@@ -350,13 +351,21 @@ def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
         ids += (run.id or 0,)
     truth = load_truth().flutter_speed_at(FUEL)
     constant = analyse_flutter(store, FlutterQuery(run_ids=ids))
-    drifting = analyse_flutter(store, FlutterQuery(run_ids=ids, trend=True))
+    drifting = analyse_flutter(store, FlutterQuery(run_ids=ids, variation=Variation.LINEAR))
     assert constant.airspeed_m_s is not None
     assert drifting.airspeed_m_s is not None
     assert abs(drifting.airspeed_m_s - truth) < abs(constant.airspeed_m_s - truth)
     assert "vary with dynamic pressure" in drifting.sentence
     assert (drifting.low_m_s or np.nan) < truth < (drifting.high_m_s or np.nan)
-    two = analyse_flutter(store, FlutterQuery(run_ids=ids[:2], trend=True))
+    of_model = fuse_runs(store, FlutterQuery(run_ids=ids, variation=Variation.GLOBAL_MODEL))
+    predicted = summarise_flutter(store, of_model)
+    assert "of a global model and are evaluated at the flutter point" in predicted.sentence
+    assert predicted.airspeed_m_s is not None
+    assert (predicted.low_m_s or np.nan) < truth < (predicted.high_m_s or np.nan)
+    assert np.isfinite(map_flutter_speed(store, of_model).airspeed_m_s).all()
+    three = FlutterQuery(run_ids=ids[:3], variation=Variation.GLOBAL_MODEL)
+    assert "a global model needs 4 runs or more" in analyse_flutter(store, three).sentence
+    two = analyse_flutter(store, FlutterQuery(run_ids=ids[:2], variation=Variation.LINEAR))
     assert "a trend needs more points" in two.sentence
 
 

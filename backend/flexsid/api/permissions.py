@@ -97,6 +97,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("request_cross_predictions", "request_cross_validation", "request_predicted_accuracy"),
         *("request_input_comparison", "request_amplitudes", "compute_prediction"),
         *("save_updated_table", "request_global_model", "request_predicted_flutter"),
+        "save_global_prediction",
         *("request_aerodynamics_comparison", "request_modes", "request_reconstruction"),
         *("start_stream", "stop_stream", "delete_stream", "push_frames", "acknowledge_alarm"),
         "decide_test_point",

@@ -36,6 +36,17 @@ class PlanformSurfaceRequest(Request):
     hinge: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] = 0.75
 
 
+class SaveGlobalPredictionRequest(Request):
+    """Name of the prediction, and the condition: a value of every variable in SI.
+
+    It is tabulated over the flown fuel weights, where fuel is a variable, whose value is then not
+    used. By default the mean condition of the runs.
+    """
+
+    source: Title
+    condition: Annotated[tuple[Number, ...], Field(max_length=5)] = ()
+
+
 class ComputePredictionRequest(Request):
     """A prediction to compute from panels, or from the CAERO1 entries of a Nastran deck.
 

@@ -13,7 +13,7 @@ from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import FLUTTER, PREDICTED_FLUTTER
 from flexsid.settings import Settings
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes, Variation
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 
 
@@ -27,6 +27,7 @@ def predict(settings: Settings, arguments: argparse.Namespace) -> int:
         altitude_m=arguments.altitude,
         next_m_s=arguments.next,
         unmodelled_modes=UnmodelledModes(arguments.unmodelled_modes),
+        variation=Variation(arguments.variation),
     )
     with open_store(settings) as store:
         execute_request(store, FLUTTER, query, report_progress)

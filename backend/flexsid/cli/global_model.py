@@ -15,6 +15,7 @@ from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.settings import Settings
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
+from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
 
 def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -26,8 +27,13 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
     )
     with open_store(settings) as store:
         execute_request(store, GLOBAL_MODEL, query, report_progress)
-        summary = get_result(store, GLOBAL_MODEL, query).summary
-    print_result(_format(summary), summary, as_json=arguments.json)
+        result = get_result(store, GLOBAL_MODEL, query)
+        summary, lines = result.summary, _format(result.summary)
+        if arguments.store_prediction is not None:
+            name = arguments.store_prediction
+            stored = store_global_prediction(store, result, name, arguments.condition)
+            lines.append(f"prediction {stored.id}: {stored.source}, {stored.note}")
+    print_result(lines, summary, as_json=arguments.json)
     return 0
 
 

@@ -267,6 +267,13 @@ def _add_flutter_options(command: argparse.ArgumentParser) -> None:
         help="included from the prediction, or static response only",
     )
     option("--next", type=float, metavar="M/S", help="airspeed of the next test point")
+    option(
+        "--variation",
+        choices=("constant", "linear", "global-model"),
+        default="constant",
+        help="derivatives over the envelope: constant, linear over dynamic pressure, or of a "
+        "global model of the runs",
+    )
 
 
 def _add_global_model_options(command: argparse.ArgumentParser) -> None:
@@ -286,6 +293,10 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
         help="variables of the envelope; default: dynamic pressure and fuel",
     )
     option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
+    meaning = "store the derivatives at one condition as a prediction of this name"
+    option("--store-prediction", metavar="NAME", help=meaning)
+    meaning = "value of every variable, in SI; default: mean condition of the runs"
+    option("--condition", nargs="+", type=float, default=(), metavar="VALUE", help=meaning)
 
 
 def _add_predicted_flutter_options(command: argparse.ArgumentParser) -> None:

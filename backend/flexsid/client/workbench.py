@@ -321,7 +321,7 @@ class Workbench:
             Runs that succeeded, best over several airspeeds.
         **query
             ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``unmodelled_modes`` and
-            ``trend``, as the interface names them.
+            ``variation`` (``linear`` or ``global-model``), as the interface names them.
         """
         return self._compute("flutter", run_ids=list(run_ids), **query)
 
@@ -359,6 +359,28 @@ class Workbench:
             ``prediction_id``.
         """
         return self._compute("global-models", run_ids=list(run_ids), **query)
+
+    def save_global_prediction(
+        self,
+        run_ids: Iterable[int],
+        source: str,
+        condition: Iterable[float] = (),
+        **query: Any,
+    ) -> int:
+        """Store a global model at one condition as a prediction, and return its id.
+
+        Parameters
+        ----------
+        run_ids, **query
+            As of ``global_model``, which must have been computed.
+        source
+            Name of the prediction.
+        condition
+            Value of every variable, in SI; by default the mean condition of the runs.
+        """
+        body = {"source": source, "condition": list(condition)}
+        query["run_ids"] = list(run_ids)
+        return self.post("global-models/predictions", body, **query)["id"]
 
     def compare_aerodynamics(self, run_id: int) -> dict[str, Any]:
         """Return the verdict between quasi-steady and shaped derivatives for the data of a run."""

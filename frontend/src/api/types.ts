@@ -103,6 +103,7 @@ export type OptimisedError = Received<"OptimisedError">;
 export type DesignRequest = Schemas["DesignRequest"];
 export type PreflightSimulationRequest = Schemas["PreflightSimulationRequest"];
 export type ComputePredictionRequest = Schemas["ComputePredictionRequest"];
+export type SaveGlobalPredictionRequest = Schemas["SaveGlobalPredictionRequest"];
 export type CatalogueRow = Received<"CatalogueRow">;
 export type UploadDetail = Received<"UploadDetail">;
 export type CheckedMapping = Received<"Checked">;

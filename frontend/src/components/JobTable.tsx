@@ -4,7 +4,7 @@ import { useCancelJob, useRetryJob } from "../api/commands";
 import { isOver, type Job } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
 import { oneOf } from "../lib/urlState";
-import { PARTITIONS, VARIABLES } from "../views";
+import { PARTITIONS, VARIABLES, VARIATIONS } from "../views";
 import { DataTable, type Column } from "./DataTable";
 import { stateText } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
@@ -166,7 +166,6 @@ function JobSubject({ job }: { job: Job }) {
           search={{
             ...flutterSearch(request),
             next: readNumber(request, "next_m_s"),
-            trend: request.trend === true || undefined,
           }}
           className="link"
         >
@@ -307,6 +306,7 @@ function flutterSearch(query: Record<string, unknown>) {
     altitude: readNumber(query, "altitude_m"),
     unmodelled_modes:
       query.unmodelled_modes === "residualized" ? ("residualized" as const) : undefined,
+    variation: VARIATIONS.find((one) => one === query.variation),
   };
 }
 

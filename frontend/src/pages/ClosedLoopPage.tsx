@@ -5,6 +5,7 @@ import { closedLoopResult, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopStability, MarginRow } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
+import { VariationSelect } from "../components/VariationSelect";
 import { NewController } from "../components/NewController";
 import { DataTable, type Column } from "../components/DataTable";
 import { ComputeButton } from "../components/ComputeButton";
@@ -82,6 +83,7 @@ export function ClosedLoopPage() {
     fuel: view.fuel === undefined ? undefined : view.fuel / 100,
     altitude_m: view.altitude,
     unmodelled_modes: view.unmodelled_modes,
+    variation: view.variation,
   };
   const { result, jobId, error, onEnd, compute } = useStoredResult(
     closedLoopResult(query, controller),
@@ -101,6 +103,7 @@ export function ClosedLoopPage() {
               fuel: view.fuel,
               altitude: view.altitude,
               unmodelled_modes: view.unmodelled_modes,
+              variation: view.variation,
             }}
             className="link"
             key="flutter"
@@ -162,6 +165,12 @@ export function ClosedLoopPage() {
             value={view.unmodelled_modes}
             onChange={(unmodelled_modes) => {
               change({ unmodelled_modes });
+            }}
+          />
+          <VariationSelect
+            value={view.variation}
+            onChange={(variation) => {
+              change({ variation });
             }}
           />
           <NewController

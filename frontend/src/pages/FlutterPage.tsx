@@ -6,7 +6,6 @@ import {
   SegmentedControl,
   Select,
   Stack,
-  Switch,
   Table,
   Text,
 } from "@mantine/core";
@@ -25,6 +24,7 @@ import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
 import { DerivedRuns } from "../components/DerivedRuns";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
+import { VariationSelect } from "../components/VariationSelect";
 import { ComputeButton } from "../components/ComputeButton";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
@@ -58,7 +58,7 @@ export function FlutterPage() {
     altitude_m: view.altitude,
     next_m_s: view.next,
     unmodelled_modes: view.unmodelled_modes,
-    trend: view.trend,
+    variation: view.variation,
   };
   const { result, jobId, error, onEnd, compute } = useStoredResult(flutterResult(query));
   const ready = result.data !== undefined;
@@ -96,6 +96,7 @@ export function FlutterPage() {
               fuel: view.fuel,
               altitude: view.altitude,
               unmodelled_modes: view.unmodelled_modes,
+              variation: view.variation,
             }}
           >
             Closed loop
@@ -291,12 +292,10 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           onChange({ unmodelled_modes });
         }}
       />
-      <Switch
-        label="Linear trend over dynamic pressure"
-        description="For structures with unmodelled modes; requires three dynamic pressures and increases the standard errors"
-        checked={view.trend === true}
-        onChange={(event) => {
-          onChange({ trend: event.currentTarget.checked ? true : undefined });
+      <VariationSelect
+        value={view.variation}
+        onChange={(variation) => {
+          onChange({ variation });
         }}
       />
       <NumberInput

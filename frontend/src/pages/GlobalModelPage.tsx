@@ -1,5 +1,7 @@
-import { Group, NumberInput, Select, Stack, Text } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
 import { getRouteApi, Link } from "@tanstack/react-router";
+import { useState } from "react";
+import { useSaveGlobalPrediction } from "../api/commands";
 import { globalModelResult } from "../api/queries";
 import type { GlobalModelSummary } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
@@ -115,6 +117,7 @@ function Model({ model, query, view, onChange }: ModelProps) {
         </Section>
       )}
       <Slice model={model} query={query} view={view} onChange={onChange} />
+      <StorePrediction model={model} query={query} view={view} onChange={onChange} />
       <Section
         title="Derivatives"
         note="At the mean condition of the runs; slopes averaged over the runs, drift in bold"
@@ -211,6 +214,45 @@ function Slice({ model, query, view, onChange }: ModelProps) {
           params={{ ...query, name, along: along.key, condition: held.join(",") }}
         />
       </Stack>
+    </Section>
+  );
+}
+
+function StorePrediction({ model, query, view }: ModelProps) {
+  const [source, setSource] = useState("Global model");
+  const save = useSaveGlobalPrediction();
+  const condition = view.condition?.length === model.centre.length ? view.condition : model.centre;
+  return (
+    <Section
+      title="Prediction from this model"
+      note="At the condition of the slice, over the flown fuel weights: for priors of runs, pre-flight simulation and comparison"
+    >
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          save.mutate({ query, request: { source, condition: condition.map(Number) } });
+        }}
+      >
+        <Group gap="sm" align="end">
+          <TextInput
+            label="Name"
+            required
+            value={source}
+            onChange={(event) => {
+              setSource(event.currentTarget.value);
+            }}
+          />
+          <Button type="submit" loading={save.isPending} data-testid="store-prediction">
+            Store prediction
+          </Button>
+        </Group>
+      </form>
+      {save.error !== null && <ProblemAlert error={save.error} />}
+      {save.data !== undefined && (
+        <Text size="sm" role="status" mt="xs">
+          {save.data.source}: {save.data.note}
+        </Text>
+      )}
     </Section>
   );
 }

@@ -7,14 +7,17 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.prediction_requests import SaveGlobalPredictionRequest
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import GlobalModelParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
+from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.text import count_noun
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
+from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
 router = APIRouter(prefix="/global-models", tags=["global model"])
 
@@ -41,3 +44,15 @@ def get_global_model(store: TheStore, query: TheGlobalModelQuery) -> Json:
     The figures ``global-slice`` and ``global-coverage`` have its values over the envelope.
     """
     return Json(get_result(store, GLOBAL_MODEL, query).summary)
+
+
+@router.post("/predictions", status_code=201)
+def save_global_prediction(
+    store: TheStore, query: TheGlobalModelQuery, body: SaveGlobalPredictionRequest
+) -> DerivativePrediction:
+    """Store the derivatives of a computed global model at one condition as a prediction.
+
+    Runs take priors from it, and pre-flight simulations, designs and comparisons its values.
+    """
+    result = get_result(store, GLOBAL_MODEL, query)
+    return store_global_prediction(store, result, body.source, body.condition)

@@ -73,13 +73,17 @@ class PolynomialBasis:
         return outside.any(axis=1) | (distance > self.largest_distance * (1.0 + 1e-9))
 
 
-def build_basis(conditions: Float[np.ndarray, "n_runs n_v"]) -> PolynomialBasis:
-    """Build the polynomials up to the third degree that the flown conditions resolve.
+def build_basis(
+    conditions: Float[np.ndarray, "n_runs n_v"], highest_degree: int = _DEGREE
+) -> PolynomialBasis:
+    """Build the polynomials up to a total degree that the flown conditions resolve.
 
     Parameters
     ----------
     conditions
         Flight condition of every run, e.g. dynamic pressure and fuel. [any]
+    highest_degree
+        Largest total degree of a term.
 
     Notes
     -----
@@ -96,7 +100,7 @@ def build_basis(conditions: Float[np.ndarray, "n_runs n_v"]) -> PolynomialBasis:
     powers: list[np.ndarray] = []
     columns: list[np.ndarray] = []
     orthonormal = np.zeros((len(conditions), 0))
-    for total in range(_DEGREE + 1):
+    for total in range(highest_degree + 1):
         for factors in combinations_with_replacement(range(n_v), total):
             power = np.bincount(np.array(factors, dtype=int), minlength=n_v)
             column = np.prod(scaled**power, axis=1)

@@ -18,6 +18,9 @@ from flexsid.sysid.global_model.fit import (
     fit_global_model,
 )
 
+LEAST_RUNS = 4
+"""A scatter between runs needs more of them than a line has terms."""
+
 _DEGREES = (1, 2)  # highest degree without a penalty; terms above have a prior
 
 

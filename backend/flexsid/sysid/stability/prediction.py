@@ -298,18 +298,8 @@ def _fuse(
     parts: Sequence[IdentifiedModes], to: Aeroelastic, lines: Float[np.ndarray, "n_parts n_powers"]
 ) -> IdentifiedModes:
     """Fit the derivatives of all parts by the columns of ``lines``; the first one's count."""
+    refuse_other_structures(parts, to)
     first = parts[0].uncertain
-    for part in parts:
-        same = part.aircraft.modes.numbers == to.modes.numbers and (
-            np.array_equal(part.uncertain.rows, first.rows)
-            and np.array_equal(part.uncertain.columns, first.columns)
-        )
-        if not same:
-            raise BadInput(
-                "runs of different structures cannot be fused; choose runs with the same modes "
-                "and the same free derivatives",
-                code="different-structures",
-            )
     fused = IdentifiedModes(to, first, _average_stiffness(parts), parts[0].prior)
     if first.rows.size == 0:  # nothing was estimated: there is nothing to weigh
         return fused
@@ -329,6 +319,28 @@ def _fuse(
         aircraft=replace(to, derivatives=replace(to.derivatives, values=table)),
         uncertain=replace(first, covariance=covariance),
     )
+
+
+def refuse_other_structures(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> None:
+    """Refuse parts whose modes or estimated derivatives differ, or modes from those of ``to``.
+
+    Raises
+    ------
+    BadInput
+        If the structures differ.
+    """
+    first = parts[0].uncertain
+    for part in parts:
+        if not (
+            part.aircraft.modes.numbers == to.modes.numbers
+            and np.array_equal(part.uncertain.rows, first.rows)
+            and np.array_equal(part.uncertain.columns, first.columns)
+        ):
+            raise BadInput(
+                "runs of different structures cannot be fused; choose runs with the same modes "
+                "and the same free derivatives",
+                code="different-structures",
+            )
 
 
 def _average_stiffness(parts: Sequence[IdentifiedModes]) -> StiffnessError | None:

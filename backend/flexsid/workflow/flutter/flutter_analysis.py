@@ -38,6 +38,7 @@ from flexsid.workflow.flutter.flutter_models import (
     FlutterModels,
     FlutterQuery,
     Group,
+    Variation,
     compute_spread,
     fuse_runs,
     name_motion,
@@ -53,6 +54,7 @@ from flexsid.workflow.model_structures.run_results import get_result
 __all__ = [
     "FlutterQuery",
     "UnmodelledModes",
+    "Variation",
     "analyse_flutter",
     "compute_flutter",
     "map_flutter_speed",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.run import DerivedRun, Progress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.sysid.global_model.selection import LEAST_RUNS
+from flexsid.sysid.stability.envelope_fusion import EnvelopeModel, fit_envelope
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.prediction import (
     FlutterPrediction,
@@ -28,6 +31,7 @@ from flexsid.workflow.aircraft.flight_condition import complete_condition, compu
 from flexsid.workflow.flutter.run_flutter import (
     RunModel,
     UnmodelledModes,
+    compute_fuel_factors,
     load_model_with_fewer_modes,
     load_run_models,
     load_run_modes,
@@ -49,14 +53,32 @@ _ALIKE = 0.25  # of the fuel: flutter speeds of FLEX-28 differ by less than 1 % 
 _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more power with the modes
 
 
+_TOO_FEW = {
+    "no-trend": "a trend needs more points",
+    "bad-number-of-runs": f"a global model needs {LEAST_RUNS} runs or more",
+    "no-common-derivative": "the runs estimated no derivative",
+}
+_LEAST_FLIGHTS = 3  # of a global model; otherwise each maneuver is a flight
+
+
+class Variation(StrEnum):
+    """Variation of the derivatives over the envelope.
+
+    A global model has dynamic pressure and fuel as variables.
+    """
+
+    CONSTANT = "constant"
+    LINEAR = "linear"
+    GLOBAL_MODEL = "global-model"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlutterQuery:
     """Runs, loading and air density of a flutter prediction; the fastest maneuver's by default.
 
     Modes omitted by a run are included in a second fit with derivatives of a prediction that
     has them, unless ``unmodelled_modes`` leaves them residualised in the run's derivatives.
-    With ``trend`` derivatives vary linearly with dynamic pressure, where a structure has
-    enough runs.
+    Derivatives vary over the envelope where a structure has enough runs.
     """
 
     run_ids: tuple[int, ...]
@@ -64,7 +86,7 @@ class FlutterQuery:
     altitude_m: float | None = None
     next_m_s: float | None = None
     unmodelled_modes: UnmodelledModes = UnmodelledModes.PREDICTED
-    trend: bool = False
+    variation: Variation = Variation.CONSTANT
 
     def __post_init__(self) -> None:
         """Sort the runs: the same set is the same request."""
@@ -94,13 +116,20 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class _At:
-    """Common to all runs of a query: aircraft, air density, fastest point, kind of fusion."""
+    """Common to all runs of a query: aircraft, loading, fastest point, kind of fusion.
+
+    ``envelopes`` are the global models that were fitted already, by the runs of each.
+    """
 
     aircraft: Aircraft
     modes: AircraftModes
+    fuel: float
     density: float
     tested: float
-    trend: bool
+    variation: Variation
+    envelopes: dict[tuple[int | None, ...], EnvelopeModel] = field(
+        default_factory=dict[tuple[int | None, ...], EnvelopeModel]
+    )
 
     @property
     def band(self) -> tuple[float, float]:
@@ -286,7 +315,7 @@ def fuse_runs(
     density = fastest.density_kg_m3
     if query.altitude_m is not None:
         density = compute_standard_density(query.altitude_m)
-    at = _At(aircraft, modes, density, fastest.airspeed_m_s, query.trend)
+    at = _At(aircraft, modes, fuel, density, fastest.airspeed_m_s, query.variation)
     structures = _group_by_structure(parts)
     if len(structures) == 1:
         checks: list[RunModel | None] = []
@@ -453,22 +482,65 @@ def _fuse(
         derivatives=parts[-1].aircraft.derivatives,
     )
     constant = fuse_identified(parts, to)
-    if not at.trend:
+    if at.variation is Variation.CONSTANT:
         return constant, ""
     try:
-        found = fuse_at_crossing(
-            lambda pressure: fuse_with_trend(parts, to, pressure), at.band, at.density, at.tested
-        )
+        if at.variation is Variation.LINEAR:
+            found = _fuse_at_crossing(at, lambda q: fuse_with_trend(parts, to, q))
+            note = "Derivatives vary with dynamic pressure"
+        else:
+            envelope = _get_envelope(store, flown_parts, at)
+            factors = _compute_factors(store, flown_parts[-1], at.fuel, fuel)
+            found = _fuse_at_crossing(
+                at, lambda q: envelope.fuse(constant, np.array([q, fuel]), factors)
+            )
+            excluded = _describe_outlying(envelope, flown_parts)
+            note = f"Derivatives are those of a global model{excluded}"
     except BadInput as error:
-        if error.code != "no-trend":
+        if error.code not in _TOO_FEW:
             raise
-        return constant, " Derivatives are constant, since a trend needs more points."
-    note = " Derivatives vary with dynamic pressure and are evaluated at the flutter point"
+        return constant, f" Derivatives are constant, since {_TOO_FEW[error.code]}."
+    note = f" {note} and are evaluated at the flutter point"
     held = predict_flutter(constant, at.band, at.density)
     if held.crossing is None:
         return found, f"{note}; constant derivatives predict no flutter."
     error = f" ± {2.0 * held.airspeed_std:.2f}" if np.isfinite(held.airspeed_std) else ""
     return found, f"{note}; constant derivatives predict {held.crossing.airspeed:.2f}{error} m/s."
+
+
+def _fuse_at_crossing(at: _At, fuse: Callable[[float], IdentifiedModes]) -> IdentifiedModes:
+    return fuse_at_crossing(fuse, at.band, at.density, at.tested)
+
+
+def _get_envelope(store: Store, flown_parts: Sequence[RunModel], at: _At) -> EnvelopeModel:
+    """Fit a global model of runs at the loading of the query, once."""
+    key = tuple(part.fitted.id for part in flown_parts)
+    if key not in at.envelopes:
+        conditions = [part.maneuver.condition for part in flown_parts]
+        flights = np.array([part.maneuver.flight_id for part in flown_parts])
+        if np.unique(flights).size < _LEAST_FLIGHTS:
+            flights = np.array([part.run.maneuver_id for part in flown_parts])
+        at.envelopes[key] = fit_envelope(
+            [scale_to_fuel(store, part, at.fuel) for part in flown_parts],
+            np.array(
+                [(0.5 * c.density_kg_m3 * c.airspeed_m_s**2, c.fuel_fraction) for c in conditions]
+            ),
+            flights,
+            1.0 / np.array(_count_shared(flown_parts)),
+        )
+    return at.envelopes[key]
+
+
+def _compute_factors(store: Store, part: RunModel, before: float, fuel: float) -> np.ndarray:
+    """Compute the ratios of all predicted derivatives at two fuel weights."""
+    there, here = (compute_fuel_factors(store, part, f) for f in (fuel, before))
+    return there / here
+
+
+def _describe_outlying(envelope: EnvelopeModel, parts: Sequence[RunModel]) -> str:
+    """Describe the runs that a global model excludes."""
+    ids = [parts[k].run.id or 0 for k in envelope.outlying]
+    return f" without the outlying runs {_join(ids)}" if ids else ""
 
 
 def _count_shared(parts: Sequence[RunModel]) -> list[int]:

@@ -95,23 +95,8 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     level is assumed right in proportion. A derivative that passes through zero is multiplied by a
     large factor, and its error with it, so that its weight is small.
     """
-    before = part.maneuver.condition.fuel_fraction
+    factor = compute_fuel_factors(store, part, fuel)
     table = part.found.aircraft.derivatives
-    prediction_id = part.run.prediction_id or get_result(part.run).prediction_id
-    prediction = select_prediction(
-        store, part.maneuver.aircraft_id, prediction_id, table.modes, table.inputs, table.body
-    )
-    if prediction is None or fuel == before:
-        return part.found
-    there, here = (interpolate_prediction(store, prediction, f) for f in (fuel, before))
-    rows = coefficients(table.modes, table.body)
-    columns = variables(table.modes, table.inputs, table.body)
-    factor = np.ones(table.values.shape)
-    for i, row in enumerate(rows):
-        for j, column in enumerate(columns):
-            name = f"{row}_{column}"
-            if name in there and name in here and here[name][0] != 0.0:
-                factor[i, j] = there[name][0] / here[name][0] or 1.0
     moved = replace(table, values=table.values * factor)
     known = part.found.uncertain
     own, prior = factor[known.rows, known.columns], part.found.prior
@@ -121,6 +106,31 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
         uncertain=replace(known, covariance=known.covariance * np.outer(own, own)),
         prior=prior and replace(prior, mean=own * prior.mean, precision=prior.precision / own**2),
     )
+
+
+def compute_fuel_factors(store: Store, part: RunModel, fuel: float) -> np.ndarray:
+    """Compute the ratios of all predicted derivatives at a fuel weight to those as flown.
+
+    They are one where the run has no prediction.
+    """
+    before = part.maneuver.condition.fuel_fraction
+    table = part.found.aircraft.derivatives
+    factor = np.ones(table.values.shape)
+    prediction_id = part.run.prediction_id or get_result(part.run).prediction_id
+    prediction = select_prediction(
+        store, part.maneuver.aircraft_id, prediction_id, table.modes, table.inputs, table.body
+    )
+    if prediction is None or fuel == before:
+        return factor
+    there, here = (interpolate_prediction(store, prediction, f) for f in (fuel, before))
+    rows = coefficients(table.modes, table.body)
+    columns = variables(table.modes, table.inputs, table.body)
+    for i, row in enumerate(rows):
+        for j, column in enumerate(columns):
+            name = f"{row}_{column}"
+            if name in there and name in here and here[name][0] != 0.0:
+                factor[i, j] = there[name][0] / here[name][0] or 1.0
+    return factor
 
 
 def load_run_models(

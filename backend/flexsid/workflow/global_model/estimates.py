@@ -16,13 +16,13 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import Aerodynamics, EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.global_model.fit import RunEstimates
+from flexsid.sysid.global_model.selection import LEAST_RUNS
 from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.workflow.aircraft.derivative_predictions import select_by_id
 from flexsid.workflow.model_structures.baselines import read_quantities
 from flexsid.workflow.model_structures.run_results import get_result
 
-_LEAST_RUNS = 4  # a scatter needs runs above the terms of a line
 _MOST_RUNS = 5000  # minutes, and a request of 30 kB
 _LEAST_ESTIMATES = 3  # of a derivative: fewer have no scatter
 _LEAST_FLIGHTS = 3  # to leave one out; otherwise each maneuver
@@ -164,9 +164,9 @@ def interpolate_table(table: PredictionTable, fuel: np.ndarray) -> np.ndarray:
 def _read(
     store: Store, query: GlobalModelQuery
 ) -> tuple[list[EstimationRun], list[Maneuver], DerivativePrediction | None]:
-    if not _LEAST_RUNS <= len(query.run_ids) <= _MOST_RUNS:
+    if not LEAST_RUNS <= len(query.run_ids) <= _MOST_RUNS:
         raise BadInput(
-            f"{len(query.run_ids)} runs are selected; expected {_LEAST_RUNS} to {_MOST_RUNS}",
+            f"{len(query.run_ids)} runs are selected; expected {LEAST_RUNS} to {_MOST_RUNS}",
             code="bad-number-of-runs",
         )
     if not query.variables:

@@ -1,7 +1,13 @@
 /** Commands on the aircraft: definition, thrust table and controllers. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
-import type { Controller, ComputePredictionRequest, ThrustRequest } from "../types";
+import type { GlobalModelParams } from "../queries/globalModel";
+import type {
+  Controller,
+  ComputePredictionRequest,
+  SaveGlobalPredictionRequest,
+  ThrustRequest,
+} from "../types";
 
 /** Adds an aircraft before its first flight, from the text of its definition. */
 export function useAddAircraft() {
@@ -77,5 +83,20 @@ export function useComputePrediction() {
   return useMutation({
     mutationFn: (request: ComputePredictionRequest) =>
       body(api.POST("/api/v1/predictions", { body: request })),
+  });
+}
+
+/** Stores a computed global model at one condition as a prediction. */
+export function useSaveGlobalPrediction() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({
+      query,
+      request,
+    }: {
+      query: GlobalModelParams;
+      request: SaveGlobalPredictionRequest;
+    }) => body(api.POST("/api/v1/global-models/predictions", { params: { query }, body: request })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["predictions"] }),
   });
 }

@@ -10,7 +10,7 @@ export interface FlutterParams {
   altitude_m?: number;
   next_m_s?: number;
   unmodelled_modes?: "residualized";
-  trend?: boolean;
+  variation?: "linear" | "global-model";
 }
 
 /** The flutter prediction; an equal request is the same job. */
