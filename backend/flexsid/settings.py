@@ -10,12 +10,12 @@ from ipaddress import ip_address
 from urllib.parse import urlsplit
 
 from flexsid.errors import BadInput
+from flexsid.records.account import NAME_CLAIM, OpenIdProvider
 
 DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
 DEFAULT_PORT = 8000
 LOOPBACK = "127.0.0.1"
 _SHORTEST_SECRET = 32
-_NAME_CLAIM = "preferred_username"
 
 
 class Mode(StrEnum):
@@ -24,19 +24,6 @@ class Mode(StrEnum):
     PERSONAL = "personal"  # whoever uses this computer, without log-in
     TEAM = "team"  # accounts in the database
     ORGANISATION = "organisation"  # accounts that the organisation authenticates
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OpenIdSettings:
-    """The OpenID provider of an organisation, and this server as its client.
-
-    ``name_claim`` is the claim with the name of the account; users must not be able to change it.
-    """
-
-    issuer: str
-    client_id: str
-    client_secret: str = field(repr=False)
-    name_claim: str = _NAME_CLAIM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +47,7 @@ class Settings:
     address: str = LOOPBACK
     proxies: tuple[str, ...] = ()
     proxy_secret: str | None = field(default=None, repr=False)
-    openid: OpenIdSettings | None = None
+    openid: OpenIdProvider | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -133,7 +120,7 @@ def _check_access(settings: Settings) -> None:
         )
 
 
-def _read_openid(environment: Mapping[str, str]) -> OpenIdSettings | None:
+def _read_openid(environment: Mapping[str, str]) -> OpenIdProvider | None:
     issuer = environment.get("FLEXSID_OIDC_ISSUER") or None
     client_id = environment.get("FLEXSID_OIDC_CLIENT_ID") or None
     client_secret = environment.get("FLEXSID_OIDC_CLIENT_SECRET") or None
@@ -148,11 +135,11 @@ def _read_openid(environment: Mapping[str, str]) -> OpenIdSettings | None:
     is_local = parts.hostname in ("localhost", LOOPBACK)
     if parts.scheme != "https" and not (parts.scheme == "http" and is_local):
         raise BadInput(f"FLEXSID_OIDC_ISSUER is {issuer!r}; expected an https:// address")
-    return OpenIdSettings(
+    return OpenIdProvider(
         issuer=issuer,
         client_id=client_id,
         client_secret=client_secret,
-        name_claim=environment.get("FLEXSID_OIDC_NAME_CLAIM") or _NAME_CLAIM,
+        name_claim=environment.get("FLEXSID_OIDC_NAME_CLAIM") or NAME_CLAIM,
     )
 
 

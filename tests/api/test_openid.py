@@ -22,8 +22,8 @@ from tests.api.conftest import Serve
 from waiting import wait_until
 
 from flexsid.errors import BadInput
-from flexsid.records.account import Role
-from flexsid.settings import Mode, OpenIdSettings, read_settings
+from flexsid.records.account import OpenIdProvider, Role
+from flexsid.settings import Mode, read_settings
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts import accounts
 from flexsid.workflow.accounts.openid import LoginRefused, verify_id_token
@@ -61,7 +61,7 @@ def issuer() -> Iterator[str]:
 @pytest.fixture
 def organisation(serve: Serve, flown_url: str, app, issuer: str) -> Iterator[TestClient]:
     with serve(flown_url) as client:
-        openid = OpenIdSettings(issuer=issuer, client_id="flexsid", client_secret="s" * 32)
+        openid = OpenIdProvider(issuer=issuer, client_id="flexsid", client_secret="s" * 32)
         app.state.settings = replace(
             app.state.settings, mode=Mode.ORGANISATION, url=HERE, openid=openid
         )
@@ -178,7 +178,7 @@ def test_an_absent_provider_is_named(organisation: TestClient, app) -> None:
 
 KEY = RSAKey.generate_key(2048, {"kid": "k"})
 KEYS = KeySet([KEY]).as_dict()
-PROVIDER = OpenIdSettings(issuer="https://id.example", client_id="flexsid", client_secret="s" * 32)
+PROVIDER = OpenIdProvider(issuer="https://id.example", client_id="flexsid", client_secret="s" * 32)
 
 
 def _make_token(key: Any = KEY, algorithm: str = "RS256", **changed: Any) -> str:

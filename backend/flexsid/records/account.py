@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+
+NAME_CLAIM = "preferred_username"
+"""Usual claim of a provider with the name of the account."""
 
 
 class Role(StrEnum):
@@ -80,3 +83,16 @@ class ApiToken:
     used_at: datetime | None = None
     created_at: datetime | None = None
     id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenIdProvider:
+    """The OpenID provider of an organisation, and this server as its client.
+
+    ``name_claim`` is the claim with the name of the account; users must not be able to change it.
+    """
+
+    issuer: str
+    client_id: str
+    client_secret: str = field(repr=False)
+    name_claim: str = NAME_CLAIM

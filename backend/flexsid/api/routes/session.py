@@ -23,8 +23,8 @@ from flexsid.api.requests import Id, Title
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
 from flexsid.errors import Conflict, UnknownRecord
-from flexsid.records.account import ApiToken, Role
-from flexsid.settings import Mode, OpenIdSettings, Settings
+from flexsid.records.account import ApiToken, OpenIdProvider, Role
+from flexsid.settings import Mode, Settings
 from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
@@ -243,7 +243,7 @@ def _require_mode(request: Request, mode: Mode) -> Settings:
     return settings
 
 
-def _require_provider(request: Request) -> tuple[Settings, OpenIdSettings]:
+def _require_provider(request: Request) -> tuple[Settings, OpenIdProvider]:
     settings: Settings = request.app.state.settings
     if settings.openid is None:
         raise Conflict("this server has no OpenID provider", code="no-log-in")

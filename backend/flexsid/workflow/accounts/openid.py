@@ -18,8 +18,7 @@ from joserfc.errors import JoseError
 from joserfc.jwk import KeySet, KeySetSerialization
 
 from flexsid.errors import FlexsidError, UnknownRecord
-from flexsid.records.account import Account
-from flexsid.settings import OpenIdSettings
+from flexsid.records.account import Account, OpenIdProvider
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts.accounts import find_account
 
@@ -63,7 +62,7 @@ def decode_attempt(text: str) -> LoginAttempt | None:
     return LoginAttempt(*parts) if len(parts) == 3 and all(parts) else None
 
 
-def begin_login(settings: OpenIdSettings, redirect_uri: str) -> tuple[str, LoginAttempt]:
+def begin_login(provider: OpenIdProvider, redirect_uri: str) -> tuple[str, LoginAttempt]:
     """Return the address at which a user logs in, and the attempt to store in the browser.
 
     Raises
@@ -71,9 +70,9 @@ def begin_login(settings: OpenIdSettings, redirect_uri: str) -> tuple[str, Login
     ProviderUnavailable
         If the provider cannot be reached, or its description is not that of the issuer.
     """
-    endpoints = _discover(settings)
+    endpoints = _discover(provider)
     attempt = LoginAttempt(*(secrets.token_urlsafe(32) for _ in range(3)))
-    with _open_client(settings, redirect_uri) as client:
+    with _open_client(provider, redirect_uri) as client:
         url, _ = client.create_authorization_url(
             endpoints["authorization_endpoint"],
             state=attempt.state,
@@ -84,7 +83,7 @@ def begin_login(settings: OpenIdSettings, redirect_uri: str) -> tuple[str, Login
 
 
 def complete_login(
-    settings: OpenIdSettings,
+    provider: OpenIdProvider,
     redirect_uri: str,
     attempt: LoginAttempt,
     response: Mapping[str, str],
@@ -93,7 +92,7 @@ def complete_login(
 
     Parameters
     ----------
-    settings
+    provider
         The provider.
     redirect_uri
         Address to which the provider returned.
@@ -112,24 +111,24 @@ def complete_login(
     """
     if not secrets.compare_digest(response.get("state", ""), attempt.state):
         raise LoginRefused("the response of the provider is not that to this log-in; try again")
-    if response.get("iss", settings.issuer) != settings.issuer:
+    if response.get("iss", provider.issuer) != provider.issuer:
         raise LoginRefused("the response is that of another provider")
     code = response.get("code")
     if not code:
         raise LoginRefused(f"the provider refuses: {response.get('error', 'no code')[:100]}")
-    endpoints = _discover(settings)
+    endpoints = _discover(provider)
     try:
-        with _open_client(settings, redirect_uri) as client:
+        with _open_client(provider, redirect_uri) as client:
             token = client.fetch_token(
                 endpoints["token_endpoint"], code=code, code_verifier=attempt.verifier
             )
     except AuthlibBaseError as error:
         raise LoginRefused(f"the provider refuses the code: {error.error}") from error
     except (httpx2.HTTPError, ValueError) as error:
-        raise ProviderUnavailable(f"{settings.issuer} does not respond: {error}") from error
+        raise ProviderUnavailable(f"{provider.issuer} does not respond: {error}") from error
     keys = cast("KeySetSerialization", _fetch(endpoints["jwks_uri"]))
-    claims = verify_id_token(settings, str(token.get("id_token", "")), keys, attempt.nonce)
-    if settings.name_claim in claims or "userinfo_endpoint" not in endpoints:
+    claims = verify_id_token(provider, str(token.get("id_token", "")), keys, attempt.nonce)
+    if provider.name_claim in claims or "userinfo_endpoint" not in endpoints:
         return claims
     # Many providers state names there only.
     bearer = {"Authorization": f"Bearer {token.get('access_token', '')}"}
@@ -140,7 +139,7 @@ def complete_login(
 
 
 def verify_id_token(
-    settings: OpenIdSettings, token: str, keys: KeySetSerialization, nonce: str
+    provider: OpenIdProvider, token: str, keys: KeySetSerialization, nonce: str
 ) -> dict[str, Any]:
     """Verify signature, issuer, audience, times and nonce of an ID token; return its claims.
 
@@ -155,9 +154,9 @@ def verify_id_token(
     """
     registry = jwt.JWTClaimsRegistry(
         leeway=_CLOCK_ERROR_S,
-        iss={"essential": True, "value": settings.issuer},
+        iss={"essential": True, "value": provider.issuer},
         sub={"essential": True},
-        aud={"essential": True, "value": settings.client_id},
+        aud={"essential": True, "value": provider.client_id},
         exp={"essential": True},
         iat={"essential": True},
         nonce={"essential": True, "value": nonce},
@@ -168,12 +167,12 @@ def verify_id_token(
     except (JoseError, ValueError, KeyError, TypeError) as error:
         raise LoginRefused(f"the token of the provider is not valid: {error}") from error
     claims = decoded.claims
-    if claims["aud"] not in (settings.client_id, [settings.client_id]):
+    if claims["aud"] not in (provider.client_id, [provider.client_id]):
         raise LoginRefused("the token of the provider is not for this server alone")
     return claims
 
 
-def find_user(store: Store, settings: OpenIdSettings, claims: Mapping[str, Any]) -> Account:
+def find_user(store: Store, provider: OpenIdProvider, claims: Mapping[str, Any]) -> Account:
     """Return the account of a user; the first log-in with its name binds it to the user.
 
     Raises
@@ -181,22 +180,22 @@ def find_user(store: Store, settings: OpenIdSettings, claims: Mapping[str, Any])
     LoginRefused
         If there is no such account, it is disabled, or belongs to another user of the provider.
     """
-    subject = f"{settings.issuer} {claims['sub']}"
+    subject = f"{provider.issuer} {claims['sub']}"
     with store.transaction():
         bound = store.accounts.find(subject=subject)
-        account = bound[0] if bound else _bind(store, settings, claims, subject)
+        account = bound[0] if bound else _bind(store, provider, claims, subject)
     if account.disabled_at is not None:
         raise LoginRefused(f"the account '{account.name}' is disabled")
     return account
 
 
 def _bind(
-    store: Store, settings: OpenIdSettings, claims: Mapping[str, Any], subject: str
+    store: Store, provider: OpenIdProvider, claims: Mapping[str, Any], subject: str
 ) -> Account:
-    name = claims.get(settings.name_claim)
+    name = claims.get(provider.name_claim)
     if not isinstance(name, str) or not name:
-        raise LoginRefused(f"the provider states no '{settings.name_claim}'")
-    if settings.name_claim == "email" and claims.get("email_verified") is not True:
+        raise LoginRefused(f"the provider states no '{provider.name_claim}'")
+    if provider.name_claim == "email" and claims.get("email_verified") is not True:
         raise LoginRefused(f"the provider has not verified the address {name[:100]}")
     try:
         account = find_account(store, name)
@@ -208,14 +207,14 @@ def _bind(
     return store.accounts.replace(replace(account, subject=subject, invitation_hash=None))
 
 
-def _discover(settings: OpenIdSettings) -> dict[str, str]:
-    found = _fetch(f"{settings.issuer.rstrip('/')}/.well-known/openid-configuration")
-    if found.get("issuer") != settings.issuer:
-        text = f"the provider calls itself {found.get('issuer')!r:.200}, not {settings.issuer}"
+def _discover(provider: OpenIdProvider) -> dict[str, str]:
+    found = _fetch(f"{provider.issuer.rstrip('/')}/.well-known/openid-configuration")
+    if found.get("issuer") != provider.issuer:
+        text = f"the provider calls itself {found.get('issuer')!r:.200}, not {provider.issuer}"
         raise ProviderUnavailable(text)
     missing = [name for name in _ENDPOINTS if not isinstance(found.get(name), str)]
     if missing:
-        raise ProviderUnavailable(f"{settings.issuer} describes no {missing[0]}")
+        raise ProviderUnavailable(f"{provider.issuer} describes no {missing[0]}")
     names = (*_ENDPOINTS, "userinfo_endpoint")
     return {name: found[name] for name in names if isinstance(found.get(name), str)}
 
@@ -231,11 +230,11 @@ def _fetch(url: str, headers: Mapping[str, str] | None = None) -> dict[str, Any]
     return content
 
 
-def _open_client(settings: OpenIdSettings, redirect_uri: str) -> Any:
+def _open_client(provider: OpenIdProvider, redirect_uri: str) -> Any:
     # The stubs of authlib omit that it is a client of httpx2, to be closed.
     return OAuth2Client(
-        settings.client_id,
-        settings.client_secret,
+        provider.client_id,
+        provider.client_secret,
         scope=_SCOPE,
         redirect_uri=redirect_uri,
         code_challenge_method="S256",
