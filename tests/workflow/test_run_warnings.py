@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,24 @@ def test_frequency_response_error_of_some_inputs_finds_the_truth(
     error = (found.values - expected) / found.std_errors
     assert np.mean(np.abs(error) <= 2.0) >= 0.85
     assert 0.5 < np.sqrt(np.mean(error**2)) < 1.4
+
+
+@pytest.mark.parametrize("method", [Method.EE, Method.OE])
+def test_a_surface_with_the_wrong_sign_is_named(ask: Ask, flown_url: str, method: Method) -> None:
+    def list_reversed() -> list[str]:
+        warnings = compute_run(ask(method, modes=(7,)), lambda progress: None).warnings
+        return [text for text in warnings if "opposite sign" in text]
+
+    assert list_reversed() == []
+    store = Store.open(flown_url)
+    (channel,) = store.channels.find(maneuver_id=1, name="wf3s")
+    turned = -np.asarray(store.arrays.get(channel.array))
+    with store.transaction():
+        array = store.arrays.put(turned, channel.unit)
+        store.channels.replace(replace(channel, array=array))
+    store.close()
+    (warning,) = list_reversed()
+    assert warning.startswith("The derivatives of wf3s are -")
 
 
 def test_frequency_responses_need_the_deflection_of_every_excited_input(

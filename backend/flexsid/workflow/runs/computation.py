@@ -55,6 +55,7 @@ from flexsid.workflow.runs.run_warnings import (
     warn_of_moved_poles,
     warn_of_poor_prediction,
     warn_of_priors,
+    warn_of_reversed_surfaces,
 )
 from flexsid.workflow.runs.software_versions import read_versions
 
@@ -153,7 +154,11 @@ def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
         estimate=estimate,
         poles=poles,
         start=fit.start,
-        warnings=(*warnings, *list_result_warnings(estimate)),
+        warnings=(
+            *warnings,
+            *warn_of_reversed_surfaces(estimate, task.predicted),
+            *list_result_warnings(estimate),
+        ),
         residualized=task.residualized,
         prediction_id=task.prediction_id,
         held={

@@ -22,13 +22,14 @@ from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
 from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.derivatives import is_derivative
+from flexsid.sysid.model.derivatives import DerivativeTable, is_derivative
 from flexsid.sysid.stability.poles import NamedPole
 
 MAX_CORRELATION = 0.9
 _POOR_FIT = 0.8
 _MAX_ERROR_RATIO = 2.0
 _POOR_PREDICTION = 0.5  # of the size of a derivative; panel codes are within 0.3
+_REVERSED = 2.5  # standard deviations below zero of a surface's effectiveness over its prediction
 _INTERPOLATION_BIAS = 0.5  # of the standard deviation of a response: total error 12 % larger
 _PRIOR_DOMINATES = 0.95  # posterior over prior deviation at a tenth of the prior's information
 
@@ -167,6 +168,48 @@ def warn_of_poor_prediction(spread: float) -> tuple[str, ...]:
         "of their size; those of out-of-band modes were given the same uncertainty. Check the "
         "prediction, or the model structure.",
     )
+
+
+def warn_of_reversed_surfaces(
+    estimate: Estimate, predicted: DerivativeTable | None
+) -> tuple[str, ...]:
+    """Warn of surfaces whose derivatives have the opposite sign of their prediction.
+
+    Parameters
+    ----------
+    estimate
+        Derivatives with standard errors.
+    predicted
+        Of the same modes and inputs; None where there is no prediction.
+
+    Notes
+    -----
+    The effectiveness e of a surface is the factor on all its predicted derivatives p that fits
+    the estimated ones b best, by weighted least squares with the variances
+    s^2 + (``_POOR_PREDICTION`` p)^2: e = sum(w p b) / sum(w p^2), var(e) = 1 / sum(w p^2).
+    """
+    if predicted is None:
+        return ()
+    expected = predicted.named()
+    warnings = []
+    for surface in predicted.inputs:
+        at = [k for k, n in enumerate(estimate.names) if n.partition("_")[2] == surface]
+        p = np.array([expected.get(estimate.names[k], 0.0) for k in at])
+        b, std = estimate.values[at], estimate.std_errors[at]
+        usable = np.isfinite(std) & (p != 0.0)
+        if not usable.any():
+            continue
+        p, b, std = p[usable], b[usable], std[usable]
+        weight = 1.0 / (std**2 + (_POOR_PREDICTION * p) ** 2)
+        information = float(np.sum(weight * p**2))
+        effectiveness = float(np.sum(weight * p * b)) / information
+        if effectiveness * np.sqrt(information) < -_REVERSED:
+            warnings.append(
+                f"The derivatives of {surface} are {effectiveness:.2g} times their prediction: "
+                "they have the opposite sign. Check the sign of its channel (sign = -1 in the "
+                "mapping), or the prediction."
+            )
+    return tuple(warnings)
 
 
 def warn_of_limits(estimate: Estimate, at_limit: np.ndarray) -> tuple[str, ...]:
