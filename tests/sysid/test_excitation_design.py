@@ -22,7 +22,6 @@ from flexsid.sysid.excitation.designer import (
     estimate_search_time_s,
 )
 from flexsid.sysid.excitation.export import (
-    sample_one_period,
     to_c_header,
     to_csv,
     to_matlab,
@@ -82,14 +81,14 @@ def test_recipe_holds_the_specification_and_the_phases():
     assert recipe["specification"]["peaks"] == list(requested.peaks)
     phases = {name: np.array(own) for name, own in recipe["phases"].items()}
     high = build_multisine(requested, phases, level=2)
-    np.testing.assert_allclose(
-        sample_one_period(high, 50.0), 4.0 * sample_one_period(made, 50.0), atol=1e-9
-    )
+    np.testing.assert_allclose(high.sample_period(50.0), 4.0 * made.sample_period(50.0), atol=1e-9)
 
 
 def test_files_hold_one_period_at_the_rate(tmp_path: Path):
     made = design(specification(503))
-    samples = sample_one_period(made, 50.0)
+    samples = made.sample_period(50.0)
+    at = np.arange(samples.shape[0]) / 50.0
+    assert np.allclose(samples, made.sample(at), atol=1e-9 * np.abs(samples).max())
     rows = to_csv(made, 50.0).splitlines()
     assert rows[0] == "t_s," + ",".join(made.inputs)
     np.testing.assert_allclose(np.array(rows[8].split(","), float)[1:], samples[7], rtol=1e-8)
@@ -102,9 +101,7 @@ def test_files_hold_one_period_at_the_rate(tmp_path: Path):
 
 def test_own_samples_are_recognised():
     made = design(specification(503))
-    for column, (name, tones) in zip(
-        sample_one_period(made, 50.0).T, made.tones.items(), strict=True
-    ):
+    for column, (name, tones) in zip(made.sample_period(50.0).T, made.tones.items(), strict=True):
         for samples in (column, np.append(column, column[0])):
             found, period = recognise_multisine(samples)
             assert period == column.size

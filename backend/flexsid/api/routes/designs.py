@@ -44,7 +44,7 @@ from flexsid.workflow.excitation.target_modes import (
 
 router = APIRouter(prefix="/designs", tags=["designs"])
 
-_DIRECT_S = 20.0  # longest estimated processor time of a phase search within a request
+_DIRECT_S = 0.2  # longest estimated processor time of a phase search within a request
 
 Level = Annotated[int, Query(ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")]
 Limit = Annotated[float | None, Query(ge=1e-6, le=1e9, allow_inf_nan=False)]
@@ -103,7 +103,7 @@ def list_designs(store: TheStore) -> Json:
 
 @router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
 def create_design(store: TheStore, body: DesignRequest) -> Json:
-    """Create a design and optimise its phases; takes a few seconds."""
+    """Create a design and optimise its phases, where that takes no longer than 0.2 s."""
     specification = body.to_specification(store)
     excitation_designs.check_search(
         specification, _DIRECT_S, ", or start it as a job (POST /designs/searches)"

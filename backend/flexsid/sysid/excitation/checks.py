@@ -64,7 +64,7 @@ def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits)
     every surface is exact and linear, so that limits are compared with the unlimited deflection,
     without freeplay.
     """
-    samples = multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
+    samples = multisine.sample_period(rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))
     correlation = np.abs(samples.T @ samples / np.outer(size, size) - np.eye(size.size)).max()
     factors = compute_peak_factors(multisine)

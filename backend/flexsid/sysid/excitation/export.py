@@ -19,14 +19,9 @@ from flexsid.text import escape_spreadsheet_cell, make_c_identifiers
 FORMATS = ("csv", "mat", "h", "json")
 
 
-def sample_one_period(multisine: Multisine, rate_hz: float) -> np.ndarray:
-    """One period at the flight computer's rate, (n_samples, n_inputs)."""
-    return multisine.sample(np.arange(round(multisine.period_s * rate_hz)) / rate_hz)
-
-
 def to_csv(multisine: Multisine, rate_hz: float) -> str:
     """Time and one column per input, with a header line."""
-    samples = sample_one_period(multisine, rate_hz)
+    samples = multisine.sample_period(rate_hz)
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(("t_s", *map(escape_spreadsheet_cell, multisine.inputs)))
@@ -39,7 +34,7 @@ def to_csv(multisine: Multisine, rate_hz: float) -> str:
 
 def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
     """MATLAB 5 file with ``t``, ``u`` and the names, harmonics, amplitudes and phases."""
-    samples = sample_one_period(multisine, rate_hz)
+    samples = multisine.sample_period(rate_hz)
     content = {
         "t": np.arange(samples.shape[0])[:, None] / rate_hz,
         "u": samples,
@@ -61,7 +56,7 @@ def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
 
 def to_c_header(multisine: Multisine, rate_hz: float) -> str:
     """C header with one constant table of floats per input."""
-    samples = sample_one_period(multisine, rate_hz)
+    samples = multisine.sample_period(rate_hz)
     parts = [
         "/* Multisine excitation; one period, unit of the command. */",
         "#ifndef EXCITATION_TABLE_H\n#define EXCITATION_TABLE_H",

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
 from flexsid.sysid.excitation.peak_factor import lower_peak, schroeder_phases, start_at_zero
 
 
@@ -60,6 +61,18 @@ class Multisine:
         """
         cycles = np.asarray(time_s, dtype=float) / self.period_s
         return np.stack([tones.sample(cycles) for tones in self.tones.values()], axis=1)
+
+    def sample_period(self, rate_hz: float) -> Float[np.ndarray, "n_samples n_inputs"]:
+        """Excitation of every input over one period, by one transform each. [rad]
+
+        The period has a whole number of samples, and the harmonics are below the Nyquist frequency.
+        """
+        n_samples = round(self.period_s * rate_hz)
+        waves = [
+            HarmonicSpectrum(own.harmonics, own.amplitudes).on_grid(own.phases[None], n_samples)[0]
+            for own in self.tones.values()
+        ]
+        return np.stack(waves, axis=1)
 
 
 def assign_harmonics(

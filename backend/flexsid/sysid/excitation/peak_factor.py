@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import optimize
 
+from flexsid.sysid.excitation.norms import HarmonicSpectrum
+
 _CLIP_LEVELS = np.linspace(0.80, 0.99, 300)  # of the largest magnitude, one per iteration
 _ZERO = 1e-9  # of the sum of all amplitudes: rounding where a sum of sines is zero
 _TIE = 0.005  # of the largest running integral: what the grid of crossings resolves
@@ -76,16 +78,21 @@ def start_at_zero(
         return float(np.sum(amplitudes * np.sin(turn * cycle + phases)))
 
     n_grid = 32 * int(harmonics.max())
+    # Crossings may tie but for rounding: phases that begin at one of the best stay as they are.
+    if abs(value(0.0)) <= _ZERO * float(np.abs(amplitudes).sum()):
+        # By transforms: a stored design begins so, and may have thousands of tones.
+        wave = HarmonicSpectrum(harmonics, amplitudes).on_grid(phases[None], n_grid)[0]
+        running = HarmonicSpectrum(harmonics, amplitudes / turn)
+        size = np.abs(running.on_grid(phases[None] + np.pi / 2.0, n_grid)[0])
+        least = size[wave * np.roll(wave, -1) <= 0.0].min(initial=np.inf)
+        if size[0] <= least + _TIE * size.max():
+            return phases
     grid = np.arange(n_grid + 1) / n_grid
     angles = np.outer(grid, turn) + phases
     samples = np.sin(angles) @ amplitudes
     integral = np.cos(angles) @ (amplitudes / turn)
     crossings = np.flatnonzero(samples[:-1] * samples[1:] <= 0.0)
     size = np.abs(integral)
-    # Crossings may tie but for rounding: phases that begin at one of the best stay as they are.
-    begins = abs(value(0.0)) <= _ZERO * float(np.abs(amplitudes).sum())
-    if begins and size[0] <= size[crossings].min() + _TIE * size.max():
-        return phases
     crossing = int(crossings[np.argmin(size[crossings])])
     shift = float(optimize.brentq(value, grid[crossing], grid[crossing + 1], xtol=1e-15))
     return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

@@ -296,7 +296,7 @@ def sample_design(design: ExcitationDesign, level: int = 0) -> DesignedExcitatio
     return DesignedExcitation(
         names=multisine.inputs,
         time_s=time_s,
-        command=multisine.sample(time_s),
+        command=multisine.sample_period(rate),
         frequency_hz={
             name: own.harmonics / multisine.period_s for name, own in multisine.tones.items()
         },
