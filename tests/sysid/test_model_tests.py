@@ -120,6 +120,31 @@ def test_priors_are_no_model_error(make_case):
     assert np.mean(rejected) <= 0.125, f"{np.mean(rejected):.3f}"
 
 
+@pytest.mark.parametrize(
+    ("fits", "low", "high"),
+    [(30, 0.03, 0.07), pytest.param(200, 0.04, 0.06, marks=pytest.mark.long)],
+)
+def test_residual_power_in_a_band_exceeds_the_noise_in_five_percent(make_case, fits, low, high):
+    case = make_case(1, n_outputs=12)
+    p = [
+        test.p
+        for seed in range(fits)
+        for test in fit_and_test(measure(case, seed, case), case.free())
+        if test.hypothesis is Hypothesis.RESIDUAL_POWER
+    ]
+    assert len(p) == 4 * 12 * fits  # four bands
+    assert low <= np.mean(np.array(p) < 0.05) <= high, f"{np.mean(np.array(p) < 0.05):.3f}"
+
+
+def test_residual_power_names_the_band_of_an_omitted_mode(make_case):
+    true, fitted = make_case(4), make_case(3)
+    tests = fit_and_test(measure(true, 0, fitted), fitted.free())
+    powers = [test for test in tests if test.hypothesis is Hypothesis.RESIDUAL_POWER]
+    assert powers[0].rejects
+    assert (powers[0].estimate or 0.0) > 2.0, "times the noise"
+    assert powers[0].subject.endswith("Hz")
+
+
 def test_a_delay_of_10_ms_in_one_sensor_is_found(make_case):
     case = make_case(3, n_outputs=12)
     for seed in range(12):

@@ -3,7 +3,8 @@
 Score (Lagrange multiplier) tests ask whether the likelihood would increase if a quantity that
 is held were free: the delay of a channel, the scale factor of a sensor, a lag of the
 aerodynamic forces, a derivative, or a further mode. The residual-response test asks whether
-residuals are a smooth response to the inputs, whatever its cause. Holm's method limits the
+residuals are a smooth response to the inputs, whatever its cause, the test of residual power
+whether they exceed the noise measured in a band. Holm's method limits the
 probability that any test of a fit rejects a correct model.
 """
 
@@ -34,6 +35,7 @@ from flexsid.sysid.estimation.frequency_domain_model import (
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.residual_power import compute_band_powers
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
@@ -70,6 +72,7 @@ class Hypothesis(StrEnum):
     DERIVATIVE = "held derivative"
     FURTHER_MODE = "further mode"
     RESIDUAL_RESPONSE = "residual response"
+    RESIDUAL_POWER = "residual power"
     SURFACE_EFFECTIVENESS = "surface effectiveness"
     CROSS_DERIVATIVE = "cross derivative"
     CROSS_RESPONSE = "cross response"
@@ -94,7 +97,8 @@ class ModelTest:
     is in standard deviations, without degrees of freedom. ``p`` is the probability of a larger
     one, ``adjusted_p`` that in any test of the fit (Holm). ``estimate`` is the change of the
     held quantity after one Gauss-Newton step (delays in s, scale factors relative, lag in
-    s), ``frequency_hz`` where a residual response is largest.
+    s), of a residual power its ratio to the noise, ``frequency_hz`` where a residual response is
+    largest.
     """
 
     hypothesis: Hypothesis
@@ -225,6 +229,7 @@ def compute_model_tests(
         *_test_scores(fits[0].held, scores),
         *_test_residual_responses(Hypothesis.RESIDUAL_RESPONSE, fits, inverse, step),
     ]
+    tests += _test_residual_powers(fits, inverse, step)
     if all(fit.opposed is not None for fit in fits):
         tests += _test_residual_responses(Hypothesis.CROSS_RESPONSE, fits, inverse, step)
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
@@ -534,6 +539,35 @@ def _test_residual_responses(
         p = float(stats.pearson3.sf(z, skew))
         where = float(peaks[output, 1])
         yield ModelTest(hypothesis, name, z, 0, p, frequency_hz=where)
+
+
+def _test_residual_powers(
+    fits: Sequence[_Fit],
+    inverse: Float[np.ndarray, "n_theta n_theta"],
+    step: Float[np.ndarray, " n_theta"],
+) -> Iterator[ModelTest]:
+    """Test the power of the residuals of each output in each band against the noise there."""
+    for fit in fits:
+        final, experiment = fit.final, fit.final.form.model.experiment
+        if experiment.source is not None:
+            continue  # responses share the noise of the record: their scatter is not its noise
+        size = np.sqrt(final.weights.expand_blocks())
+        X = final.form.model.jacobian(final.sensitivity) * size[:, :, None]
+        leverage = np.real(np.sum((X @ inverse) * X.conj(), axis=2))
+        residuals = (final.residuals - _compute_change(final, step)) * size
+        for one in compute_band_powers(experiment.omega, experiment.inputs, residuals, leverage):
+            name = experiment.model.outputs[one.output]
+            if len(fits) > 1:
+                name = f"{experiment.name} {name}"
+            low, high = one.band_hz
+            yield ModelTest(
+                Hypothesis.RESIDUAL_POWER,
+                f"{name}, {low:.3g} to {high:.3g} Hz",
+                one.statistic,
+                one.degrees_of_freedom,
+                one.p,
+                estimate=one.ratio,
+            )
 
 
 def _compute_change(

@@ -35,14 +35,18 @@ def compute_local_residuals(
     if n < _WINDOW:
         return None
     half = _WINDOW // 2
-    x = np.arange(-half, half + 1, dtype=float)
-    basis = np.vander(x, _DEGREE + 1)
+    windows = np.lib.stride_tricks.sliding_window_view(values, _WINDOW, axis=0)
+    return LocalResiduals(np.arange(half, n - half), windows @ compute_local_weights())
+
+
+def compute_local_weights() -> Float[np.ndarray, " n_window"]:
+    """Compute the weights of neighbouring points in the residual of the middle one; norm 1."""
+    half = _WINDOW // 2
+    basis = np.vander(np.arange(-half, half + 1, dtype=float), _DEGREE + 1)
     hat = basis @ np.linalg.solve(basis.T @ basis, basis.T)
     weights = -hat[half]
     weights[half] += 1.0
-    windows = np.lib.stride_tricks.sliding_window_view(values, _WINDOW, axis=0)
-    residual = windows @ weights / np.sqrt(1.0 - hat[half, half])
-    return LocalResiduals(np.arange(half, n - half), residual)
+    return weights / np.sqrt(1.0 - hat[half, half])
 
 
 def estimate_noise_level(

@@ -171,6 +171,11 @@ def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
                 f"{test.frequency_hz:.3g} Hz: a mode is missing, or the model of this output or "
                 "the aerodynamics is not adequate."
             )
+        case Hypothesis.RESIDUAL_POWER:
+            return (
+                f"The residuals of {name} have {size:.2g} times the power of the noise there: the "
+                "model is not adequate in this band."
+            )
         case Hypothesis.SURFACE_EFFECTIVENESS:
             loss = 200.0 * abs(size) / (1.0 + abs(size))
             less = "left" if size > 0.0 else "right"
