@@ -21,6 +21,10 @@ from flexsid.errors import FlexsidError
 
 T = TypeVar("T")
 
+SENSORS, IMPORTERS = "flexsid.sensors", "flexsid.importers"
+ESTIMATORS, RECEIVERS = "flexsid.estimators", "flexsid.receivers"
+"""Groups of entry points."""
+
 
 class ExtensionFailed(FlexsidError):
     """An installed package that extends flexsid fails; the message has its name and version."""
@@ -28,15 +32,15 @@ class ExtensionFailed(FlexsidError):
     code = "extension-failed"
 
 
-def load_extensions(group: str, kind: type[T]) -> tuple[tuple[str, T], ...]:
-    """Load the values of a group, each with its package, such as ``flexsid-example 1.0``.
+def load_extensions(group: str, kind: type[T]) -> tuple[tuple[str, str, T], ...]:
+    """Load the values of a group: name, package such as ``flexsid-example 1.0``, and value.
 
     Raises
     ------
     ExtensionFailed
         If a value cannot be imported, or is of another type.
     """
-    found: list[tuple[str, T]] = []
+    found: list[tuple[str, str, T]] = []
     for entry in sorted(entry_points(group=group), key=lambda one: one.name):
         package = _name_package(entry)
         with report_errors(package):
@@ -47,8 +51,13 @@ def load_extensions(group: str, kind: type[T]) -> tuple[tuple[str, T], ...]:
                 f"{type(value).__name__}, expected a {kind.__name__}",
                 package=package,
             )
-        found.append((package, value))
+        found.append((entry.name, package, value))
     return tuple(found)
+
+
+def list_extension_names(group: str) -> tuple[str, ...]:
+    """List the names of the entry points of a group, without importing their packages."""
+    return tuple(entry.name for entry in entry_points(group=group))
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,16 @@ from flexsid.client import Workbench
 from flexsid.errors import BadInput
 from flexsid.extensions import ExtensionFailed
 from flexsid.importers.readers import load_formats, read_file
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kinds import RUN
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.sensor_models import find_sensor_model, load_sensor_models
 from flexsid.sysid.model.sensors import Mounting
+from flexsid.workflow.runs.estimators import find_estimator, load_estimators
 
 TEMPLATE = Path(__file__).parents[2] / "examples" / "extension"
 TRUE = {"CZ_alpha": -5.6, "CZ_q": -8.0, "CZ_de": -0.45, "Cm_alpha": -1.3, "Cm_q": -25.0,
@@ -147,6 +154,7 @@ def install(
         importlib.invalidate_caches()
         load_sensor_models.cache_clear()
         load_formats.cache_clear()
+        load_estimators.cache_clear()
 
     def add(group: str, value: str, module: str) -> None:
         (tmp_path / "vendor_module.py").write_text(module)
@@ -161,6 +169,12 @@ def install(
     sys.modules.pop("vendor_module", None)
     monkeypatch.undo()
     clear()
+
+
+@pytest.fixture
+def flown(flown_url: str) -> Iterator[Store]:
+    with closing(Store.open(flown_url)) as store:
+        yield store
 
 
 SENSOR = """
@@ -208,6 +222,43 @@ def test_a_reader_that_fails_names_its_package(install, tmp_path: Path) -> None:
     file.write_bytes(b"x")
     with pytest.raises(BadInput, match=r"flight\.log: .*in the package vendor 2\.0"):
         list(read_file(file, file.name))
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_an_estimator_of_a_package_computes_runs(install, flown: Store) -> None:
+    module = (
+        "from flexsid.workflow.runs.estimators import Estimator, fit_regressions\n"
+        "def fit(task, report):\n"
+        "    if task.settings.max_iterations == 1: raise ValueError('no iteration left')\n"
+        "    return fit_regressions(task, report)\n"
+        "ADDED = Estimator(title='Least squares', fit=fit)\n"
+    )
+    install("flexsid.estimators", "ADDED", module)
+    method = Method("added")
+    found = []
+    for one in (method, Method.EE):
+        run = EstimationRun(
+            maneuver_id=1,
+            method=one,
+            structure=Structure(modes=(7,), fixed={}),
+            settings=RunSettings(),
+        )
+        found.append(execute_run(flown, run, RUN, lambda progress: None))
+    assert flown.runs.get(found[0].id or 0).method == "added"
+    values = [{p.name: p.value for p in run.result.parameters} for run in found if run.result]
+    assert values[0] == values[1]
+    assert find_estimator(method).package == "vendor 2.0"
+    failed = execute_run(
+        flown,
+        replace(run, method=method, settings=RunSettings(max_iterations=1)),
+        RUN,
+        lambda progress: None,
+    )
+    assert failed.error is not None
+    assert failed.error["code"] == "extension-failed"
+    assert "package vendor 2.0" in failed.error["message"]
+    with pytest.raises(ValueError, match="absent"):
+        Method("absent")
 
 
 def test_an_unknown_sensor_type_lists_those_that_exist() -> None:

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.extensions import ExtensionFailed, load_extensions, report_errors
+from flexsid.extensions import IMPORTERS, ExtensionFailed, load_extensions, report_errors
 from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
 from flexsid.importers.file_format import FileFormat
 from flexsid.importers.nastran import bulk, f06, op2, punch
@@ -70,7 +70,7 @@ def load_formats() -> Mapping[str, FileFormat]:
         If a package cannot be imported, or has a suffix that is read already.
     """
     formats = {suffix: known for known in _BUILT_IN for suffix in known.suffixes}
-    for package, added in load_extensions("flexsid.importers", FileFormat):
+    for _, package, added in load_extensions(IMPORTERS, FileFormat):
         for suffix in added.suffixes:
             if suffix in formats:
                 raise ExtensionFailed(

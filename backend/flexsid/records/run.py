@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 
+from flexsid.extensions import ESTIMATORS, list_extension_names
 from flexsid.records.model_structure import Structure
 
 
@@ -35,11 +36,22 @@ class ProposalBasis:
 
 
 class Method(StrEnum):
-    """The three maximum-likelihood methods of the paper."""
+    """Estimator: the three maximum-likelihood methods of the paper, and those of packages.
+
+    Names of entry points of ``ESTIMATORS`` are further methods: valid, but not listed.
+    """
 
     OE = "OE"
     FRE = "FRE"
     EE = "EE"
+
+    @classmethod
+    def _missing_(cls, value: object) -> Method | None:
+        if not isinstance(value, str) or value not in list_extension_names(ESTIMATORS):
+            return None
+        member = str.__new__(cls, value)
+        member._name_, member._value_ = value, value
+        return member
 
 
 class RunState(StrEnum):

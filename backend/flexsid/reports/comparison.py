@@ -18,7 +18,6 @@ from flexsid.reports.content import (
     number,
 )
 from flexsid.reports.flown import source_facts
-from flexsid.reports.run import METHOD_NAMES
 from flexsid.reports.validation import report_cross_predictions
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import (
@@ -27,6 +26,7 @@ from flexsid.workflow.comparison.derivative_comparison import (
     select_coefficient,
 )
 from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.runs.estimators import find_estimator
 
 _ABREAST = 6  # sources in one table, by page width
 
@@ -161,7 +161,7 @@ def _list_sources(store: Store, compared: Comparison) -> ReportTable:
         if not source.is_prediction and source.run_id is not None:
             run = store.runs.get(source.run_id)
             maneuver = store.maneuvers.get(run.maneuver_id)
-            what, where = METHOD_NAMES[run.method], maneuver.label
+            what, where = find_estimator(run.method).title, maneuver.label
             speed = f"{maneuver.condition.airspeed_m_s:.2f}"
             fuel = f"{maneuver.condition.fuel_fraction:.2f}"
         rows.append((source.label, what, where, speed, fuel))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import tau
 
 from flexsid.nomenclature import describe
-from flexsid.records.run import AdequacyState, EstimationRun, Method, ModelAdequacy, RunResult
+from flexsid.records.run import AdequacyState, EstimationRun, ModelAdequacy, RunResult
 from flexsid.reports.content import (
     Facts,
     Part,
@@ -26,14 +26,10 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
 from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.runs.estimators import find_estimator
 from flexsid.workflow.views.run import read_finished_run
 
 _MOST_TESTS = 20  # of a table in a report
-METHOD_NAMES = {
-    Method.OE: "Output error",
-    Method.FRE: "Frequency-response error",
-    Method.EE: "Equation error",
-}
 
 
 def run_report(store: Store, run_id: int) -> Report:
@@ -49,7 +45,7 @@ def run_report(store: Store, run_id: int) -> Report:
     flight = store.flights.get(maneuver.flight_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     return Report(
-        title=f"{METHOD_NAMES[run.method]}, run {run_id}",
+        title=f"{find_estimator(run.method).title}, run {run_id}",
         subtitle=f"{maneuver.label}, flight {flight.number} of {aircraft.name}",
         name=f"flexsid-run-{run_id}",
         sections=(

@@ -15,15 +15,12 @@ from typing import Annotated, Any, Protocol
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from flexsid.errors import BadInput
-from flexsid.extensions import ExtensionFailed, load_extensions
+from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.workflow.live.packets import compute_packet_size, decode_frames
 from flexsid.workflow.live.replay import Replay, pace, read_replay
-
-ENTRY_POINT = "flexsid.receivers"
-"""Group of entry points; each is a ``Receiver``."""
 
 _LARGEST_DATAGRAM = 65_507  # bytes of UDP over IPv4
 _BUFFERED_BYTES = 4 * 1024**2  # in the system, while a process starts again
@@ -205,7 +202,7 @@ _BUILT_IN = (
 def load_receivers() -> dict[str, Receiver]:
     """Load all receivers by name: those of the software, then those of entry points."""
     found = {receiver.name: receiver for receiver in _BUILT_IN}
-    for package, receiver in load_extensions(ENTRY_POINT, Receiver):
+    for _, package, receiver in load_extensions(RECEIVERS, Receiver):
         if receiver.name in found:
             raise ExtensionFailed(
                 f"the package {package} adds the receiver '{receiver.name}', which exists already",

@@ -170,6 +170,10 @@ export const METHOD_NAMES: Record<Method, string> = {
   EE: "Equation error",
 };
 
+/** Name of a method; those of installed packages are their own names. */
+export const methodName = (method: string): string =>
+  new Map<string, string>(Object.entries(METHOD_NAMES)).get(method) ?? method;
+
 /** A run that will not change any more. */
 export const isOver = (state: RunState): boolean => state !== "queued" && state !== "running";
 

@@ -4,7 +4,7 @@ import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../api/queries";
 import type { RunItem } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
-import { latestPerMethod } from "../lib/runs";
+import { latestPerMethod } from "./latestRuns";
 import { CompareLink } from "./CompareLink";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { Empty } from "./Empty";

@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
-import { latestPerMethod } from "../lib/runs";
+import { latestPerMethod } from "./latestRuns";
 import { asAxis } from "./runRequest";
 
 /** The half that a run of a combined maneuver describes, and the way to the other half. */

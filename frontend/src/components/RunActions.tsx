@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
 import { csv, saveText } from "../lib/csv";
-import { latestPerMethod } from "../lib/runs";
+import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "./ButtonLink";
 import { CompareLink } from "./CompareLink";
 import { ReportMenu } from "./ReportMenu";

@@ -2,7 +2,7 @@ import { Alert, Tabs } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery, runQuery } from "../api/queries";
-import { isOver, METHOD_NAMES, type Run } from "../api/types";
+import { isOver, methodName, type Run } from "../api/types";
 import { AerodynamicsVerdict } from "../components/AerodynamicsVerdict";
 import { Figure } from "../components/Figure";
 import { RunDerivation } from "../components/DerivedRuns";
@@ -55,7 +55,7 @@ function OneRun({ run }: { run: Run }) {
   return (
     <>
       <PageHead
-        title={`${METHOD_NAMES[run.method]}, run ${run.id}`}
+        title={`${methodName(run.method)}, run ${run.id}`}
         trail={[
           <Link to="/campaign" className="link" key="campaign">
             Campaign

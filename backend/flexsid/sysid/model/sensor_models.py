@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput
-from flexsid.extensions import ExtensionFailed, load_extensions, report_errors
+from flexsid.extensions import SENSORS, ExtensionFailed, load_extensions, report_errors
 from flexsid.sysid.model import lateral, longitudinal
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.rigid_body import RigidBody
@@ -163,7 +163,7 @@ def load_sensor_models() -> Mapping[str, SensorModel]:
         If a package cannot be imported, or has a type that exists already.
     """
     models = {model.kind: model for model in _BUILT_IN}
-    for package, model in load_extensions("flexsid.sensors", SensorModel):
+    for _, package, model in load_extensions(SENSORS, SensorModel):
         if model.kind in models:
             raise ExtensionFailed(
                 f"the package {package} adds the type of sensor '{model.kind}', which "
