@@ -22,6 +22,7 @@ from flexsid.errors import (
     NotIdentifiable,
     UnknownRecord,
 )
+from flexsid.extensions import ExtensionFailed
 from flexsid.jobs.health import NotReady
 from flexsid.storage.access import Forbidden
 from flexsid.storage.files import DatabaseUnavailable
@@ -43,6 +44,7 @@ _STATUS: tuple[tuple[type[FlexsidError], HTTPStatus], ...] = (
     (DatabaseUnavailable, HTTPStatus.SERVICE_UNAVAILABLE),
     (NotReady, HTTPStatus.SERVICE_UNAVAILABLE),
     (DatabaseTooNew, HTTPStatus.SERVICE_UNAVAILABLE),
+    (ExtensionFailed, HTTPStatus.INTERNAL_SERVER_ERROR),
 )
 _CODES = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "too-large"}
 
