@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 from scipy import linalg
 
 from flexsid.errors import Cancelled
@@ -26,7 +26,7 @@ from flexsid.sysid.estimation.likelihood import (
     maximize,
 )
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
 
 _ROUNDS = 6  # corrections and fits in sequence
@@ -63,9 +63,13 @@ def compute_leakage_responses(
     -----
     The pitch angle is excluded: it need not return to trim, and its record is extended with its
     last value before the transform. Where the motion would grow or decay by more than
-    ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned.
+    ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned. With a frequency
+    shape the responses are those of the oscillations, two for each: lags decay within the delays.
     """
     system = model.state_space(derivatives)
+    if model.shape is not None:
+        free = _compute_free_oscillations(system, omega, delays_s)
+        return _start_at(edges_s, omega, free)
     growth = np.abs(np.linalg.eigvals(system.A)).max() * np.ptp(delays_s)
     if not growth < _LARGEST_GROWTH:
         return np.empty((omega.size, delays_s.size, 0), dtype=complex)
@@ -80,13 +84,39 @@ def compute_leakage_responses(
     for output, delay in enumerate(delays_s.tolist()):
         before = linalg.expm(system.A * (reference - delay))
         free[:, output] = np.exp(s * delay)[:, None] * (free[:, output] @ before)
-    return np.concatenate(
-        [free[:, :, states] * np.exp(-s * t)[:, None, None] for t in edges_s], axis=2
-    )
+    return _start_at(edges_s, omega, free[:, :, states])
+
+
+def _compute_free_oscillations(
+    system: StateSpace, omega: Float[np.ndarray, " n_omega"], delays_s: Float[np.ndarray, " n_y"]
+) -> Complex[np.ndarray, "n_omega n_y n_states"]:
+    """Compute the free response C v / (s - p) in every oscillation, its real and imaginary part."""
+    poles, vectors = np.linalg.eig(system.A)
+    earlier = float(np.median(delays_s)) - delays_s
+    oscillates = (np.imag(poles) > 0.0) & (np.abs(poles) * np.ptp(delays_s) < _LARGEST_GROWTH)
+    p = poles[oscillates]
+    s = 1j * omega[:, None, None]
+    seen = (system.C @ vectors[:, oscillates]) * np.exp(np.outer(earlier, p))
+    delayed = np.exp(s * delays_s[:, None])
+    one = delayed * seen / (s - p)
+    other = delayed * seen.conj() / (s - p.conj())
+    return np.concatenate([one + other, 1j * (one - other)], axis=2)
+
+
+def _start_at(
+    edges_s: Sequence[float],
+    omega: Float[np.ndarray, " n_omega"],
+    free: Complex[np.ndarray, "n_omega n_y n_states"],
+) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
+    """Shift responses to the times at which the record begins or ends in motion."""
+    return np.concatenate([free * np.exp(-1j * omega * t)[:, None, None] for t in edges_s], axis=2)
 
 
 def remove_leakage(
-    experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
+    experiment: Experiment,
+    parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
+    held_out: Bool[np.ndarray, " n_omega"] | None = None,
 ) -> Experiment:
     """Subtract the leakage from the spectra of a maneuver.
 
@@ -96,6 +126,8 @@ def remove_leakage(
         With the times at which its record may begin or end in motion.
     parameters, theta
         The present model.
+    held_out
+        Frequencies from which the states at the ends are not estimated; none by default.
 
     Returns
     -------
@@ -108,11 +140,12 @@ def remove_leakage(
     response = model.respond(theta)
     E = build_leakage_columns(model, response, theta)
     residuals = experiment.measured - response.outputs
-    level = np.sqrt(np.mean(np.abs(residuals) ** 2, axis=0) / 2.0)
+    used = slice(None) if held_out is None else ~held_out
+    level = np.sqrt(np.mean(np.abs(residuals[used]) ** 2, axis=0) / 2.0)
     level = np.where(level > 0.0, level, np.inf)
     J = model.jacobian(model.sensitivity(theta, response))
-    both = _stacked(np.concatenate([E, J], axis=2), level)
-    target = _stacked(residuals[:, :, None], level)[:, 0]
+    both = _stacked(np.concatenate([E[used], J[used]], axis=2), level)
+    target = _stacked(residuals[used][:, :, None], level)[:, 0]
     size = np.linalg.norm(both, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     normal, right = both.T @ both / np.outer(size, size), both.T @ target / size

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.estimate import FittedSpectra
@@ -60,14 +60,18 @@ def assign_folds(assigned_input: np.ndarray, n_folds: int) -> np.ndarray:
 
 
 def predict_outputs(
-    experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
+    experiment: Experiment,
+    parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
+    held_out: Bool[np.ndarray, " n_omega"] | None = None,
 ) -> FittedSpectra:
     """Predict the measured outputs of a maneuver from its measured inputs.
 
     Notes
     -----
     The parameters are not fitted. The free response to the states at the ends of the record,
-    which no model can predict, is estimated from its residuals and removed.
+    which no model can predict, is estimated from the residuals, of ``held_out`` frequencies not,
+    and removed: a wrong model with lightly damped poles would fit them by it.
 
     Raises
     ------
@@ -83,7 +87,7 @@ def predict_outputs(
         name=experiment.name,
         outputs=experiment.model.outputs,
         omega=experiment.omega,
-        measured=remove_leakage(experiment, parameters, theta).measured,
+        measured=remove_leakage(experiment, parameters, theta, held_out).measured,
         fitted=predicted,
         correlation=experiment.noise_correlation(),
     )

@@ -197,7 +197,10 @@ def _fit(task: EstimationTask, report: Report) -> _Fitted:
         some, experiments, parameters, estimate, report, PRIOR_SPREAD
     )
     every = build_experiments(task)
-    spectra = [predict_outputs(one, parameters, estimate.values) for one in every]
+    spectra = [
+        predict_outputs(one, parameters, estimate.values, mask)
+        for one, mask in zip(every, masks, strict=True)
+    ]
     held_out = np.concatenate(
         [
             compute_held_out_likelihoods(part.omega, part.measured - part.fitted, mask)
