@@ -30,7 +30,9 @@ from flexsid.records.run import (
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.workflow.aircraft.derivative_predictions import load_frequency_shape
+from flexsid.workflow.flutter.flutter_models import FlutterQuery, fuse_runs
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
+from flexsid.workflow.flutter.run_flutter import UnmodelledModes
 from flexsid.workflow.modal_data.computed_predictions import (
     PlanformSurface,
     PredictionRequest,
@@ -59,6 +61,8 @@ def test_a_planform_gives_a_prediction_beside_imported_ones(store: Store):
     found = compute(store)
     assert found.unsteady is not None
     assert found.kind == "doublet lattice"
+    # Half of four divisions would move the hinge lines from 0.75 to 0.5 of the chord.
+    assert found.unsteady.coarse_coefficients is None
     assert "Mach 0.1" in found.note
     values = np.asarray(store.arrays.get(found.values))
     errors = np.asarray(store.arrays.get(found.std_errors or ""))
@@ -96,6 +100,51 @@ def test_flutter_of_a_prediction_alone_agrees_with_rational_functions(store: Sto
     assert imported.rational_airspeed_m_s is None
     with pytest.raises(BadInput, match="fuel fraction"):
         find_job(store, PREDICTED_FLUTTER, replace(query, fuel=50.0))
+
+
+def test_the_interval_of_flutter_contains_the_spread_between_meshes(store: Store):
+    aircraft = add_aircraft(store, unsteady=True)
+    lattice = store.predictions.find(source="Doublet lattice")[0]
+    assert lattice.unsteady is not None
+    fine = np.asarray(store.arrays.get(lattice.unsteady.coefficients))
+    more_lag = 1.0 - 0.2j * np.array(lattice.unsteady.k)[None, :, None]
+    coarse = store.arrays.put(fine * more_lag)
+    meshes = replace(lattice.unsteady, coarse_coefficients=coarse)
+    both = store.predictions.add(replace(lattice, id=None, source="Two meshes", unsteady=meshes))
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=0.8, modes_in_truth=2, unsteady=True)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    asked = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(
+            aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED
+        ),
+        prediction_id=both.id,
+    )
+    run = execute_run(store, asked, RUN, lambda progress: None)
+    unmodelled = UnmodelledModes.RESIDUALIZED
+    query = FlutterQuery(run_ids=(run.id or 0,), unmodelled_modes=unmodelled)
+    models = fuse_runs(store, query)
+    assert models.best is models.groups[0]
+    (refit,) = (group for group in models.groups[1:] if group.parts[0].coarse_mesh)
+    (fewer,) = (group for group in models.groups[1:] if not group.parts[0].coarse_mesh)
+    assert refit.parts[0].fitted.settings.aerodynamics is Aerodynamics.SHAPED_COARSE_MESH
+    speed, by_mesh, by_modes = (
+        group.prediction.crossing.airspeed
+        for group in (models.best, refit, fewer)
+        if group.prediction.crossing is not None
+    )
+    assert abs(by_mesh - speed) > 0.001 * speed
+    # The change by the last mode bounds that of further ones at two standard deviations.
+    expected = np.hypot(by_mesh - speed, 0.5 * (by_modes - speed))
+    assert models.best.prediction.spread == pytest.approx(expected, rel=1e-6)
+    assert "the mesh" in refit.prediction.sentence
+    settings = replace(asked.settings, aerodynamics=Aerodynamics.SHAPED_COARSE_MESH)
+    with pytest.raises(BadInput) as refused:
+        prepare(store, replace(asked, prediction_id=lattice.id, settings=settings))
+    assert refused.value.code == "no-coarse-mesh"
 
 
 def test_impossible_planforms_are_refused_by_name(store: Store):

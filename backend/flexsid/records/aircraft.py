@@ -217,6 +217,8 @@ class UnsteadyPrediction:
 
     ``coefficients`` is the hash of a complex (F, len(k), len(names)) array: the responses to real
     normal washes. The values of the prediction are their real parts at ``reference_k``.
+    ``coarse_coefficients`` are those of a mesh with half the divisions along the chord, None where
+    there is none.
     ``geometry`` is the hash of panels, surfaces and divisions.
     """
 
@@ -228,6 +230,7 @@ class UnsteadyPrediction:
     geometry: str
     modal_table_id: int | None = None
     surfaces: tuple[str, ...] = ()  # with hinge and span after snapping to boxes
+    coarse_coefficients: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -89,11 +89,18 @@ class Aerodynamics(StrEnum):
     """Dependence of the derivatives on frequency.
 
     ``shaped``: each derivative has the frequency shape of a computed prediction, and its value at
-    the reference frequency is estimated.
+    the reference frequency is estimated. ``shaped-coarse-mesh``: the same with the shape of a mesh
+    of half the divisions along the chord, which bounds the effect of the mesh.
     """
 
     QUASI_STEADY = "quasi-steady"
     SHAPED = "shaped"
+    SHAPED_COARSE_MESH = "shaped-coarse-mesh"
+
+    @property
+    def is_shaped(self) -> bool:
+        """Whether the derivatives depend on frequency."""
+        return self is not Aerodynamics.QUASI_STEADY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -159,7 +159,7 @@ function draftOfOrigin(beginning: Beginning): RunDraft {
     noise: settings.noise === "full" ? "full" : "diagonal",
     priorSpread: settings.prior_spread,
     outOfBandModes: settings.out_of_band_modes,
-    aerodynamics: settings.aerodynamics,
+    aerodynamics: settings.aerodynamics === "quasi-steady" ? "quasi-steady" : "shaped",
     maxIterations: settings.max_iterations,
     modalTable: template.modal_table_id ?? sources.modalTable,
     dampingTable: template.damping_table_id,

@@ -80,15 +80,18 @@ def load_frequency_shape(
     inputs: tuple[str, ...],
     body: RigidBody,
     smallest_ratio: float = SMALLEST_RATIO,
+    *,
+    coarse_mesh: bool = False,
 ) -> FrequencyShape:
     """Load the frequency shape of a model's derivatives at a fuel fraction.
 
-    ``smallest_ratio`` is that of ``build_frequency_shape``.
+    ``smallest_ratio`` is that of ``build_frequency_shape``; ``coarse_mesh`` loads the shape of the
+    mesh with half the divisions along the chord.
 
     Raises
     ------
     BadInput
-        If the prediction was not computed by reduced frequency.
+        If the prediction was not computed by reduced frequency, or has no coarser mesh.
     """
     unsteady = prediction.unsteady
     if unsteady is None:
@@ -97,7 +100,14 @@ def load_frequency_shape(
             "planform, or estimate a quasi-steady model",
             code="no-frequency-shape",
         )
-    every = np.asarray(store.arrays.get(unsteady.coefficients))
+    coefficients = unsteady.coarse_coefficients if coarse_mesh else unsteady.coefficients
+    if coefficients is None:
+        raise BadInput(
+            f"prediction '{prediction.source}' has no coarser mesh; compute it again with an even "
+            "number of divisions along the chord",
+            code="no-coarse-mesh",
+        )
+    every = np.asarray(store.arrays.get(coefficients))
     at = np.array(prediction.fuel, dtype=float)
     flat = every.reshape(at.size, -1)
     values = interpolate(at, np.real(flat), fuel) + 1j * interpolate(at, np.imag(flat), fuel)

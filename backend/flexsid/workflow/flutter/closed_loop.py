@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
-from flexsid.records.run import Aerodynamics, Progress
+from flexsid.records.run import Progress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.instruments import Instrument
@@ -66,7 +66,7 @@ def refuse_shaped_runs(store: Store, run_ids: Sequence[int]) -> None:
         Naming the run.
     """
     for number in run_ids:
-        if store.runs.get(number).settings.aerodynamics is Aerodynamics.SHAPED:
+        if store.runs.get(number).settings.aerodynamics.is_shaped:
             raise BadInput(
                 f"run {number} has derivatives with a frequency shape, and closed loops are "
                 "analysed with quasi-steady ones; select quasi-steady runs",

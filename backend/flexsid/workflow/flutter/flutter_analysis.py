@@ -241,7 +241,11 @@ def _predict_until(store: Store, models: FlutterModels, speed: float) -> Progres
     ]
     interval, crossing = best.interval, best.crossing
     if crossing is not None:
-        spread = np.inf if models.has_failed_fits else compute_spread(crossing.airspeed, others)
+        spread = (
+            np.inf
+            if models.has_failed_fits
+            else compute_spread(crossing.airspeed, models.best, others)
+        )
         interval = replace(best, spread=spread).interval
     return ProgressForecast(
         tested_m_s=speed,

@@ -32,6 +32,7 @@ from flexsid.workflow.flutter.run_flutter import (
     RunModel,
     UnmodelledModes,
     compute_fuel_factors,
+    load_model_of_coarse_mesh,
     load_model_with_fewer_modes,
     load_run_models,
     load_run_modes,
@@ -105,12 +106,14 @@ class Group:
         """Return the flutter speed of these runs as weighted in the spread about ``speed``. [m/s]
 
         The change by the last mode bounds the change by further modes at two standard
-        deviations; another structure is as likely as the preferred one.
+        deviations; another structure is as likely as the preferred one. Lattices converge with the
+        first power of the divisions: the change by a mesh of half of them is the error left.
         """
         crossing = self.prediction.crossing
         if crossing is None:
             return np.nan
-        share = 0.5 if self.parts[0].check else 1.0
+        part = self.parts[0]
+        share = 0.5 if part.check and not part.coarse_mesh else 1.0
         return speed + share * (crossing.airspeed - speed)
 
 
@@ -323,6 +326,11 @@ def fuse_runs(
             progress = Progress(fraction=_FUSION_SHARE, message=f"Run {part.run.id}")
             checks.append(load_model_with_fewer_modes(store, part, derived, progress))
         structures += _group_by_structure([check for check in checks if check is not None])
+    meshes = []
+    for part in parts:
+        progress = Progress(fraction=_FUSION_SHARE, message=f"Run {part.run.id}")
+        meshes.append(load_model_of_coarse_mesh(store, part, derived, progress))
+    structures += _group_by_structure([mesh for mesh in meshes if mesh is not None])
     fused: list[tuple[list[RunModel], IdentifiedModes, str]] = []
     for same in structures:
         found, note = _fuse(store, same, at, fuel)
@@ -348,11 +356,11 @@ def _group_by_structure(parts: Sequence[RunModel]) -> list[list[RunModel]]:
     return list(found.values())
 
 
-def _identify_shape(part: RunModel) -> int | None:
-    """Return the prediction whose frequency shape a run has; derivatives are fused within it."""
+def _identify_shape(part: RunModel) -> tuple[int | None, bool]:
+    """Return prediction and mesh of the frequency shape; derivatives are fused within them."""
     if part.found.aircraft.shape is None:
-        return None
-    return get_result(part.run).prediction_id
+        return None, False
+    return get_result(part.run).prediction_id, part.coarse_mesh
 
 
 def _drop_worse_fits(parts: Sequence[RunModel]) -> tuple[list[RunModel], str]:
@@ -414,17 +422,29 @@ def _predict_groups(
     if crossing is None:
         return [first, *rest]
     note = next(note for same, _, note in fused if same is first.parts)
-    spread = np.inf if has_failed_fits else compute_spread(crossing.airspeed, rest)
+    spread = np.inf if has_failed_fits else compute_spread(crossing.airspeed, first, rest)
     best = at.predict(first.found, first.parts, fuel, spread)
     return [Group(first.parts, first.found, _add_note(best, note)), *rest]
 
 
-def compute_spread(speed: float, groups: Sequence[Group]) -> float:
-    """Compute the standard deviation of the flutter speed between model structures. [m/s]"""
-    speeds = [
-        group.weight_speed(speed) for group in groups if group.prediction.crossing is not None
-    ]
-    return compute_structure_spread(speeds, speed)
+def compute_spread(speed: float, preferred: Group, groups: Sequence[Group]) -> float:
+    """Compute the standard deviation of the flutter speed by structures and mesh. [m/s]
+
+    Infinite where the coarser mesh of the preferred structure has no flutter.
+    """
+    modes = preferred.found.aircraft.modes.numbers
+    meshes = [group for group in groups if group.parts[0].coarse_mesh]
+    own = [group for group in meshes if group.found.aircraft.modes.numbers == modes]
+    others = [group for group in groups if not group.parts[0].coarse_mesh]
+    if any(group.prediction.crossing is None for group in own):
+        return np.inf
+    by_structure, by_mesh = (
+        compute_structure_spread(
+            [g.weight_speed(speed) for g in some if g.prediction.crossing is not None], speed
+        )
+        for some in (others, own)
+    )
+    return float(np.hypot(by_structure, by_mesh))
 
 
 def _add_note(prediction: FlutterPrediction, note: str) -> FlutterPrediction:
@@ -436,6 +456,8 @@ def _describe_modes(part: RunModel) -> str:
     found = part.found
     known = found.estimated_modes.union(part.retained_modes)
     held = [n for n in found.aircraft.modes.numbers if n not in known]
+    if part.coarse_mesh:
+        return " Shape of a coarser mesh, in a second fit, to bound the effect of the mesh."
     if part.check:
         return " One mode fewer, in a second fit, to bound the effect of omitted modes."
     text = ""

@@ -1,4 +1,4 @@
-"""Models of one run for flutter prediction: as estimated, with further modes, with one fewer."""
+"""Models of one run for flutter prediction: as estimated, and as refitted to bound its errors."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ from flexsid.workflow.runs.identified_models import (
     read_covariance,
 )
 from flexsid.workflow.runs.out_of_band_refits import (
+    coarsen_mesh,
     extend_with_predicted_modes,
     find_omitted_modes,
     remove_highest_mode,
@@ -61,8 +62,9 @@ class RunModel:
 
     ``fitted`` is the refit, or the run itself. ``source`` is the prediction of further modes in a
     refit, and ``gain`` the increase in log likelihood per measured value by them;
-    ``omitted_modes`` are modes of a prediction that the model lacks. ``check`` is a refit with
-    one mode fewer. ``evidence`` are all roots of the fit at the flown condition.
+    ``omitted_modes`` are modes of a prediction that the model lacks. ``check`` is a refit that only
+    bounds an error: with one mode fewer, or with the shape of a ``coarse_mesh``. ``evidence`` are
+    all roots of the fit at the flown condition.
     """
 
     run: EstimationRun
@@ -75,6 +77,7 @@ class RunModel:
     omitted_modes: tuple[int, ...] = ()
     gain: float = 0.0
     check: bool = False
+    coarse_mesh: bool = False
 
     @property
     def retained_modes(self) -> tuple[int, ...]:
@@ -173,6 +176,20 @@ def load_model_with_fewer_modes(
     purpose = "bound the effect of omitted modes by one mode fewer"
     fitted = derived.fit(part.run, fewer, purpose, at)
     return None if fitted is None else replace(_load_refit(store, part, fitted), check=True)
+
+
+def load_model_of_coarse_mesh(
+    store: Store, part: RunModel, derived: DerivedRuns, at: Progress
+) -> RunModel | None:
+    """Load the refit of a run with the frequency shape of a coarser mesh; None without one."""
+    coarse = coarsen_mesh(store, part.run, part.fitted)
+    if coarse is None:
+        return None
+    purpose = "bound the effect of the mesh of the frequency shape by a coarser one"
+    fitted = derived.fit(part.run, coarse, purpose, at)
+    if fitted is None:
+        return None
+    return replace(_load_refit(store, part, fitted), check=True, coarse_mesh=True)
 
 
 def _load_refit(store: Store, part: RunModel, fitted: EstimationRun) -> RunModel:

@@ -13,7 +13,7 @@ from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import PredictionTable
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import Aerodynamics, EstimationRun
+from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.global_model.fit import RunEstimates
 from flexsid.sysid.global_model.selection import LEAST_RUNS
@@ -206,7 +206,7 @@ def _refuse_mixture(runs: Sequence[EstimationRun], maneuvers: Sequence[Maneuver]
         )
     first = runs[0]
     for run in runs:
-        if run.settings.aerodynamics is Aerodynamics.SHAPED:
+        if run.settings.aerodynamics.is_shaped:
             raise BadInput(
                 f"run {run.id} has derivatives with a frequency shape; select quasi-steady runs",
                 code="not-with-shape",

@@ -45,7 +45,7 @@ KIND = "doublet lattice"
 _MOST_MODES = 8  # lowest symmetric ones, unless modes are named
 _MOST_FUELS = 17
 _LARGEST_DIVISION = 200
-_COARSE_SHARE = 0.05  # of the work: the coarser mesh of the spread
+_COARSE_SHARE = 0.2  # of the work: the coarser mesh of the spread has a quarter of the pairs
 
 _SPREAD = {"alpha": 0.15, "q": 0.15, "eta": 0.15, "etadot": 0.25}
 _SPREAD_OF_SURFACES = 0.20
@@ -122,6 +122,7 @@ class ComputedPrediction:
     names: tuple[str, ...]
     k: np.ndarray
     coefficients: np.ndarray  # (fuel, k, names)
+    coarse_coefficients: np.ndarray | None  # the same, of half the divisions along the chord
     values: np.ndarray  # (fuel, names)
     std_errors: np.ndarray
     n_boxes: int
@@ -219,7 +220,7 @@ def check_prediction(store: Store, request: PredictionRequest) -> None:
     require_axis_inputs(aircraft, [surface.name for surface in request.surfaces], LONGITUDINAL)
     boxes = mesh_panels(_read_panels(request))
     for surface in request.surfaces:
-        place_surface(boxes, surface.name, surface.span, surface.hinge)
+        _place(boxes, surface)
 
 
 def compute_prediction(
@@ -230,7 +231,8 @@ def compute_prediction(
     Notes
     -----
     The spread adds in squares: 15 to 25 % of each derivative (at least of 5 % of the largest of
-    its row), and the difference from a mesh with half the divisions along the chord.
+    its row), and the difference from a mesh with half the divisions along the chord. That mesh is
+    omitted where the panels have odd divisions, or a hinge line would move to another edge.
     """
     request = task.request
 
@@ -243,16 +245,19 @@ def compute_prediction(
     message = f"Influence of {len(boxes)} boxes"
     surfaces, found = _compute(task, boxes, k, show(0.0, 1.0 - _COARSE_SHARE, message))
     coarse_panels = [_halve_chordwise(panel) for panel in task.panels]
-    near = np.unique([0.0, request.reference_k, max(request.reference_k, 0.1)])
     message = "Coarser mesh for the spread"
     progress = show(1.0 - _COARSE_SHARE, _COARSE_SHARE, message)
-    _, coarse = _compute(task, mesh_panels(coarse_panels), near, progress)
+    coarse_boxes = mesh_panels(coarse_panels)
+    is_coarser = len(coarse_boxes) < len(boxes) and all(
+        np.isclose(_place(coarse_boxes, asked).hinge_fraction, surface.hinge_fraction)
+        for asked, surface in zip(request.surfaces, surfaces, strict=True)
+    )
+    coarse = _compute(task, coarse_boxes, k, progress)[1] if is_coarser else found
     # The lattice numbers modes from 1.
     inputs = tuple(surface.name for surface in request.surfaces)
     names = list_derivative_names(task.modes, inputs)
     values = np.array([np.real(C.at(request.reference_k)) for C in found])
-    place = int(np.searchsorted(near, request.reference_k))
-    mesh = values - np.array([np.real(C.values[place]) for C in coarse])
+    mesh = values - np.array([np.real(C.at(request.reference_k)) for C in coarse])
     std = np.hypot(compute_spread(values, variables(task.modes, inputs)), mesh)
     n_fuel = len(task.fuel)
     return ComputedPrediction(
@@ -260,6 +265,7 @@ def compute_prediction(
         names,
         k,
         np.array([C.values for C in found]).reshape(n_fuel, k.size, -1),
+        np.array([C.values for C in coarse]).reshape(n_fuel, k.size, -1) if is_coarser else None,
         values.reshape(n_fuel, -1),
         std.reshape(n_fuel, -1),
         len(boxes),
@@ -312,6 +318,9 @@ def store_computed_prediction(store: Store, found: ComputedPrediction) -> Deriva
                 geometry=hashlib.sha256(geometry.encode()).hexdigest(),
                 modal_table_id=task.modal_table_id,
                 surfaces=found.surfaces,
+                coarse_coefficients=None
+                if found.coarse_coefficients is None
+                else store.arrays.put(found.coarse_coefficients),
             ),
         )
     )
@@ -384,6 +393,10 @@ def _build_reference(aircraft: Aircraft, fuel: float) -> Reference:
     return Reference(geometry.area_m2, geometry.chord_m, geometry.span_m, cg)
 
 
+def _place(boxes: Boxes, surface: PlanformSurface) -> ControlSurface:
+    return place_surface(boxes, surface.name, surface.span, surface.hinge)
+
+
 def _compute(
     task: PredictionTask, boxes: Boxes, k: np.ndarray, report: Callable[[float], None]
 ) -> tuple[list[ControlSurface], list[UnsteadyCoefficients]]:
@@ -402,7 +415,7 @@ def _compute(
                 ],
             )
         loadings.append((own, reference))
-    surfaces = [place_surface(boxes, s.name, s.span, s.hinge) for s in task.request.surfaces]
+    surfaces = [_place(boxes, asked) for asked in task.request.surfaces]
     found = compute_loadings(
         boxes,
         loadings,

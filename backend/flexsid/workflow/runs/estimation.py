@@ -130,7 +130,7 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
         store, first.aircraft_id, run.modal_table_id, run.damping_table_id, structure.modes
     )
     inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
-    is_shaped = settings.aerodynamics is Aerodynamics.SHAPED
+    is_shaped = settings.aerodynamics.is_shaped
     prediction = (select_shaped_prediction if is_shaped else select_prediction)(
         store, first.aircraft_id, run.prediction_id, structure.modes, inputs, body
     )
@@ -162,7 +162,7 @@ def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
     )
     if is_shaped and prediction is not None:
         data = tuple(
-            _shape(store, prediction, maneuver, one)
+            _shape(store, prediction, settings.aerodynamics, maneuver, one)
             for maneuver, one in zip(maneuvers, data, strict=True)
         )
     predicted = build_predicted_tables(store, prediction, run, first, aircraft, modes, inputs, body)
@@ -439,14 +439,27 @@ def _compute_modal_errors(
 
 
 def _shape(
-    store: Store, prediction: DerivativePrediction, maneuver: Maneuver, task: ManeuverTask
+    store: Store,
+    prediction: DerivativePrediction,
+    aerodynamics: Aerodynamics,
+    maneuver: Maneuver,
+    task: ManeuverTask,
 ) -> ManeuverTask:
     """Give the models of a maneuver the frequency shape of a prediction."""
+    coarse_mesh = aerodynamics is Aerodynamics.SHAPED_COARSE_MESH
 
     def shape(model: AeroelasticModel) -> AeroelasticModel:
         fuel = maneuver.condition.fuel_fraction
         numbers = model.modes.numbers
-        found = load_frequency_shape(store, prediction, fuel, numbers, model.inputs, model.body)
+        found = load_frequency_shape(
+            store,
+            prediction,
+            fuel,
+            numbers,
+            model.inputs,
+            model.body,
+            coarse_mesh=coarse_mesh,
+        )
         found.at(np.array([task.measurement.max_omega * model.condition.rate_factor]))
         return replace(model, shape=found)
 

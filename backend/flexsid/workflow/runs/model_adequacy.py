@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexsid.errors import NotIdentifiable
-from flexsid.records.run import AdequacyState, AdequacyTest, Aerodynamics, ModelAdequacy
+from flexsid.records.run import AdequacyState, AdequacyTest, ModelAdequacy
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
@@ -75,7 +75,7 @@ def assess_model_adequacy(
         return _describe_untested(task, "Not tested, since the information of the fit is singular.")
     if not tests:
         return _describe_untested(task, "Not tested, since the data have too few frequencies.")
-    is_shaped = task.settings.aerodynamics is Aerodynamics.SHAPED
+    is_shaped = task.settings.aerodynamics.is_shaped
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
     others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
     claim = "for remaining model error rejects the model"

@@ -1,10 +1,10 @@
-"""Refits of a run with out-of-band modes at predicted values, or with one mode fewer."""
+"""Refits of a run: out-of-band modes at predicted values, one mode fewer, or a coarser mesh."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, Start
+from flexsid.records.run import Aerodynamics, EstimationRun, Method, OutOfBandModes, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import list_derivative_names
@@ -102,6 +102,26 @@ def remove_highest_mode(run: EstimationRun) -> EstimationRun | None:
         out_of_band_modes=OutOfBandModes.OMITTED,
     )
     return replace(run, structure=structure, settings=settings)
+
+
+def coarsen_mesh(store: Store, run: EstimationRun, fitted: EstimationRun) -> EstimationRun | None:
+    """Give a run, or a refit of it, the frequency shape of the coarser mesh of its prediction.
+
+    None for quasi-steady derivatives, and where the prediction has no coarser mesh.
+    """
+    used = get_result(fitted).prediction_id
+    if used is None or fitted.settings.aerodynamics is not Aerodynamics.SHAPED:
+        return None
+    unsteady = store.predictions.get(used).unsteady
+    if unsteady is None or unsteady.coarse_coefficients is None:
+        return None
+    settings = replace(
+        fitted.settings,
+        aerodynamics=Aerodynamics.SHAPED_COARSE_MESH,
+        start=Start.BEST if fitted.method is Method.EE else Start.RUN,
+        start_run_id=None if fitted.method is Method.EE else run.id,
+    )
+    return replace(fitted, settings=settings, prediction_id=used)
 
 
 def find_omitted_modes(

@@ -10,7 +10,6 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import (
-    Aerodynamics,
     EstimationRun,
     Method,
     ModelAdequacy,
@@ -133,7 +132,7 @@ def list_result_warnings(estimate: Estimate) -> tuple[str, ...]:
 
 def warn_of_lag(adequacy: ModelAdequacy, settings: RunSettings) -> tuple[str, ...]:
     """Warn that the forces lag the motion, by the score test of a quasi-steady fit."""
-    if settings.aerodynamics is Aerodynamics.SHAPED:
+    if settings.aerodynamics.is_shaped:
         return ()
     return tuple(
         f"{test.meaning} Quasi-steady derivatives and the flutter speed from them can be biased "
