@@ -429,9 +429,12 @@ export const DESIGN_TABS = [
   "excitation",
   "accuracy",
   "amplitudes",
+  "optimal",
   "classic",
   "preflight-simulation",
 ] as const;
+
+export const OBJECTIVES = ["flutter", "derivatives", "damping", "structures"] as const;
 
 export const designView = view((search) => ({
   tab: oneOf(search.tab, DESIGN_TABS),
@@ -447,6 +450,14 @@ export const designView = view((search) => ({
   run: integer(search.run),
   /** Limits of the amplitude optimisation: deflection [deg] and load factor [g]. */
   allowed: number(search.allowed),
+  /** Limit of the optimal design on the rate of surfaces [deg/s], and its objective. */
+  fastest: number(search.fastest),
+  objective: oneOf(search.objective, OBJECTIVES),
+  derivatives: text(search.derivatives),
+  mode: text(search.mode),
+  other: integer(search.other),
+  spread: number(search.spread),
+  after: flag(search.after),
   load: number(search.load),
   /** Window of everything over frequency [Hz]. */
   low: number(search.low),

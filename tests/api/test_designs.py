@@ -296,6 +296,34 @@ def test_amplitudes_are_optimised_within_limits(client: TestClient):
     assert wrong.json()["code"] == "unknown-input"
 
 
+def test_optimal_design_is_stored_and_within_limits(client: TestClient):
+    run = output_error_run(client)
+    where = client.post(URL, json=FTA_503).headers["location"]
+    query = f"run_id={run}&objective=derivatives&derivatives=Cm_alpha,CZ_alpha&load_factor=0.2"
+    found = read_result(client, f"{where}/optimal-design?{query}")
+    assert found["optimal"] < found["standard"]
+    assert found["standard_time_s"] > found["duration_s"]
+    for row in found["limits"]:
+        assert max(row["optimal"], row["standard"]) <= 1.001 * row["limit"]
+    optimal = client.get(f"{URL}/{found['optimal_design_id']}").json()
+    assert optimal["name"].endswith(", optimal")
+    # The error of the stored design at its high amplitude is what was stated.
+    at = f"{URL}/{optimal['id']}/expected-errors?run_id={run}&level=2"
+    rows = {row["name"]: row for row in read_result(client, at)["items"]}
+    relative = [rows[name]["std_error"] / rows[name]["value"] for name in ("Cm_alpha", "CZ_alpha")]
+    assert np.sqrt(np.mean(np.square(relative))) == pytest.approx(found["optimal"], rel=0.05)
+    for impossible, code in (
+        ("objective=derivatives", "bad-objective"),
+        ("objective=flutter&mode=7", "bad-objective"),
+        ("objective=derivatives&derivatives=Cm_rudder", "unknown-derivative"),
+        ("objective=damping&mode=99", "unknown-mode"),
+        (f"objective=structures&other_run_id={run}", "not-nested"),
+    ):
+        refused = client.post(f"{where}/optimal-design/results?run_id={run}&{impossible}")
+        assert refused.status_code == 422, refused.text
+        assert refused.json()["code"] == code
+
+
 def test_predicted_response_by_mode_harmonic_and_surface(client: TestClient):
     run = output_error_run(client)
     made = client.post(URL, json=FTA_503 | {"peaks": [0.02, 0.04, 0.08]})

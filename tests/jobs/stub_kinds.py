@@ -25,7 +25,7 @@ NAMES = (
     *("flutter-prediction", "closed-loop", "cross-prediction", "cross-validation"),
     *("quality-assessment", "predicted-accuracy", "input-comparison", "amplitude-optimisation"),
     *("derivative-prediction", "predicted-flutter", "aerodynamics-comparison", "global-model"),
-    *("motion-reconstruction", "mode-identification", "import"),
+    *("motion-reconstruction", "mode-identification", "import", "optimal-design"),
 )
 
 

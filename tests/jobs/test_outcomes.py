@@ -29,6 +29,7 @@ from flexsid.workflow.excitation.excitation_designs import (
     compute_design,
     specify_design,
 )
+from flexsid.workflow.excitation.optimal_designs import Objective, OptimalDesignQuery
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.excitation.preflight_simulation import SimulationRequest
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
@@ -114,6 +115,17 @@ def _optimise_amplitudes(store: Store) -> Job:
     return submit(store, kinds.AMPLITUDES, request)
 
 
+def _optimise_design(store: Store) -> Job:
+    query = _query_design(store)
+    request = OptimalDesignQuery(
+        design_id=query.design_id,
+        run_id=query.run_id,
+        objective=Objective.DERIVATIVES,
+        derivatives=("Cm_alpha",),
+    )
+    return submit(store, kinds.OPTIMAL_DESIGN, request)
+
+
 def _identify_modes(store: Store) -> Job:
     responses = build_measured_responses(load_truth(), 1, store.arrays.put)
     number = store.measured_responses.add(responses).id or 0
@@ -181,6 +193,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
         store, kinds.INPUT_COMPARISON, _query_design(store)
     ),
     kinds.AMPLITUDES.name: lambda store, folder: _optimise_amplitudes(store),
+    kinds.OPTIMAL_DESIGN.name: lambda store, folder: _optimise_design(store),
     kinds.RECONSTRUCTION.name: lambda store, folder: submit(
         store, kinds.RECONSTRUCTION, ReconstructionQuery(maneuver_id=1, modes=(7, 9))
     ),

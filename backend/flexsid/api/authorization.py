@@ -50,7 +50,9 @@ _NAMED = {
     **dict.fromkeys(
         ("maneuver_id", "maneuver_ids", "additional_maneuver_ids", "validate_on"), "maneuvers"
     ),
-    **dict.fromkeys(("run_id", "run_ids", "start_run_id", "derived_from_run_id"), "runs"),
+    **dict.fromkeys(
+        ("run_id", "run_ids", "other_run_id", "start_run_id", "derived_from_run_id"), "runs"
+    ),
     **dict.fromkeys(("prediction_id", "prediction_ids"), "predictions"),
     **dict.fromkeys(
         ("modal_table_id", "damping_table_id", "template_id", "other_id", "test_ids"),

@@ -72,6 +72,10 @@ _OPERATION_EXAMPLES: dict[str, dict[str, Any]] = {
     "draw_flight_history": {"flight_id": 4},
     "draw_bode": {"run_id": "1"},
     "draw_poles": {"run_id": "1"},
+    **{
+        name: {"objective": "flutter", "derivatives": "Cm_alpha,Cm_q", "mode": "7"}
+        for name in ("request_optimal_design", "get_optimal_design_job", "get_optimal_design")
+    },
 }
 
 _STRUCTURE = {"modes": [7, 9], "inputs": ["bfs", "wf1s"], "outputs": ["q", "az_egi"]}
@@ -408,6 +412,24 @@ _GLOBAL_MODEL_JOB = _describe_queued_job(
         "prediction_id": None,
     },
 )
+_OPTIMAL_DESIGN_JOB = _describe_queued_job(
+    "optimal-design",
+    "FTA 506",
+    {
+        "design_id": 1,
+        "run_id": 1,
+        "level": 0,
+        "objective": "flutter",
+        "derivatives": [],
+        "mode": None,
+        "other_run_id": None,
+        "deflection": None,
+        "rate": None,
+        "load_factor": None,
+        "spread": 0.1,
+        "after_run": False,
+    },
+)
 _AERODYNAMICS_JOB = _describe_queued_job("aerodynamics-comparison", "run 1", {"run_id": 1})
 _AERODYNAMICS_FIT = {
     "aerodynamics": "shaped",
@@ -424,6 +446,20 @@ _AERODYNAMICS_FIT = {
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     **live_examples.RESPONSES,
+    "request_optimal_design": _OPTIMAL_DESIGN_JOB,
+    "get_optimal_design_job": {"job": _OPTIMAL_DESIGN_JOB},
+    "get_optimal_design": {
+        "quantity": "standard error of the flutter speed",
+        "unit": "m/s",
+        "standard": 0.0681,
+        "optimal": 0.0405,
+        "duration_s": 24.0,
+        "standard_time_s": 92.9,
+        "limits": [
+            {"name": "load_factor", "limit": 0.661, "standard": 0.661, "optimal": 0.558},
+        ],
+        "optimal_design_id": 2,
+    },
     "request_aerodynamics_comparison": _AERODYNAMICS_JOB,
     "get_aerodynamics_comparison_job": {"job": _AERODYNAMICS_JOB},
     "get_aerodynamics_comparison": {

@@ -124,6 +124,9 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "design a multisine of Table 1 for minimum relative peak factor"
     _add_design_options(add("design", "excitation:design", summary))
 
+    summary = "optimise a design for an objective within limits"
+    _add_optimal_design_options(add("optimal-design", "optimal_designs:optimise_design", summary))
+
     summary = "import flown multisines as designs"
     _add_multisine_options(add("import-multisine", "excitation:import_multisine", summary))
 
@@ -242,6 +245,27 @@ def _add_design_options(command: argparse.ArgumentParser) -> None:
     option("--seed", type=int, default=0)
     meaning = ".csv, .mat, .h, or .json (parameters of the design)"
     option("--output", required=True, metavar="FILE", help=meaning)
+
+
+def _add_optimal_design_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("design", type=int, metavar="DESIGN", help="id of the standard design")
+    option("run", type=int, metavar="RUN", help="id of the output-error run with model and noise")
+    option(
+        "--objective",
+        choices=("flutter", "derivatives", "damping", "structures"),
+        default="flutter",
+    )
+    option("--derivatives", default="", metavar="NAME,NAME", help="of the objective")
+    option("--mode", metavar="NAME", help="root whose damping is the objective")
+    option("--other-run", type=int, metavar="RUN", help="run with the smaller model structure")
+    option("--deflection-deg", type=float, metavar="DEG", help="default: that of the design")
+    option("--rate-deg-s", type=float, metavar="DEG/S", help="default: that of the design")
+    option("--load-factor", type=float, metavar="G", help="default: that of the design")
+    option("--level", type=int, choices=(0, 1, 2), default=0, help="amplitude of the design")
+    meaning = "relative standard deviation of the derivatives before the flight"
+    option("--spread", type=float, default=0.0, metavar="SHARE", help=meaning)
+    option("--after-run", action="store_true", help="the data of the run count as flown")
 
 
 def _add_multisine_options(command: argparse.ArgumentParser) -> None:

@@ -382,6 +382,27 @@ class Workbench:
         query["run_ids"] = list(run_ids)
         return self.post("global-models/predictions", body, **query)["id"]
 
+    def optimal_design(
+        self, design_id: int, run_id: int, objective: str = "flutter", **query: Any
+    ) -> dict[str, Any]:
+        """Store the design that is optimal for an objective, and return its gain over another.
+
+        Parameters
+        ----------
+        design_id
+            Standard design, whose harmonics and limits the optimal one has by default.
+        run_id
+            Output-error run with model and noise.
+        objective
+            ``flutter``, ``derivatives``, ``damping`` or ``structures``.
+        **query
+            ``derivatives``, ``mode`` or ``other_run_id`` of the objective; the limits
+            ``deflection`` [rad], ``rate`` [rad/s] and ``load_factor`` [g]; ``level``, ``spread``
+            and ``after_run``.
+        """
+        path = f"designs/{design_id}/optimal-design"
+        return self._compute(path, run_id=run_id, objective=objective, **query)
+
     def compare_aerodynamics(self, run_id: int) -> dict[str, Any]:
         """Return the verdict between quasi-steady and shaped derivatives for the data of a run."""
         return self._compute("aerodynamics-comparisons", run_id=run_id)

@@ -31,6 +31,13 @@ from flexsid.workflow.excitation.amplitude_optimisation import (
 )
 from flexsid.workflow.excitation.classic_inputs import InputComparison, compare_inputs
 from flexsid.workflow.excitation.excitation_designs import DesignOrder, compute_design
+from flexsid.workflow.excitation.optimal_designs import (
+    FoundDesign,
+    OptimalDesign,
+    OptimalDesignQuery,
+    compute_optimal_design,
+    identify_optimal_design,
+)
 from flexsid.workflow.excitation.predicted_accuracy import (
     DesignQuery,
     PredictedAccuracy,
@@ -206,6 +213,23 @@ def _save_simulation(store: Store, job: Job, outcome: SimulatedManeuver, worker:
 def _save_design(store: Store, job: Job, outcome: ExcitationDesign, worker: str) -> None:
     with store.transaction():
         save_result(store, job, {"design_id": store.designs.add(outcome).id}, worker)
+
+
+def _prepare_optimal_design(store: Store, job: Job, query: OptimalDesignQuery) -> SnapshotTask:
+    other = () if query.other_run_id is None else (query.other_run_id,)
+    snapshot = take_snapshot(store, run_ids=(query.run_id, *other))
+    return SnapshotTask(snapshot, query, store.designs.get(query.design_id))
+
+
+def _compute_optimal_design(task: SnapshotTask, report: Report) -> FoundDesign:
+    assert task.design is not None
+    return compute_optimal_design(task.open(), task.design, task.request, report)
+
+
+def _save_optimal_design(store: Store, job: Job, outcome: FoundDesign, worker: str) -> None:
+    with store.transaction():
+        stored = store.designs.add(outcome.design)
+        save_result(store, job, replace(outcome.gain, optimal_design_id=stored.id or 0), worker)
 
 
 def _prepare_design_query(
@@ -396,6 +420,16 @@ AMPLITUDES = Kind(
     result=OptimisedAmplitudes,
     identify=identify_design_query,
 )
+OPTIMAL_DESIGN = Kind(
+    name="optimal-design",
+    label="Optimal design",
+    request=OptimalDesignQuery,
+    prepare=_prepare_optimal_design,
+    compute=_compute_optimal_design,
+    save=_save_optimal_design,
+    result=OptimalDesign,
+    identify=identify_optimal_design,
+)
 RECONSTRUCTION = Kind(
     name="motion-reconstruction",
     label="Motion reconstruction",
@@ -462,6 +496,7 @@ KINDS: Kinds = {
         PREDICTED_ACCURACY,
         INPUT_COMPARISON,
         AMPLITUDES,
+        OPTIMAL_DESIGN,
         RECONSTRUCTION,
         MODES,
         QUALITY,

@@ -97,6 +97,7 @@ export type ThrustRequest = Schemas["ThrustRequest"];
 export type Controller = Received<"Controller">;
 export type SimulationResult = Received<"SimulationResult">;
 export type SimulatedDerivative = Received<"SimulatedDerivative">;
+export type OptimalDesign = Received<"OptimalDesign">;
 export type OptimisedAmplitudes = Received<"OptimisedAmplitudes">;
 export type OptimisedPeak = Received<"OptimisedPeak">;
 export type OptimisedError = Received<"OptimisedError">;

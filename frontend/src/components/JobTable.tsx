@@ -104,6 +104,7 @@ const KINDS: Record<string, string> = {
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
+  "optimal-design": "Optimal design",
   "motion-reconstruction": "Motion reconstruction",
   "mode-identification": "Mode identification",
   "quality-assessment": "Quality assessment",
@@ -154,6 +155,7 @@ function JobSubject({ job }: { job: Job }) {
     case "predicted-accuracy":
     case "input-comparison":
     case "amplitude-optimisation":
+    case "optimal-design":
       return (
         <Link to="/excitation/$id" params={{ id: id("design_id") }} className="link">
           {label}

@@ -13,6 +13,7 @@ import { Empty } from "../components/Empty";
 import { PredictedAccuracyPart } from "../components/PredictedAccuracyPart";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
+import { OptimalDesignPart } from "../components/OptimalDesignPart";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { PreflightPart } from "../components/PreflightPart";
@@ -32,6 +33,7 @@ const TAB_NAMES: Record<(typeof DESIGN_TABS)[number], string> = {
   excitation: "Excitation",
   accuracy: "Predicted accuracy",
   amplitudes: "Amplitude optimisation",
+  optimal: "Optimal design",
   classic: "Classic inputs",
   "preflight-simulation": "Pre-flight simulation",
 };
@@ -190,6 +192,24 @@ function OneDesign({ design }: { design: Design }) {
                   run={run}
                   allowed={view.allowed}
                   load={view.load}
+                  onChange={change}
+                />
+              </Section>
+            )}
+          </ForRun>
+        </Tabs.Panel>
+        <Tabs.Panel value="optimal" pt="md">
+          <ForRun view={view} onChange={change}>
+            {(run) => (
+              <Section
+                title="Optimal design"
+                note="Same harmonics; powers and phases are optimised for one objective, within limits that include feedback"
+              >
+                <OptimalDesignPart
+                  design={design}
+                  level={level}
+                  run={run}
+                  view={view}
                   onChange={change}
                 />
               </Section>

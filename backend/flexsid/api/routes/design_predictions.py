@@ -5,18 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Depends, Query
 
 from flexsid.api.context import TheStore
-from flexsid.api.routes.designs import Deflection, Level, Limit
-from flexsid.api.serialization import Identity, Json, RequiredReference
+from flexsid.api.routes.designs import Deflection, Level, Limit, Rate
+from flexsid.api.serialization import Identity, Json, Reference, RequiredReference
 from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import AMPLITUDES, INPUT_COMPARISON, PREDICTED_ACCURACY
+from flexsid.jobs.kinds import AMPLITUDES, INPUT_COMPARISON, OPTIMAL_DESIGN, PREDICTED_ACCURACY
 from flexsid.records.views import ExpectedMode
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
 from flexsid.workflow.excitation.classic_inputs import InputComparison
+from flexsid.workflow.excitation.optimal_designs import (
+    Objective,
+    OptimalDesign,
+    OptimalDesignQuery,
+)
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, ExpectedErrors
 
 router = APIRouter(prefix="/designs/{design_id}", tags=["designs"])
@@ -57,6 +62,38 @@ async def _read_amplitude_query(
     )
 
 
+async def _read_optimal_design_query(
+    design_id: Identity,
+    run_id: RequiredReference,
+    objective: Objective,
+    derivatives: Annotated[str, Query(max_length=2000, description="Separated by commas.")] = "",
+    mode: Annotated[str | None, Query(max_length=40, description="Name of a root.")] = None,
+    other_run_id: Reference = None,
+    deflection: Deflection = None,
+    rate: Rate = None,
+    load_factor: Limit = None,
+    spread: Annotated[float, Query(ge=0.0, le=0.5)] = 0.0,
+    after_run: bool = False,
+    level: Level = 0,
+) -> OptimalDesignQuery:
+    names = (name.strip() for name in derivatives.split(","))
+    return OptimalDesignQuery(
+        design_id=design_id,
+        run_id=run_id,
+        level=level,
+        objective=objective,
+        derivatives=tuple(dict.fromkeys(name for name in names if name)),
+        mode=mode,
+        other_run_id=other_run_id,
+        deflection=deflection,
+        rate=rate,
+        load_factor=load_factor,
+        spread=spread,
+        after_run=after_run,
+    )
+
+
+TheOptimalDesignQuery = Annotated[OptimalDesignQuery, Depends(_read_optimal_design_query)]
 TheDesignQuery = Annotated[DesignQuery, Depends(_read_query)]
 TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(_read_amplitude_query)]
 
@@ -69,6 +106,7 @@ for _path, _kind, _name, _read in (
     ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy", _read_query),
     ("/classic-inputs", INPUT_COMPARISON, "input_comparison", _read_query),
     ("/amplitudes", AMPLITUDES, "amplitudes", _read_amplitude_query),
+    ("/optimal-design", OPTIMAL_DESIGN, "optimal_design", _read_optimal_design_query),
 ):
     add_job_routes(router, _path, _kind, _name, _read, _get_title)
 
@@ -107,3 +145,14 @@ def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
     if omitted, those of the design.
     """
     return Json(get_result(store, AMPLITUDES, query))
+
+
+@router.get("/optimal-design", response_model=OptimalDesign)
+def get_optimal_design(store: TheStore, query: TheOptimalDesignQuery) -> Json:
+    """Return the stored gain of the design that is optimal for an objective within limits.
+
+    Objectives: ``flutter`` speed, ``derivatives`` by name, ``damping`` of a mode, and
+    ``structures``, the distance of the run's model structure from the smaller one of another run.
+    Limits: deflection [rad], rate [rad/s] and load factor [g]; if omitted, those of the design.
+    """
+    return Json(get_result(store, OPTIMAL_DESIGN, query))

@@ -34,11 +34,13 @@ class PredictedSpectra:
     ``signal`` is each output over the standard deviation of noise and model error there;
     ``sensitivity`` is the Jacobian of the outputs over the mean of that standard deviation
     over all harmonics, with which the estimator weights. Both are amplitude ratios. [1]
+    ``noise`` is that standard deviation at the harmonic over its mean. [1]
     """
 
     omega: Float[np.ndarray, " n_omega"]
     signal: Complex[np.ndarray, "n_omega n_y"]
     sensitivity: Complex[np.ndarray, "n_omega n_y n_theta"]
+    noise: Float[np.ndarray, "n_omega n_y"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,7 +375,7 @@ def _gather(
         limited=limited,
         waves=waves,
         lines=tuple(
-            PredictedSpectra(spectrum.omega, spectrum.outputs / level, own)
+            PredictedSpectra(spectrum.omega, spectrum.outputs / level, own, level / size)
             for spectrum, own, level in zip(spectra, parts[0], parts[2], strict=True)
         ),
         nuisance=nuisance,

@@ -170,19 +170,50 @@ def estimate_crossing_error(
     that diverges where attitude integrates has no eigenvector of its own: the error is NaN,
     as it is with a covariance that is not finite.
     """
+    slopes = compute_crossing_slopes(aircraft, crossing, uncertain.rows, uncertain.columns, density)
+    if not (np.isfinite(uncertain.covariance).all() and np.isfinite(slopes).all()):
+        return float("nan")
+    return float(np.sqrt(max(slopes @ uncertain.covariance @ slopes, 0.0)))
+
+
+def compute_crossing_slopes(
+    aircraft: Aeroelastic,
+    crossing: FlutterCrossing,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    density: float | None = None,
+) -> Float[np.ndarray, " n_theta"]:
+    """Compute the change of a crossing's airspeed with derivatives. [m/s]
+
+    NaN where a root that diverges has no eigenvector of its own. Rows and columns are the places
+    of the derivatives in the table.
+    """
     if aircraft.shape is not None:
         there = _place_shaped_roots(aircraft, *_get_axis_root(crossing), density)
-        slopes = compute_shaped_slopes(there, aircraft, uncertain.rows, uncertain.columns)
+        slopes = compute_shaped_slopes(there, aircraft, rows, columns)
         by_theta, by_speed = slopes[0][0], complex(slopes[1][0])
     else:
         family, modal, root, by_speed = _decompose_crossing(aircraft, crossing, density)
-        by_theta = compute_eigenvalue_slopes(family, modal, uncertain.rows, uncertain.columns)
-        by_theta = by_theta[1, root]
-    known = np.isfinite(uncertain.covariance).all() and np.isfinite(by_theta).all()
-    if not (known and np.isfinite(by_speed) and np.real(by_speed)):
-        return float("nan")
-    slopes = -np.real(by_theta) / np.real(by_speed)
-    return float(np.sqrt(max(slopes @ uncertain.covariance @ slopes, 0.0)))
+        by_theta = compute_eigenvalue_slopes(family, modal, rows, columns)[1, root]
+    if not (np.isfinite(by_speed) and np.real(by_speed)):
+        return np.full(by_theta.size, np.nan)
+    return -np.real(by_theta) / np.real(by_speed)
+
+
+def compute_damping_slopes(
+    aircraft: Aeroelastic, root: complex, rows: np.ndarray, columns: np.ndarray
+) -> Float[np.ndarray, " n_theta"]:
+    """Compute the change of the damping ratio of a root with derivatives. [1]
+
+    The root [rad/s] is the nearest at the aircraft's own condition; its air forces are
+    quasi-steady.
+    """
+    condition = aircraft.condition
+    family = build_state_family(aircraft, np.array([condition.airspeed]), condition.density)
+    modal = decompose_states(family.A)
+    index = int(np.argmin(np.abs(modal.values[0] - root)))
+    slopes = compute_eigenvalue_slopes(family, modal, rows, columns)[0, index]
+    return compute_polar_slopes(modal.values[0, index], slopes)[1]
 
 
 def compute_frequency_slopes(

@@ -1,10 +1,12 @@
 /** Excitation designs and what is expected of them. */
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
+import type { OBJECTIVES } from "../../views";
 import { api, body, items } from "../client";
 import type {
   ExpectedErrors,
   ExpectedSummary,
   InputComparison,
+  OptimalDesign,
   OptimisedAmplitudes,
 } from "../types";
 import type { StoredResultOptions } from "../useStoredResult";
@@ -158,6 +160,38 @@ export const amplitudesResult = (
     key: ["designs", id, "amplitudes", level, runId, limits],
     enabled: true,
     read: (signal) => body(api.GET("/api/v1/designs/{design_id}/amplitudes", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
+
+export interface OptimalDesignRequest {
+  run_id: number;
+  level: number;
+  objective: (typeof OBJECTIVES)[number];
+  derivatives?: string;
+  mode?: string;
+  other_run_id?: number;
+  /** Limits [rad], [rad/s], [g]; those of the design where undefined. */
+  deflection?: number;
+  rate?: number;
+  load_factor?: number;
+  spread?: number;
+  after_run?: boolean;
+}
+
+export const optimalDesignResult = (
+  id: number,
+  query: OptimalDesignRequest,
+  enabled: boolean,
+): StoredResultOptions<OptimalDesign> => {
+  const params = { path: { design_id: id }, query };
+  const path = "/api/v1/designs/{design_id}/optimal-design/results";
+  return {
+    key: ["designs", id, "optimal-design", query],
+    enabled,
+    read: (signal) =>
+      body(api.GET("/api/v1/designs/{design_id}/optimal-design", { params, signal })),
     find: (signal) => body(api.GET(path, { params, signal })),
     submit: () => body(api.POST(path, { params })),
   };
