@@ -47,6 +47,8 @@ def test_design_is_created_checked_and_exported(empty: TestClient):
     assert not any(row["within_limits"] for row in slow["inputs"])
 
     rows = empty.get(f"{where}/export?form=csv&level=1").text.splitlines()
+    assert rows[0].startswith("# column 2: bfs [rad], CRC-32")
+    rows = [row for row in rows if not row.startswith("#")]
     assert rows[0] == "t_s,bfs,wf3s,wf1s,wf4s,wf2s"
     samples = np.array([row.split(",") for row in rows[1:]], dtype=float)
     assert samples.shape == (2400, 6)
@@ -58,6 +60,10 @@ def test_design_is_created_checked_and_exported(empty: TestClient):
         assert unit in figure["layout"]["yaxis"]["title"]["text"]
     for form in ("mat", "h", "json"):
         assert empty.get(f"{where}/export?form={form}").status_code == 200
+    card = empty.get(f"/api/v1/reports/run-card/{number}?level=2")
+    checksum = empty.get(f"{where}/export?form=json&level=2").json()["self_test"]["crc32"]["bfs"]
+    assert f"{checksum:08x}" in card.text
+    assert "run-card-1-high.html" in card.headers["content-disposition"]
     assert empty.delete(where).status_code == 204
     assert empty.get(where).status_code == 404
 

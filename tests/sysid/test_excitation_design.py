@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -89,14 +91,67 @@ def test_files_hold_one_period_at_the_rate(tmp_path: Path):
     samples = made.sample_period(50.0)
     at = np.arange(samples.shape[0]) / 50.0
     assert np.allclose(samples, made.sample(at), atol=1e-9 * np.abs(samples).max())
-    rows = to_csv(made, 50.0).splitlines()
+    lines = to_csv(made, 50.0).splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    assert len(lines) == len(rows) + len(made.inputs) + 1
     assert rows[0] == "t_s," + ",".join(made.inputs)
     np.testing.assert_allclose(np.array(rows[8].split(","), float)[1:], samples[7], rtol=1e-8)
     (tmp_path / "design.mat").write_bytes(to_matlab(made, 50.0))
     np.testing.assert_array_equal(matlab.loadmat(tmp_path / "design.mat")["u"], samples)
     header = to_c_header(made, 50.0)
     assert f"#define EXCITATION_SAMPLES {len(samples)}" in header
-    assert header.count("static const float") == len(made.inputs)
+    assert header.count("static const float") == 2 * len(made.inputs)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler here")
+def test_a_flight_computer_verifies_its_table(tmp_path: Path):
+    """Compile the header, compute the checksums in C, and compare the samples of the self-test."""
+    made = design(specification(503))
+    (tmp_path / "excitation.h").write_text(to_c_header(made, 50.0))
+    checks = "\n".join(
+        f"wrong |= crc(excitation_{n}) != EXCITATION_CRC32_{n};"
+        f" for (i = 0; i < EXCITATION_TEST_SAMPLES; i++)"
+        f" wrong |= excitation_{n}[excitation_test_index[i]] != excitation_test_{n}[i];"
+        for n in made.inputs
+    )
+    (tmp_path / "check.c").write_text(
+        """#include "excitation.h"
+static unsigned long crc(const float *table) {
+  const unsigned char *byte = (const unsigned char *)table;
+  unsigned long sum = 0xfffffffful; unsigned long i; int k;
+  for (i = 0; i < 4ul * EXCITATION_SAMPLES; i++)
+    for (sum ^= byte[i], k = 0; k < 8; k++)
+      sum = (sum >> 1) ^ (sum & 1 ? 0xedb88320ul : 0);
+  return sum ^ 0xfffffffful;
+}
+int main(void) { unsigned long i; int wrong = 0;
+"""
+        + checks
+        + "\nreturn wrong; }\n"
+    )
+    program = tmp_path / "check"
+    subprocess.run(["cc", "-Wall", "-o", program, tmp_path / "check.c"], check=True)
+    assert subprocess.run([program], check=False).returncode == 0
+
+
+def test_every_format_has_units_and_the_same_self_test(tmp_path: Path):
+    requested = specification(521)
+    made = design(requested)
+    recipe = json.loads(write_recipe(requested, made))
+    assert recipe["units"]["throttle"] == "1"
+    assert recipe["units"]["bfs"] == "rad"
+    (tmp_path / "design.mat").write_bytes(to_matlab(made, 50.0))
+    stored = matlab.loadmat(tmp_path / "design.mat")
+    samples = made.sample_period(50.0)
+    index = stored["test_index"].ravel() - 1
+    np.testing.assert_array_equal(index, recipe["self_test"]["indices"])
+    np.testing.assert_array_equal(stored["test_values"], samples[index].astype(np.float32))
+    checksums = recipe["self_test"]["crc32"]
+    assert stored["crc32"].ravel().tolist() == list(checksums.values())
+    text, header = to_csv(made, 50.0), to_c_header(made, 50.0)
+    for name, checksum in checksums.items():
+        assert f"{name} [{recipe['units'][name]}], CRC-32 of float32 {checksum:08x}" in text
+        assert f"EXCITATION_CRC32_{name} 0x{checksum:08x}ul" in header
 
 
 def test_own_samples_are_recognised():

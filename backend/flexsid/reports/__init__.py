@@ -7,6 +7,7 @@ from flexsid.reports.decision import decision_report
 from flexsid.reports.layout import built_in_template, read_template, to_html
 from flexsid.reports.printing import to_pdf
 from flexsid.reports.run import run_report
+from flexsid.reports.run_card import run_card
 
 __all__ = [
     "Report",
@@ -15,6 +16,7 @@ __all__ = [
     "comparison_report",
     "decision_report",
     "read_template",
+    "run_card",
     "run_report",
     "to_html",
     "to_pdf",

@@ -83,6 +83,14 @@ function OneDesign({ design }: { design: Design }) {
                 {form}
               </a>
             ))}
+            <a
+              className="link"
+              target="_blank"
+              rel="noreferrer"
+              href={`/api/v1/reports/run-card/${design.id}?level=${level}`}
+            >
+              Run card
+            </a>
             <Button
               variant="default"
               size="xs"

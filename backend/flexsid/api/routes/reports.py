@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Response
 
 from flexsid import reports
 from flexsid.api.context import Context, TheContext
+from flexsid.api.routes.designs import Level
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity
 from flexsid.text import split_ids
@@ -61,6 +62,14 @@ def report_decision(context: TheContext, decision_id: Identity, form: Form = "ht
 def report_campaign(context: TheContext, filters: Filters, form: Form = "html") -> Response:
     """Return the report of the filtered maneuvers and their ground tests."""
     return _respond_with_report(context, reports.campaign_report(context.store, **filters), form)
+
+
+@router.get("/run-card/{design_id}", response_class=Response)
+def report_run_card(
+    context: TheContext, design_id: Identity, level: Level = 1, form: Form = "html"
+) -> Response:
+    """Return the run card of a design for the crew: commands, limits, checksums and conduct."""
+    return _respond_with_report(context, reports.run_card(context.store, design_id, level), form)
 
 
 def _respond_with_report(context: Context, report: reports.Report, form: Form) -> Response:
