@@ -4,52 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from flown_runs import estimated, planned
 
-from flexsid.demo.campaign import add_aircraft, add_maneuver
-from flexsid.demo.flights import fly
-from flexsid.records.excitation import ExcitationDesign
+from flexsid.demo.campaign import add_aircraft
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
-from flexsid.storage import queue
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.excitation_designs import (
-    DesignOrder,
-    compute_design,
-    specify_design,
-)
 from flexsid.workflow.excitation.predicted_accuracy import predict_errors
-from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 BEFORE = 2.0  # degrees of the body flap in the maneuver that is known
 PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, degrees, modes
-
-
-def estimated(
-    store: Store, flight: int, ratio: float, plan: tuple[int, float, tuple[int, ...]], seed: int
-) -> EstimationRun:
-    """Eight modes fly, fewer are fitted."""
-    fta, peak_deg, modes = plan
-    flown = fly(airspeed_ratio=ratio, fta=fta, peak_deg=peak_deg, seed=seed)
-    maneuver = add_maneuver(store, flown, flight)
-    request = EstimationRun(
-        maneuver_id=maneuver.id or 0,
-        method=Method.OE,
-        structure=Structure(modes=modes, fixed={}),
-        settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
-    )
-    run = store.runs.add(request)
-    claimed = queue.claim(store, run.id)
-    assert claimed is not None
-    computed = compute_run(prepare(store, run), lambda progress: None)
-    return store_result(store, run.id or 0, claimed.attempt, computed)
-
-
-def planned(store: Store, fta: int, peak_deg: float) -> ExcitationDesign:
-    peak = float(np.deg2rad(peak_deg))
-    specification = specify_design(fta, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
-    order = DesignOrder(name=f"FTA {fta}", specification=specification, fta=fta)
-    return store.designs.add(compute_design(order, lambda progress: None))
 
 
 # Near flutter the noise spectrum of the flight gains more than the prediction knows of.

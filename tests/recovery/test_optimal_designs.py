@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_expected_errors import estimated, planned
+from flown_runs import estimated, planned
 
 from flexsid.demo import flights
 from flexsid.demo.campaign import add_aircraft

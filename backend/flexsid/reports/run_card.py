@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.reports.content import Facts, Report, ReportTable, Section, Words, draw, moment
+from flexsid.reports.content import (
+    Drawing,
+    Facts,
+    Part,
+    Report,
+    ReportTable,
+    Section,
+    Words,
+    draw,
+    moment,
+)
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.export import build_self_test, list_units
 from flexsid.sysid.excitation.multisine import Multisine
@@ -13,6 +23,7 @@ from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.target_modes import find_band
 
 _LEVELS = ("low", "medium", "high")
+_HEIGHT_PX = 260  # of the figure, so that the card is short
 _STEPS = (
     "Compare the checksums with those of the flight computer; load this amplitude only.",
     "Trim, hands off, at the condition of the test point; hold for 2 s before the start.",
@@ -50,21 +61,20 @@ def run_card(store: Store, design_id: int, level: int) -> Report:
         sections=(
             Section("Maneuver", (Facts(facts), _tabulate_inputs(design, multisine))),
             Section("Conduct", steps),
-            Section(
-                "Commands",
-                (
-                    draw(
-                        "Commands over one period",
-                        store,
-                        "design-history",
-                        design_id=design_id,
-                        level=level,
-                    ),
-                ),
-            ),
+            Section("Commands", (_draw_commands(store, design_id, level),)),
         ),
         provenance=(("Design", f"{design_id}, of {moment(design.created_at)}"),),
     )
+
+
+def _draw_commands(store: Store, design_id: int, level: int) -> Part:
+    """Draw the commands so high that the card is short."""
+    caption = "Commands over one period"
+    found = draw(caption, store, "design-history", design_id=design_id, level=level)
+    if not isinstance(found, Drawing):
+        return found
+    layout = {**found.spec["layout"], "height": _HEIGHT_PX}
+    return Drawing({**found.spec, "layout": layout}, caption)
 
 
 def _tabulate_inputs(design: ExcitationDesign, multisine: Multisine) -> ReportTable:
