@@ -111,7 +111,8 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     assert ended(client, begun.headers["location"])["state"] == "failed"
     sensors = [{"quantum": 1e-3, "limit": 20.0, "dropout": 0.02}]
     gust = {"peak_m_s": 1.0, "gradient_m": 30.0, "start_s": 1.0}
-    full = body | {"limits": limits, "sensors": sensors, "gust": gust}
+    own = {"bfs": limits | {"position": 0.004}}
+    full = body | {"limits": limits, "own_limits": own, "sensors": sensors, "gust": gust}
     begun = client.post(f"{design}/preflight-simulations", json=full)
     assert begun.status_code == 202, begun.text
     assert ended(client, begun.headers["location"])["state"] == "succeeded"
@@ -119,3 +120,5 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     surfaces = limited["simulation"]["checks"]["surfaces"]
     assert max(row["limited"] for row in surfaces) > 0.01
     assert max(row["deflection_peak"] for row in surfaces) <= 0.008 + 1e-9
+    (flap,) = (row for row in surfaces if row["name"] == "bfs")
+    assert flap["deflection_peak"] <= 0.004 + 1e-9

@@ -163,7 +163,8 @@ class DiscreteGustRequest(Request):
 class PreflightSimulationRequest(Request):
     """Run whose model is simulated, amplitude level, controller (none: open loop), imperfections.
 
-    Of several sensor errors with a channel the last applies to it.
+    ``own_limits`` are those of single surfaces, by name, instead of ``limits``. Of several sensor
+    errors with a channel the last applies to it.
     """
 
     run_id: Id
@@ -171,6 +172,9 @@ class PreflightSimulationRequest(Request):
     controller_id: Id | None = None
     turbulence: Turbulence = Turbulence.NONE
     limits: SurfaceLimitsRequest | None = None
+    own_limits: dict[Name, SurfaceLimitsRequest] = Field(
+        default_factory=dict[str, SurfaceLimitsRequest], max_length=40
+    )
     sensors: Annotated[tuple[SensorErrorsRequest, ...], Field(max_length=50)] = ()
     gust: DiscreteGustRequest | None = None
 
@@ -183,6 +187,9 @@ class PreflightSimulationRequest(Request):
             controller_id=self.controller_id,
             turbulence=self.turbulence,
             limits=None if self.limits is None else self.limits.make_record(SurfaceLimits),
+            own_limits={
+                name: one.make_record(SurfaceLimits) for name, one in self.own_limits.items()
+            },
             sensors=tuple(one.make_record(SensorErrors) for one in self.sensors),
             gust=None if self.gust is None else self.gust.make_record(DiscreteGust),
         )

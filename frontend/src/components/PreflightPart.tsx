@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Text } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
@@ -52,17 +52,43 @@ const LIMITS = [
 const radians = (value: number | undefined) =>
   value === undefined ? undefined : (value * Math.PI) / 180;
 
-/** The surfaces of a request; null where no field is given. */
-const limitsOf = (limits: Limits) =>
-  Object.values(limits).every((one) => one === undefined)
-    ? null
-    : {
-        position: radians(limits.position) ?? null,
-        rate: radians(limits.rate) ?? null,
-        acceleration: radians(limits.acceleration) ?? null,
-        freeplay: radians(limits.freeplay) ?? 0,
-        delay_s: 0,
-      };
+const ALL = "all surfaces";
+
+const isGiven = (fields: object) => Object.values(fields).some((one) => one !== undefined);
+
+const limitsOf = (limits: Limits) => ({
+  position: radians(limits.position) ?? null,
+  rate: radians(limits.rate) ?? null,
+  acceleration: radians(limits.acceleration) ?? null,
+  freeplay: radians(limits.freeplay) ?? 0,
+  delay_s: 0,
+});
+
+/** Errors of recorded channels as typed: SI unit, SI unit, [ms], [%]. */
+interface Errors {
+  quantum?: number | undefined;
+  limit?: number | undefined;
+  skew?: number | undefined;
+  dropout?: number | undefined;
+}
+
+const ERRORS = [
+  ["quantum", "Quantisation [SI]"],
+  ["limit", "Clipping at [SI]"],
+  ["skew", "Skew [ms]"],
+  ["dropout", "Dropouts [%]"],
+] as const;
+
+const errorsOf = (errors: Errors, channels: string) => ({
+  channels: channels
+    .split(",")
+    .map((one) => one.trim())
+    .filter((one) => one !== ""),
+  quantum: errors.quantum ?? 0,
+  limit: errors.limit ?? null,
+  dropout: (errors.dropout ?? 0) / 100,
+  skew_s: (errors.skew ?? 0) / 1000,
+});
 
 interface Props {
   design: Design;
@@ -78,8 +104,11 @@ export function PreflightPart({ design, level, run }: Props) {
   const cache = useQueryClient();
   const [controller, setController] = useState<string | null>(null);
   const [turbulence, setTurbulence] = useState<Turbulence>("none");
-  const [limits, setLimits] = useState<Limits>({});
-  const [dropout, setDropout] = useState<number | undefined>(undefined);
+  const [limits, setLimits] = useState<Record<string, Limits>>({});
+  const [surface, setSurface] = useState(ALL);
+  const [errors, setErrors] = useState<Errors>({});
+  const [channels, setChannels] = useState("");
+  const given = Object.entries(limits).filter(([, one]) => isGiven(one));
   const known = controllers.data ?? [];
   const selected = controller ?? String(known[0]?.id ?? "");
   return (
@@ -111,6 +140,18 @@ export function PreflightPart({ design, level, run }: Props) {
                 setTurbulence((value ?? "none") as Turbulence);
               }}
             />
+          </Group>
+          <Group align="end">
+            <Select
+              label="Limits of"
+              w={180}
+              allowDeselect={false}
+              data={[ALL, ...design.specification.inputs.map((own) => own.name)]}
+              value={surface}
+              onChange={(value) => {
+                setSurface(value ?? ALL);
+              }}
+            />
             {LIMITS.map(([key, label]) => (
               <NumberInput
                 key={key}
@@ -118,24 +159,48 @@ export function PreflightPart({ design, level, run }: Props) {
                 placeholder="none"
                 min={0}
                 w={180}
-                value={limits[key] ?? ""}
+                value={limits[surface]?.[key] ?? ""}
                 onChange={(next) => {
                   const value = typeof next === "number" && next > 0 ? next : undefined;
-                  setLimits((previous) => ({ ...previous, [key]: value }));
+                  setLimits((previous) => ({
+                    ...previous,
+                    [surface]: { ...previous[surface], [key]: value },
+                  }));
                 }}
               />
             ))}
-            <NumberInput
-              label="Sensor dropouts [%]"
-              placeholder="none"
-              min={0}
-              max={50}
-              w={160}
-              value={dropout ?? ""}
-              onChange={(next) => {
-                setDropout(typeof next === "number" && next > 0 ? next : undefined);
+          </Group>
+          {given.length > 0 && (
+            <Text size="sm">
+              Limits are set for {given.map(([name]) => name).join(", ")}; a surface with limits of
+              its own does not have those of all surfaces.
+            </Text>
+          )}
+          <Group align="end">
+            <TextInput
+              label="Sensor errors of channels"
+              placeholder="all outputs"
+              w={240}
+              value={channels}
+              onChange={(event) => {
+                setChannels(event.currentTarget.value);
               }}
             />
+            {ERRORS.map(([key, label]) => (
+              <NumberInput
+                key={key}
+                label={label}
+                placeholder="none"
+                min={0}
+                max={key === "dropout" ? 50 : undefined}
+                w={150}
+                value={errors[key] ?? ""}
+                onChange={(next) => {
+                  const value = typeof next === "number" && next > 0 ? next : undefined;
+                  setErrors((previous) => ({ ...previous, [key]: value }));
+                }}
+              />
+            ))}
             <Button
               loading={simulate.isPending}
               data-testid="simulate-preflight"
@@ -146,11 +211,13 @@ export function PreflightPart({ design, level, run }: Props) {
                   level,
                   controller_id: Number.isInteger(id) && id > 0 ? id : null,
                   turbulence,
-                  limits: limitsOf(limits),
-                  sensors:
-                    dropout === undefined
-                      ? []
-                      : [{ channels: [], quantum: 0, dropout: dropout / 100, skew_s: 0 }],
+                  limits: isGiven(limits[ALL] ?? {}) ? limitsOf(limits[ALL] ?? {}) : null,
+                  own_limits: Object.fromEntries(
+                    given
+                      .filter(([name]) => name !== ALL)
+                      .map(([name, own]) => [name, limitsOf(own)]),
+                  ),
+                  sensors: isGiven(errors) ? [errorsOf(errors, channels)] : [],
                 });
               }}
             >

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -101,8 +101,9 @@ class SurfaceLimits:
 class SimulationRequest:
     """Design and its amplitude, the run whose model flies it, a controller, and imperfections.
 
-    Of several sensor errors with a channel the last applies to it. The gust starts a time after
-    the start of the record.
+    ``own_limits`` are those of single surfaces, by name, instead of ``limits``. Of several sensor
+    errors with a channel the last applies to it. The gust starts a time after the start of the
+    record.
     """
 
     design_id: int
@@ -111,6 +112,7 @@ class SimulationRequest:
     controller_id: int | None = None
     turbulence: Turbulence = Turbulence.NONE
     limits: SurfaceLimits | None = None
+    own_limits: dict[str, SurfaceLimits] = field(default_factory=dict[str, SurfaceLimits])
     sensors: tuple[SensorErrors, ...] = ()
     gust: DiscreteGust | None = None
 
@@ -179,12 +181,13 @@ def simulate_design(
         at.parameters.table(at.parameters.start),
         _measure_flow(define_outputs(aircraft, at.model.outputs)),
     )
+    limits = _select_limits(at, request)
     servos = [_get_servo(aircraft, name) for name in at.model.inputs]
     law = None if controller is None else interpolate_controller(controller, airspeed)
     delay_s = 0.0 if controller is None else controller.delay_s
     moved = simulate_flight(
         plant,
-        [*(_limit_servo(servo, request.limits) for servo in servos), Instrument()],
+        [*map(_limit_servo, servos, limits), Instrument()],
         np.column_stack([excitation, gust]),
         rate,
         law,
@@ -193,10 +196,11 @@ def simulate_design(
     )
     margins = ()
     if law is not None:
-        later = 0.0 if request.limits is None else request.limits.delay_s
-        margins = compute_loop_margins(
-            *(plant, [*servos, Instrument()], law, delay_s + later, rate)
-        )
+        delayed = [
+            servo if own is None else replace(servo, delay_s=servo.delay_s + own.delay_s)
+            for servo, own in zip(servos, limits, strict=True)
+        ]
+        margins = compute_loop_margins(*(plant, [*delayed, Instrument()], law, delay_s, rate))
     checks = LoopChecks(
         surfaces=tuple(
             SurfaceUse(
@@ -476,6 +480,27 @@ def _get_servo(aircraft: Aircraft, name: str) -> Instrument:
     return aircraft.instruments.get(surface.servo or surface.actuator or "", Instrument())
 
 
+def _select_limits(
+    at: PredictionModel, request: SimulationRequest
+) -> tuple[SurfaceLimits | None, ...]:
+    """Select the limits of every surface of the model: its own, or those of all.
+
+    Raises
+    ------
+    BadInput
+        If limits name a surface that is no input of the model.
+    """
+    foreign = sorted(set(request.own_limits) - set(at.model.inputs))
+    if foreign:
+        raise BadInput(
+            f"the model of run {at.run.id} has no surface '{foreign[0]}' for limits; it has"
+            f" {', '.join(at.model.inputs)}",
+            code="unknown-input",
+            input=foreign[0],
+        )
+    return tuple(request.own_limits.get(name, request.limits) for name in at.model.inputs)
+
+
 def _limit_servo(servo: Instrument, limits: SurfaceLimits | None) -> Instrument | ActuatorLimits:
     """Return a servo with limits.
 
@@ -507,7 +532,7 @@ def _limit_servo(servo: Instrument, limits: SurfaceLimits | None) -> Instrument 
 def _describe_imperfections(request: SimulationRequest) -> str:
     named = (
         (request.gust is not None, "discrete gust"),
-        (request.limits is not None, "limited surfaces"),
+        (request.limits is not None or bool(request.own_limits), "limited surfaces"),
         (bool(request.sensors), "sensor errors"),
     )
     return "".join(f", {name}" for given, name in named if given)
