@@ -155,7 +155,7 @@ function Gain({ result, run }: { result: OptimalDesign; run: number }) {
   return (
     <>
       <Text size="sm" data-testid="optimal-gain">
-        {result.quantity}: {result.optimal.toPrecision(3)}
+        Predicted {result.quantity}: {result.optimal.toPrecision(3)}
         {unit} with the{" "}
         <Link
           to="/excitation/$id"
