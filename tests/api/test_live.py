@@ -49,7 +49,7 @@ def test_a_stream_is_read_while_it_runs(client: TestClient) -> None:
 
     named = {key: alarm[key] for key in ("kind", "subject", "time_s")}
     nobody = client.post(f"{stream}/acknowledgements", json=named)
-    assert nobody.json()["code"] == "no-analyst"
+    assert nobody.json()["code"] == "invalid-request"
     done = client.post(f"{stream}/acknowledgements", json=named, headers=ANN)
     assert done.json()["author"] == "Ann"
     again = client.post(f"{stream}/acknowledgements", json=named, headers=ANN)

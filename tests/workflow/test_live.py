@@ -177,6 +177,18 @@ def test_lost_late_and_frozen_data_are_named_and_bias_nothing(stream):
     check_flutter_speeds(stream, [s for s in states if s.maneuver_s > 5.0])
 
 
+def test_a_recorder_that_restarts_ends_the_maneuver(stream):
+    processor = LiveProcessor(stream.task)
+    states = [s for frame in stream.frames[:60] for s in processor.push(frame)]
+    assert states[-1].phase is LivePhase.EXCITED
+    for shift, lost in ((4_000_000_000, 3_999_999_940), (0, 3_999_999_940)):
+        restarted = [replace(f, number=f.number + shift) for f in stream.frames[:60]]
+        states = [state for frame in restarted for state in processor.push(frame)]
+        assert states[0].phase is LivePhase.ENDED
+        assert states[-1].phase is LivePhase.EXCITED
+        assert states[-1].lost_frames == lost
+
+
 def test_memory_does_not_grow_with_the_record(stream):
     processor, sizes = LiveProcessor(stream.task), []
     for frame in stream.frames[:240]:

@@ -106,9 +106,11 @@ class FrameLog:
         self._begin()
         return sealed
 
-    def drop(self) -> None:
-        """Begin another segment without a maneuver."""
+    def drop(self, *, overlaps: bool = True) -> None:
+        """Begin another segment without a maneuver, and without what came before if it is apart."""
         self.close()
+        if not overlaps:
+            self._recent.clear()
         self._present.unlink(missing_ok=True)
         self._begin()
 

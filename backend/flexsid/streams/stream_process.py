@@ -172,11 +172,19 @@ class _Stream:
 
     def push(self, frame: Frame, arrived: float) -> None:
         """Take a frame: write it to disk, process it, and publish what is new."""
+        is_apart = self._processor.is_apart(frame)
         try:
             updates = self._processor.push(frame)
         except BadInput as error:
             _log.warning("%s", error.message)
             return
+        if is_apart:
+            # All updates are of the frames before, which end a segment.
+            for update in updates:
+                self._take(update, arrived)
+            updates = []
+            self._seal()
+            self._log.drop(overlaps=False)
         self._log.append(frame)
         self._complete(frame, updates, arrived)
 

@@ -17,7 +17,7 @@ from flexsid.api.live_responses import (
     StreamDetail,
     StreamHistory,
 )
-from flexsid.api.requests import Id, Moment, Name, Number, Request, Text, Title
+from flexsid.api.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
 from flexsid.api.serialization import Identity, Json, Limit, Reference, drop_none
 from flexsid.errors import Conflict
 from flexsid.records.live import (
@@ -44,7 +44,9 @@ MOST_COLUMNS = 4000
 
 _Speed = Annotated[float, Field(strict=True, gt=0.0, le=1000.0)]
 _Limits = Annotated[tuple[Number, Number], Field(description="lowest and highest value")]
-_Since = Annotated[float | None, Query(description="Time of the recorder. [s]")]
+_Since = Annotated[
+    float | None, Query(ge=-LATEST_S, le=LATEST_S, description="Time of the recorder. [s]")
+]
 _Names = Annotated[str, Query(description="Names of channels, separated by commas.")]
 
 

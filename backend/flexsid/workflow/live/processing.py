@@ -35,6 +35,9 @@ from flexsid.workflow.aircraft.aircraft_models import (
 from flexsid.workflow.live.live_task import LiveTask
 
 _PATIENCE = 5  # frames (0.25 s) that a missing one is waited for: more than the usual jitter
+_LONGEST_GAP = (
+    1200  # frames (60 s); a longer one, or an earlier number, is a recorder that restarted
+)
 _COMMANDED = 1e-4  # rad; a smaller excitation is none
 _TRIM_S = 2.0  # before the excitation, over which trim values are averaged [s]
 _LEAD_S = 0.5  # of trim that belongs to the record [s]
@@ -108,24 +111,27 @@ class StreamProcessor:
             np.array([task.limits.get(c.name, (-np.inf, np.inf)) for c in group]).T
             for group in self._all
         ]
-        self._waiting: dict[int, Frame] = {}
-        self._expected: int | None = None
-        self._newest = 0
-        self._start_s = 0.0
         self._lost = self._late = 0
-        self._checks = [
-            StreamChecks(g[0].rate_hz, len(g), np.array([c.role is not Role.COMMAND for c in g]))
-            for g in self._groups
-        ]
-        self._taken = 0
-        self._trim_blocks: deque[tuple[float, list[np.ndarray]]] = deque(
-            maxlen=round(_TRIM_S / self._frame_s)
-        )
+        self._restart()
         self._phase = LivePhase.TRIM
         self._maneuvers = 0
         self._alarms: list[LiveAlarm] = []
         self._reason = "no excitation yet"
         self._reset()
+
+    def _restart(self) -> None:
+        """Begin with the next frame, whatever its number."""
+        self._waiting: dict[int, Frame] = {}
+        self._expected: int | None = None
+        self._newest = self._taken = 0
+        self._start_s = 0.0
+        self._checks = [
+            StreamChecks(g[0].rate_hz, len(g), np.array([c.role is not Role.COMMAND for c in g]))
+            for g in self._groups
+        ]
+        self._trim_blocks: deque[tuple[float, list[np.ndarray]]] = deque(
+            maxlen=round(_TRIM_S / self._frame_s)
+        )
 
     def _reset(self) -> None:
         """Begin to wait for the next maneuver."""
@@ -160,13 +166,24 @@ class StreamProcessor:
             )
         return list(self._push(frame))
 
+    def is_apart(self, frame: Frame) -> bool:
+        """Whether a frame does not continue the stream: the recorder or the telemetry restarted.
+
+        A maneuver ends before it, with what was received.
+        """
+        return self._expected is not None and abs(frame.number - self._expected) > _LONGEST_GAP
+
     def finish(self) -> list[StreamUpdate]:
         """Process what still waits at the end of the stream; return the last updates."""
         return list(self._finish())
 
     def _push(self, frame: Frame) -> Iterator[StreamUpdate]:
+        if self.is_apart(frame):
+            yield from self._finish()
+            self._lost += max(0, frame.number - (self._expected or 0))
+            self._restart()
         if self._expected is None:
-            self._expected = self._taken = frame.number
+            self._expected = self._taken = self._newest = frame.number
             self._start_s = frame.time_s - frame.number * self._frame_s
         if frame.number < self._expected or frame.number in self._waiting:
             self._late += 1
