@@ -31,6 +31,13 @@ from flexsid.jobs.kinds import QUALITY
 from flexsid.records.account import Role
 from flexsid.records.decision import FrozenFigure
 from flexsid.records.flutter import Controller
+from flexsid.records.live import (
+    LiveStream,
+    LiveTestPoint,
+    LiveTestPointStatus,
+    ReceiverSettings,
+    StreamStatus,
+)
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
 from flexsid.records.modal_data import FlutterSummary, MeasuredResponses
 from flexsid.records.run import Batch
@@ -114,6 +121,17 @@ def _fill(client: TestClient, store: Store) -> None:
                 notes=(),
                 origin="",
             )
+        )
+        stream = LiveStream(
+            aircraft_id=1,
+            run_id=1,
+            title="s",
+            receiver=ReceiverSettings(name="push"),
+            status=StreamStatus.STOPPED,
+        )
+        store.live_streams.add(stream)
+        store.live_test_points.add(
+            LiveTestPoint(stream_id=1, start_s=1.0, stop_s=2.0, status=LiveTestPointStatus.STORED)
         )
     adopt_records(store, 1)
 
@@ -275,7 +293,7 @@ def test_reading_never_shows_records_of_other_campaigns(
         items = (
             seen.json().get("items", ()) if "json" in seen.headers.get("content-type", "") else ()
         )
-        if described["operationId"] not in ("list_catalogue", "list_tokens"):
+        if described["operationId"] not in ("list_catalogue", "list_tokens", "list_receivers"):
             assert all(item.get("name") == "Other" for item in items), f"{path}: {seen.text[:300]}"
         if "items" in seen.text and described["operationId"] == "list_runs":
             assert team.get(path, headers=_headers(own)).json()["items"]
@@ -290,9 +308,15 @@ def test_an_open_event_stream_follows_the_membership(team: TestClient, store: St
     )
     update = JobUpdate(job_log.read_since(store, 0, 100), None)
     assert update.events
-    assert _select_visible(store, request, begun, update) == update
+    visible = _select_visible(store, request, begun, update)
+    assert visible is not None
+    assert visible[0] == update
+    assert visible[1].readable == {1}
     accounts.grant_role(store, "Ann", 1, None)
-    assert _select_visible(store, request, begun, update) == replace(update, events=[])
+    visible = _select_visible(store, request, begun, update)
+    assert visible is not None
+    assert visible[0] == replace(update, events=[])
+    assert visible[1].readable == frozenset()
     accounts.disable_account(store, "Ann")
     assert _select_visible(store, request, begun, update) is None
 

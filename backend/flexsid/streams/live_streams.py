@@ -45,7 +45,7 @@ from flexsid.workflow.live.packets import decode_frames
 _log = logging.getLogger(__name__)
 
 _RESTART_S = 1.0
-_STOP_S = 20.0  # for the last estimate, and storing the maneuver
+_STOP_S = 60.0  # for the last estimate, and storing the maneuver
 _MOST_STREAMS = 4  # of one server: each needs up to two cores
 _DELAYS = 1200  # frames, one minute
 
@@ -96,6 +96,7 @@ class LiveStreams:
         self._holder = get_process_id()
         self._running: dict[int, _Running] = {}
         self._lock = threading.Lock()
+        self._resuming: threading.Thread | None = None
 
     def start(self, stream: LiveStream) -> LiveStream:
         """Store a new stream and start its processes.
@@ -128,7 +129,8 @@ class LiveStreams:
 
     def resume(self) -> None:
         """Start the streams again that a stopped server was running; returns at once."""
-        threading.Thread(target=self._resume, name="streams", daemon=True).start()
+        self._resuming = threading.Thread(target=self._resume, name="streams", daemon=True)
+        self._resuming.start()
 
     def stop(self, stream_id: int) -> LiveStream:
         """Stop a stream; returns when its last maneuver is stored."""
@@ -155,6 +157,8 @@ class LiveStreams:
 
     def close(self) -> None:
         """End all processes; the next server resumes the streams."""
+        if self._resuming is not None:
+            self._resuming.join()
         for running in list(self._running.values()):
             running.stopping.set()
             self._kill(running)
