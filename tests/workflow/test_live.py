@@ -184,7 +184,7 @@ def test_a_recorder_that_restarts_ends_the_maneuver(stream):
     for shift, lost in ((4_000_000_000, 3_999_999_920), (0, 3_999_999_920)):
         restarted = [replace(f, number=f.number + shift) for f in stream.frames[:80]]
         states = [state for frame in restarted for state in processor.push(frame)]
-        assert states[0].phase is LivePhase.ENDED
+        assert LivePhase.ENDED in [state.phase for state in states]
         assert states[-1].phase is LivePhase.EXCITED
         assert states[-1].lost_frames == lost
 
