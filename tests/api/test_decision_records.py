@@ -11,7 +11,9 @@ import sqlalchemy as sa
 from sqlalchemy.exc import DBAPIError
 from tests.api.team import Act, proposal, propose, set_rules, vote
 
+from flexsid.errors import BadInput
 from flexsid.storage.store import Store
+from flexsid.workflow.review.signed_files import check_signed_file
 
 
 def test_later_baseline_of_whole_range_supersedes(act: Act) -> None:
@@ -53,11 +55,16 @@ def test_audit_trail_contains_all_events(act: Act) -> None:
     act("Ann", "post", f"{address}/revisions", {"revision": 1, "proposal": changed})
     vote(act, "Cy", {"id": decision["id"], "revision": 2})
 
-    trail = act("Di", "get", f"{address}/audit").json()
+    file = act("Di", "get", f"{address}/audit")
+    trail = file.json()
     assert trail == act("Di", "get", "decisions/audit?aircraft_id=1").json() | {
-        "exported_at": trail["exported_at"]
+        name: trail[name] for name in ("exported_at", "signature")
     }
     (audited,) = trail["decisions"]
+    if trail["signature"] is not None:  # a database server has no key of the site
+        assert check_signed_file(file.content).n_events == len(audited["events"])
+        with pytest.raises(BadInput):
+            check_signed_file(file.content.replace(b"Ann", b"Bob", 1))
     assert audited["whole"] is True
     assert audited["changed_since"] == []
     events = audited["events"]

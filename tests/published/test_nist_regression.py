@@ -7,16 +7,14 @@ public domain. Exact rational arithmetic on the data here gives every certified 
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from flexsid.sysid.estimation.batch_regression import regress_many
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
+from flexsid.verification.nist import build_regression, count_digits, read_data_sets
 
-SETS = json.loads(Path(__file__).with_name("nist_linear_regression.json").read_text())
+SETS = read_data_sets()
 EXACT_FITS = ("Wampler1", "Wampler2")  # certified standard errors are zero
 # The condition number of the scaled columns takes 9 of 16 digits in Filip and 4 to 5 in Wampler,
 # whose residuals, a thousand times the signal in Wampler5, take the rest.
@@ -24,35 +22,10 @@ DIGITS = {"Filip": 6.0, "Wampler1": 8.0, "Wampler3": 8.0, "Wampler4": 7.5, "Wamp
 USUAL = 9.0
 
 
-def lines(name: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """Complex lines that hold two rows of the data each, and the freedom that padding adds.
-
-    A complex regression of real parameters is one of twice as many real rows.
-    """
-    data = SETS[name]
-    rows = [np.array(row, dtype=float) for row in data["x"]]
-    if len(rows) > 1:
-        A = np.stack([np.ones(rows[0].size), *rows], axis=1)
-    else:
-        A = np.stack([rows[0] ** power for power in data["powers"]], axis=1)
-    y = np.array(data["y"], dtype=float)
-    n, p = A.shape
-    if n % 2:
-        A, y = np.vstack([A, np.zeros(p)]), np.append(y, 0.0)
-    return A[::2] + 1j * A[1::2], y[::2] + 1j * y[1::2], (y.size - p) / (n - p)
-
-
-def digits(found: np.ndarray, certified: list[float]) -> float:
-    """Number of decimal digits in which the worst value agrees."""
-    right = np.array(certified)
-    wrong = np.abs(found - right) / np.where(right == 0.0, 1.0, np.abs(right))
-    return float(-np.log10(max(wrong.max(), 1e-15)))
-
-
 @pytest.mark.parametrize("how", ["single", "batch", "weighted"])
 @pytest.mark.parametrize("name", SETS)
 def test_certified_values(name, how, record_property):
-    X, y, padding = lines(name)
+    X, y, padding = build_regression(SETS[name])
     names = tuple(f"B{k}" for k in range(X.shape[1]))
     if how == "batch":
         values, errors = (
@@ -66,11 +39,13 @@ def test_certified_values(name, how, record_property):
         values, errors = found.values, np.sqrt(np.diag(found.covariance))
     errors = errors * np.sqrt(padding)
     certified = SETS[name]
-    of_values = digits(values, certified["coefficients"])
+    of_values = count_digits(values, certified["coefficients"])
     if name in EXACT_FITS:
-        of_errors = digits(errors / np.abs(certified["coefficients"]), certified["std_errors"])
+        of_errors = count_digits(
+            errors / np.abs(certified["coefficients"]), certified["std_errors"]
+        )
     else:
-        of_errors = digits(errors, certified["std_errors"])
+        of_errors = count_digits(errors, certified["std_errors"])
     text = f"coefficients {of_values:4.1f}, standard errors {of_errors:4.1f}"
     record_property("digits", text)
     assert min(of_values, of_errors) >= DIGITS.get(name, USUAL)

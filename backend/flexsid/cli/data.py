@@ -22,6 +22,7 @@ from flexsid.cli.output import (
 from flexsid.cli.serve import add_builtin_aircraft
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import Settings
+from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import escape_spreadsheet_cell
 from flexsid.workflow.aircraft.aircraft_definition import add_aircraft, replace_aircraft
@@ -127,7 +128,8 @@ def export(settings: Settings, arguments: argparse.Namespace) -> int:
 
 def _encode_run(store: Store, run_id: int) -> bytes:
     options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
-    return orjson.dumps(export_run(store, run_id), option=options)
+    content = orjson.dumps(export_run(store, run_id), option=options)
+    return sign_content(store.database, content, SignaturePlace.INDENTED_JSON)
 
 
 def _encode_model(store: Store, run_id: int) -> bytes:

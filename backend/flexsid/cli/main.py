@@ -85,6 +85,9 @@ def build_parser() -> argparse.ArgumentParser:
 
     add("check", "backup:check", "check the database for damage: hashes, references, decisions")
 
+    summary = "check a signed file, or the installation against published values"
+    _add_verify_options(add("verify", "verify:verify", summary))
+
     summary = "add, invite and disable accounts, and set their roles in campaigns"
     _add_user_options(add("users", "users:users", summary))
 
@@ -298,6 +301,16 @@ def _add_flutter_options(command: argparse.ArgumentParser) -> None:
         help="derivatives over the envelope: constant, linear over dynamic pressure, or of a "
         "global model of the runs",
     )
+
+
+def _add_verify_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "report, audit trail or exported run; default: test the installation"
+    option("file", nargs="?", metavar="FILE", help=meaning)
+    option("--key", metavar="HEX", help="public key of the site that the file must be of")
+    option("--site-key", action="store_true", help="print the public key of this site")
+    meaning = "report of the installation; default: flexsid-verification.html"
+    option("--output", default="flexsid-verification.html", metavar="FILE", help=meaning)
 
 
 def _add_global_model_options(command: argparse.ArgumentParser) -> None:

@@ -12,6 +12,7 @@ from flexsid.cli.database import open_store
 from flexsid.cli.output import print_written_file, write_file
 from flexsid.errors import BadInput
 from flexsid.settings import Settings
+from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 
 
@@ -32,8 +33,10 @@ def _encode_report(settings: Settings, arguments: argparse.Namespace, suffix: st
     template = None if own is None else reports.read_template(own)
     with open_store(settings) as store:
         document = _make_report(store, arguments)
-    html = reports.to_html(document, datetime.now(UTC), template)
-    return reports.to_pdf(html) if suffix == ".pdf" else html.encode()
+        html = reports.to_html(document, datetime.now(UTC), template)
+        if suffix == ".pdf":
+            return sign_content(store.database, reports.to_pdf(html), SignaturePlace.PDF)
+        return sign_content(store.database, html.encode(), SignaturePlace.COMMENT)
 
 
 def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:

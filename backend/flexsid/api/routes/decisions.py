@@ -25,9 +25,11 @@ from flexsid.api.serialization import (
     Reference,
     RequiredReference,
     drop_none,
+    dump_json,
 )
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.storage.paging import Items
+from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review
@@ -70,9 +72,8 @@ def get_campaign_audit(
     store: TheStore, aircraft_id: RequiredReference, form: Form = "json"
 ) -> Response:
     """Return the audit trail of all decisions of a campaign."""
-    return _respond_with_trail(
-        audit_campaign(store, aircraft_id), form, f"flexsid-decisions-{aircraft_id}"
-    )
+    name = f"flexsid-decisions-{aircraft_id}"
+    return _respond_with_trail(store, audit_campaign(store, aircraft_id), form, name)
 
 
 @router.get("/{decision_id}")
@@ -124,9 +125,8 @@ def withdraw_decision(
 @router.get("/{decision_id}/audit", response_model=AuditTrail, responses=_TRAIL)
 def get_decision_audit(store: TheStore, decision_id: Identity, form: Form = "json") -> Response:
     """Return the audit trail of one decision."""
-    return _respond_with_trail(
-        audit_decision(store, decision_id), form, f"flexsid-decision-{decision_id}"
-    )
+    name = f"flexsid-decision-{decision_id}"
+    return _respond_with_trail(store, audit_decision(store, decision_id), form, name)
 
 
 def _build_detail(store: Store, decision: Decision) -> DecisionDetail:
@@ -149,9 +149,11 @@ def _get_structure(store: Store, decision: Decision) -> Any:
     return get_version(store, reference.id, reference.version)
 
 
-def _respond_with_trail(trail: AuditTrail, form: str, name: str) -> Response:
+def _respond_with_trail(store: Store, trail: AuditTrail, form: str, name: str) -> Response:
     ending = "md" if form == "markdown" else "json"
     headers = {"Content-Disposition": f'attachment; filename="{name}.{ending}"'}
     if form == "markdown":
-        return Response(write_markdown(trail), media_type="text/markdown", headers=headers)
-    return Json(trail, headers=headers)
+        text = sign_content(store.database, write_markdown(trail).encode(), SignaturePlace.COMMENT)
+        return Response(text, media_type="text/markdown", headers=headers)
+    content = sign_content(store.database, dump_json(trail), SignaturePlace.JSON)
+    return Response(content, media_type=Json.media_type, headers=headers)

@@ -12,6 +12,7 @@ from flexsid.api.context import Context, TheContext
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity
+from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.text import split_ids
 
 _FILE = {media: {"schema": {"type": "string"}} for media in ("text/html", "application/pdf")}
@@ -78,6 +79,8 @@ def _respond_with_report(context: Context, report: reports.Report, form: Form) -
         "Content-Disposition": f'inline; filename="{report.name}.{form}"',
     }
     if form == "pdf":
-        return Response(reports.to_pdf(html), media_type="application/pdf", headers=headers)
+        pdf = sign_content(context.store.database, reports.to_pdf(html), SignaturePlace.PDF)
+        return Response(pdf, media_type="application/pdf", headers=headers)
     headers["Content-Security-Policy"] = _POLICY
-    return Response(html, media_type="text/html", headers=headers)
+    signed = sign_content(context.store.database, html.encode(), SignaturePlace.COMMENT)
+    return Response(signed, media_type="text/html", headers=headers)

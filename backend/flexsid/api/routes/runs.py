@@ -19,6 +19,7 @@ from flexsid.api.serialization import (
     JsonRoute,
     Limit,
     describe_sort,
+    dump_json,
     read_query,
 )
 from flexsid.records.model_structure import Structure
@@ -26,6 +27,7 @@ from flexsid.storage import batches, bulk
 from flexsid.storage.list_query import Facets
 from flexsid.storage.paging import Page
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
+from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
@@ -112,10 +114,13 @@ def get_run(store: TheStore, run_id: Identity) -> Run:
 
 
 @router.get("/{run_id}/export", response_model=RunExport)
-def get_run_export(store: TheStore, run_id: Identity) -> Json:
+def get_run_export(store: TheStore, run_id: Identity) -> Response:
     """Return the inputs and results of a run, with covariance matrix and fitted data points."""
     name = {"Content-Disposition": f'attachment; filename="run-{run_id}.json"'}
-    return Json(export_run(store, run_id), headers=name)
+    content = sign_content(
+        store.database, dump_json(export_run(store, run_id)), SignaturePlace.JSON
+    )
+    return Response(content, media_type=Json.media_type, headers=name)
 
 
 @router.get("/{run_id}/model", response_model=ModelExport, responses=_MATLAB)

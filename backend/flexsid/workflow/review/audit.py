@@ -92,7 +92,10 @@ class AuditedDecision:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AuditTrail:
-    """Decisions of a campaign with its rules and baselines, as they stood at ``exported_at``."""
+    """Decisions of a campaign with its rules and baselines, as they stood at ``exported_at``.
+
+    ``signature`` is that of the site, written into the file.
+    """
 
     aircraft: Aircraft
     exported_at: datetime
@@ -101,6 +104,7 @@ class AuditTrail:
     rules: list[ReviewRules]
     baselines: list[Baseline]
     decisions: list[AuditedDecision]
+    signature: str | None = None
 
 
 def audit_campaign(store: Store, aircraft_id: int) -> AuditTrail:

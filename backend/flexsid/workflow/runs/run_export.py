@@ -31,7 +31,7 @@ class RunExport:
     """A run with its aircraft, flight and maneuver, and the arrays of its result as numbers.
 
     ``covariance`` is ordered as the parameters; both are None and empty until
-    the run has succeeded.
+    the run has succeeded. ``signature`` is that of the site, written into the file.
     """
 
     aircraft: Aircraft
@@ -40,6 +40,7 @@ class RunExport:
     run: EstimationRun
     covariance: list[list[float]] | None
     lines: list[ExportedLines]
+    signature: str | None = None
 
 
 def export_run(store: Store, run_id: int) -> RunExport:

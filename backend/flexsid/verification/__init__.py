@@ -1,0 +1,1 @@
+"""Verification of the installed software against published and exact values."""

@@ -1,0 +1,20 @@
+"""Verification of the installation: all requirements hold, and a violated one is reported."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import UTC, datetime
+
+from flexsid import reports
+from flexsid.verification.report import report_verification
+from flexsid.verification.requirements import Measured, measure_requirements
+
+
+def test_the_installation_fulfils_all_requirements():
+    found = measure_requirements()
+    assert [one.requirement.id for one in found if not one.is_fulfilled] == []
+    assert "7 of 7 requirements" in report_verification(found).subtitle
+    wrong = replace(found[0].requirement, limit=-1.0)
+    report = report_verification([Measured(wrong, found[0].value), *found[1:]])
+    assert "Not fulfilled: V1" in report.subtitle
+    assert "not fulfilled" in reports.to_html(report, datetime.now(UTC))
