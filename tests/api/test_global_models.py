@@ -45,6 +45,9 @@ def test_a_global_model_is_requested_and_read(client: TestClient):
     assert client.get(f"{API}/figures/global-coverage?{query}").json()["data"]
     table = client.get(f"{API}/figures/global-slice?{query}&name=Cm_alpha&format=csv")
     assert "global model" in table.text
+    dave_ml = client.get(f"{API}/global-models/dave-ml?{query}")
+    assert dave_ml.headers["content-type"] == "application/xml"
+    assert dave_ml.content.count(b"<staticShot") == 10
     stored = client.post(
         f"{API}/global-models/predictions?{query}", json={"source": "flight", "condition": [450, 0]}
     )

@@ -78,6 +78,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("get_cross_predictions", "get_cross_validation_job", "get_cross_validation"),
         *("get_global_model_job", "get_global_model", "list_receivers", "list_streams"),
         *("get_stream", "get_stream_samples", "get_stream_history"),
+        *("get_global_model_job", "get_global_model", "get_global_model_dave_ml"),
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
     ),
     Permission.ANALYST: (

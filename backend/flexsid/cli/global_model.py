@@ -6,7 +6,7 @@ import argparse
 
 from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_result
+from flexsid.cli.output import print_result, write_file
 from flexsid.cli.runs import report_progress
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
@@ -14,6 +14,7 @@ from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.settings import Settings
+from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
@@ -33,6 +34,9 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
             name = arguments.store_prediction
             stored = store_global_prediction(store, result, name, arguments.condition)
             lines.append(f"prediction {stored.id}: {stored.source}, {stored.note}")
+    if arguments.dave_ml is not None:
+        write_file(arguments.dave_ml, write_dave_ml(result))
+        lines.append(f"wrote {arguments.dave_ml}")
     print_result(lines, summary, as_json=arguments.json)
     return 0
 

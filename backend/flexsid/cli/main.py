@@ -330,6 +330,8 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
         help="variables of the envelope; default: dynamic pressure and fuel",
     )
     option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
+    meaning = "write DAVE-ML with standard errors and check cases to a file"
+    option("--dave-ml", metavar="FILE", help=meaning)
     meaning = "store the derivatives at one condition as a prediction of this name"
     option("--store-prediction", metavar="NAME", help=meaning)
     meaning = "value of every variable, in SI; default: mean condition of the runs"

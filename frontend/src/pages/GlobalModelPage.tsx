@@ -1,6 +1,7 @@
 import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
+import { address } from "../api/client";
 import { useSaveGlobalPrediction } from "../api/commands";
 import { globalModelResult } from "../api/queries";
 import type { GlobalModelSummary } from "../api/types";
@@ -117,7 +118,7 @@ function Model({ model, query, view, onChange }: ModelProps) {
         </Section>
       )}
       <Slice model={model} query={query} view={view} onChange={onChange} />
-      <StorePrediction model={model} query={query} view={view} onChange={onChange} />
+      <PredictionAndExport model={model} query={query} view={view} onChange={onChange} />
       <Section
         title="Derivatives"
         note="At the mean condition of the runs; slopes averaged over the runs, drift in bold"
@@ -218,14 +219,14 @@ function Slice({ model, query, view, onChange }: ModelProps) {
   );
 }
 
-function StorePrediction({ model, query, view }: ModelProps) {
+function PredictionAndExport({ model, query, view }: ModelProps) {
   const [source, setSource] = useState("Global model");
   const save = useSaveGlobalPrediction();
   const condition = view.condition?.length === model.centre.length ? view.condition : model.centre;
   return (
     <Section
       title="Prediction from this model"
-      note="At the condition of the slice, over the flown fuel weights: for priors of runs, pre-flight simulation and comparison"
+      note="A prediction at the condition of the slice, over the flown fuel weights: for priors of runs, pre-flight simulation and comparison"
     >
       <form
         onSubmit={(event) => {
@@ -244,6 +245,14 @@ function StorePrediction({ model, query, view }: ModelProps) {
           />
           <Button type="submit" loading={save.isPending} data-testid="store-prediction">
             Store prediction
+          </Button>
+          <Button
+            component="a"
+            variant="default"
+            href={address("global-models/dave-ml", { ...query })}
+            download
+          >
+            Download DAVE-ML
           </Button>
         </Group>
       </form>

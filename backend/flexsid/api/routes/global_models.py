@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Response
 
 from flexsid.api.context import TheStore
 from flexsid.api.prediction_requests import SaveGlobalPredictionRequest
@@ -16,6 +16,7 @@ from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.text import count_noun
+from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
@@ -44,6 +45,18 @@ def get_global_model(store: TheStore, query: TheGlobalModelQuery) -> Json:
     The figures ``global-slice`` and ``global-coverage`` have its values over the envelope.
     """
     return Json(get_result(store, GLOBAL_MODEL, query).summary)
+
+
+@router.get(
+    "/dave-ml",
+    response_class=Response,
+    responses={200: {"content": {"application/xml": {"schema": {"type": "string"}}}}},
+)
+def get_global_model_dave_ml(store: TheStore, query: TheGlobalModelQuery) -> Response:
+    """Return the stored global model as DAVE-ML, with standard errors and check cases."""
+    content = write_dave_ml(get_result(store, GLOBAL_MODEL, query))
+    name = {"Content-Disposition": 'attachment; filename="flexsid-global-model.dml"'}
+    return Response(content, media_type="application/xml", headers=name)
 
 
 @router.post("/predictions", status_code=201)
