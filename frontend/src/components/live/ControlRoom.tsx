@@ -83,7 +83,12 @@ export function ControlRoom({
       </div>
       <div className="stack">
         <FlutterMargin estimate={estimate} next_m_s={props.next_m_s} />
-        <LiveModes states={states} modes={estimate?.modes ?? []} reason={state?.reason ?? ""} />
+        <LiveModes
+          states={states}
+          modes={estimate?.modes ?? []}
+          recent={estimate?.recent_modes ?? []}
+          reason={state?.reason ?? ""}
+        />
         <LiveDerivatives estimate={estimate} expected={props.expected} />
       </div>
     </div>

@@ -10,12 +10,14 @@ import { MODE_COLORS, TrackPlot } from "./TrackPlot";
 interface Props {
   states: readonly LiveState[];
   modes: readonly LiveMode[];
+  /** From the last seconds only, where a mode is lightly damped. */
+  recent: readonly LiveMode[];
   /** Why there is no new estimate; empty where there is one. */
   reason: string;
 }
 
 /** Frequency and damping of every mode: the last estimate in large digits, and all of them. */
-export function LiveModes({ states, modes, reason }: Props) {
+export function LiveModes({ states, modes, recent, reason }: Props) {
   const scheme = useComputedColorScheme("light");
   const damping = useMemo(() => trackModes(states, "damping"), [states]);
   const frequency = useMemo(() => trackModes(states, "frequency"), [states]);
@@ -60,6 +62,7 @@ export function LiveModes({ states, modes, reason }: Props) {
                     <td className="live-digits" data-negative={mode.damping < 0}>
                       {percent(mode.damping, 1)}
                       <Interval>{percentInterval(mode.damping_std)}</Interval>
+                      <Recent mode={recent.find((one) => one.name === mode.name)} />
                     </td>
                     <td className="live-digits">
                       {fixed(mode.frequency, 2)}
@@ -89,6 +92,16 @@ export function LiveModes({ states, modes, reason }: Props) {
         </>
       )}
     </Section>
+  );
+}
+
+/** Damping of a lightly damped mode in the last seconds: it may change within a maneuver. */
+function Recent({ mode }: { mode: LiveMode | undefined }) {
+  if (mode === undefined) return null;
+  return (
+    <div className="live-recent" data-negative={mode.damping < 0}>
+      last seconds {percent(mode.damping, 1)} ± {percentInterval(mode.damping_std)}
+    </div>
   );
 }
 
