@@ -41,7 +41,7 @@ def test_an_alarm_stays_until_it_is_acknowledged_by_name(page: Page, compared: l
     page.goto(f"/live?run={compared[0]}")
     page.get_by_test_id("option-speed").fill("10")
     page.get_by_test_id("add-limit").click()
-    page.get_by_label("Limits of").fill("q")
+    page.get_by_role("combobox", name="Limits of").fill("q")
     page.get_by_role("option", name="q", exact=True).click()
     page.get_by_label(re.compile("^Low")).fill("-0.001")
     page.get_by_label(re.compile("^High")).fill("0.001")
