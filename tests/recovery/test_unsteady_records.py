@@ -202,6 +202,8 @@ def test_held_out_frequencies_decide_between_aerodynamic_models(
         flutter *= 0.3048
         percent = 4.0 if name.endswith("gust") else 1.0
         assert with_shape.flutter_m_s == pytest.approx(flutter, rel=percent / 100.0)
+        assert with_shape.flutter_m_s is not None
+        assert with_shape.flutter_std_m_s is not None
         assert abs(with_shape.flutter_m_s - flutter) < 2.0 * with_shape.flutter_std_m_s
         assert steady.flutter_m_s is None or steady.flutter_m_s > 1.05 * flutter
     if band_hz is not None:
