@@ -30,7 +30,7 @@ from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.sensor_models import find_sensor_model, load_sensor_models
 from flexsid.sysid.model.sensors import Mounting
-from flexsid.workflow.runs.estimators import find_estimator, load_estimators
+from flexsid.workflow.fits.estimators import find_estimator, load_estimators
 
 TEMPLATE = Path(__file__).parents[2] / "examples" / "extension"
 TRUE = {"CZ_alpha": -5.6, "CZ_q": -8.0, "CZ_de": -0.45, "Cm_alpha": -1.3, "Cm_q": -25.0,
@@ -227,7 +227,7 @@ def test_a_reader_that_fails_names_its_package(install, tmp_path: Path) -> None:
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_an_estimator_of_a_package_computes_runs(install, flown: Store) -> None:
     module = (
-        "from flexsid.workflow.runs.estimators import Estimator, fit_regressions\n"
+        "from flexsid.workflow.fits.estimators import Estimator, fit_regressions\n"
         "def fit(task, report):\n"
         "    if task.settings.max_iterations == 1: raise ValueError('no iteration left')\n"
         "    return fit_regressions(task, report)\n"

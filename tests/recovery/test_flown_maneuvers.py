@@ -20,7 +20,7 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 
 PROJECT = Path(__file__).parents[2]

@@ -24,12 +24,12 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
+from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.measurements.reconstruction import (
     ReconstructionQuery,
     reconstruct,
     select_quantities,
 )
-from flexsid.workflow.runs.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
 from flexsid.workflow.views.response import compute_bode

@@ -13,17 +13,17 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.workflow.runs.computation import ComputedRun
-from flexsid.workflow.runs.equation_error_fit import (
+from flexsid.workflow.fits.computation import ComputedRun
+from flexsid.workflow.fits.equation_error_fit import (
     reconstruct_with_out_of_band_modes,
     warn_of_sensor_noise,
 )
-from flexsid.workflow.runs.estimation import compute_run, prepare
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.runs.estimation import compute_run, prepare
 
 PROJECT = Path(__file__).parents[2]
 FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"

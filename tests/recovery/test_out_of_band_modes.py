@@ -25,7 +25,7 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.run import AdequacyState, EstimationRun, Method, OutOfBandModes
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
 

@@ -17,7 +17,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
-from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.structure_determination.searches import compute_search, prepare_search
 

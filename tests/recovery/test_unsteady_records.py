@@ -31,9 +31,9 @@ from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_
 from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_crossing_error
 from flexsid.sysid.stability.flutter import track_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.workflow.runs.computation import ComputedRun
+from flexsid.workflow.fits.computation import ComputedRun
+from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.runs.estimation import compute_run, prepare
-from flexsid.workflow.runs.estimation_task import EstimationTask
 from flexsid.workflow.validation.aerodynamics_comparison import compare_tasks
 
 PROJECT = Path(__file__).parents[2]

@@ -14,9 +14,9 @@ from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.computation import compute_run
+from flexsid.workflow.fits.computation import compute_run
+from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.estimation_task import EstimationTask
 
 Ask = Callable[..., EstimationTask]
 

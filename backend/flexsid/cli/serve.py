@@ -29,7 +29,7 @@ from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.receivers import load_receivers
 from flexsid.sysid.model.sensor_models import load_sensor_models
-from flexsid.workflow.runs.estimators import load_estimators
+from flexsid.workflow.fits.estimators import load_estimators
 
 _GRACE_S = 1
 _IDLE_S = 75  # longer than clients with a pool of connections leave them idle

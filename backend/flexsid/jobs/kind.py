@@ -14,7 +14,7 @@ from flexsid.records.run import RunState
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, encode
 from flexsid.storage.store import Store
-from flexsid.workflow.runs.software_versions import METHODS, read_versions
+from flexsid.workflow.fits.software_versions import METHODS, read_versions
 
 Request = TypeVar("Request")
 Result = TypeVar("Result")

@@ -25,8 +25,8 @@ from flexsid.workflow.comparison.derivative_comparison import (
     list_coefficients,
     select_coefficient,
 )
+from flexsid.workflow.fits.estimators import find_estimator
 from flexsid.workflow.model_structures.run_results import describe_data_changes
-from flexsid.workflow.runs.estimators import find_estimator
 
 _ABREAST = 6  # sources in one table, by page width
 

@@ -25,8 +25,8 @@ from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
+from flexsid.workflow.fits.estimators import find_estimator
 from flexsid.workflow.model_structures.run_results import describe_data_changes
-from flexsid.workflow.runs.estimators import find_estimator
 from flexsid.workflow.views.run import read_finished_run
 
 _MOST_TESTS = 20  # of a table in a report

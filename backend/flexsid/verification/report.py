@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from flexsid.reports.content import Facts, Report, ReportTable, Section, Words
 from flexsid.verification.requirements import Measured
-from flexsid.workflow.runs.software_versions import read_versions
+from flexsid.workflow.fits.software_versions import read_versions
 
 
 def report_verification(found: Sequence[Measured]) -> Report:

@@ -100,9 +100,9 @@ def optimise_powers(
     -----
     The criteria are convex in the powers. At the optimum d_k = (multipliers @ usage)_k for every
     harmonic in use, with d_k the decrease of the criterion per power. Powers are multiplied by the
-    root of the ratio of both sides (Silvey, Titterington, Torsney, Communications in Statistics A7, 1978),
-    multipliers by the root of the share of their limit in use. The distance to the optimum is
-    bounded by a linear program: a convex function is nowhere below its tangent.
+    root of the ratio of both sides, multipliers by the root of the share of their limit in use. The
+    distance to the optimum is bounded by a linear program: a convex function is nowhere below its
+    tangent. Source: Silvey, Titterington and Torsney 1978, Communications in Statistics A7.
     """
     if not np.all(usage.max(axis=0) > 0.0):
         raise BadInput(

@@ -39,9 +39,9 @@ from flexsid.workflow.excitation.excitation_designs import (
     check_amplitudes,
     check_evaluation,
 )
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.runs.identified_models import build_identified_model
 from flexsid.workflow.runs.run_identity import list_run_contents
 

@@ -18,14 +18,14 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.stability.prediction import StiffnessError
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
-from flexsid.workflow.measurements.recording import list_command_names
-from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
-from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.measurements.recording import list_command_names
+from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
+from flexsid.workflow.runs.estimation import prepare
 
 FRAME_S = 0.05
 """Length of a frame: transforms are updated as often. [s]"""

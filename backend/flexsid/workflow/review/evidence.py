@@ -12,8 +12,8 @@ from flexsid.errors import UnknownRecord
 from flexsid.records.decision import StructureProposal
 from flexsid.storage.event_chain import hash_value
 from flexsid.storage.store import Store
+from flexsid.workflow.fits.software_versions import read_versions
 from flexsid.workflow.model_structures.model_structures import get_version
-from flexsid.workflow.runs.software_versions import read_versions
 
 GONE = "gone"
 """Value in place of the hash for deleted records."""

@@ -15,8 +15,8 @@ from flexsid.storage import queue
 from flexsid.storage.derived_runs import find_equal_run
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.computation import ComputedRun, compute_run
 from flexsid.workflow.runs.estimation import prepare, store_result
 from flexsid.workflow.runs.run_identity import add_hashes
 

@@ -65,6 +65,14 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_prediction,
     select_shaped_prediction,
 )
+from flexsid.workflow.fits.computation import ComputedRun, compute_run
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
+from flexsid.workflow.fits.nuisance_parameters import ComputedRetainedModes
+from flexsid.workflow.fits.run_warnings import (
+    check_extras,
+    list_request_warnings,
+    warn_of_unknown_modes,
+)
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import select_frequencies
@@ -74,20 +82,12 @@ from flexsid.workflow.modal_data.modal_tables import (
     select_out_of_band_modes,
 )
 from flexsid.workflow.model_structures.model_structures import resolve_structure
-from flexsid.workflow.runs.computation import ComputedRun, compute_run
-from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverTask
-from flexsid.workflow.runs.nuisance_parameters import ComputedRetainedModes
 from flexsid.workflow.runs.retained_modes import (
     extend_table,
     select_nuisance,
     select_widest_prediction,
 )
 from flexsid.workflow.runs.run_identity import hash_provenance
-from flexsid.workflow.runs.run_warnings import (
-    check_extras,
-    list_request_warnings,
-    warn_of_unknown_modes,
-)
 from flexsid.workflow.runs.starts import (
     build_predicted_tables,
     collect_priors,

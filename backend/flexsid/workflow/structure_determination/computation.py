@@ -56,17 +56,17 @@ from flexsid.sysid.structure_determination.selection import (
     summarise_selection,
 )
 from flexsid.sysid.structure_determination.validation import cross_validate
-from flexsid.workflow.runs.equation_error_fit import (
+from flexsid.workflow.fits.equation_error_fit import (
     reconstruct_with_out_of_band_modes,
     warn_of_sensor_noise,
 )
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     Report,
     get_first_start,
     select_free_parameters,
 )
-from flexsid.workflow.runs.likelihood_fit import build_experiments, maximize_from_starts
+from flexsid.workflow.fits.likelihood_fit import build_experiments, maximize_from_starts
 
 _FLUTTER_BAND = (0.35, 2.0)  # of the fastest maneuver
 

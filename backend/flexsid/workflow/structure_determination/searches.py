@@ -17,13 +17,13 @@ from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.structure_determination.selection import Thresholds
+from flexsid.workflow.fits.estimation_task import EstimationTask
+from flexsid.workflow.fits.software_versions import read_versions
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.estimation import prepare as prepare_run
-from flexsid.workflow.runs.estimation_task import EstimationTask
 from flexsid.workflow.runs.run_identity import add_hashes
-from flexsid.workflow.runs.software_versions import read_versions
 from flexsid.workflow.structure_determination.computation import SearchTask, compute_search
 
 __all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_search"]

@@ -38,16 +38,16 @@ from flexsid.sysid.stability.prediction import FlutterPrediction, IdentifiedMode
 from flexsid.sysid.stability.speeds import Aeroelastic
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
-from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.estimation_task import EstimationTask, Report
-from flexsid.workflow.runs.estimators import complete_likelihood_fit
-from flexsid.workflow.runs.likelihood_fit import (
+from flexsid.workflow.fits.estimation_task import EstimationTask, Report
+from flexsid.workflow.fits.estimators import complete_likelihood_fit
+from flexsid.workflow.fits.likelihood_fit import (
     build_experiments,
     maximize_from_starts,
     refit_with_leakage_correction,
     refit_with_spread,
 )
+from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.validation.cross_validation import select_frequencies
 

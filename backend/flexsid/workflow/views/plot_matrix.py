@@ -16,9 +16,9 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.spectra.collinearity import assess_collinearity
 from flexsid.workflow.aircraft.axes import find_body
+from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.runs.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.views.channels import (
     find_sampling,

@@ -15,8 +15,8 @@ from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.measurements.recording import MeasuredSpectra
-from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
 
 _MAX_SCALE_STD = 0.005  # standard deviation of the sensors' scale factors that raises a warning
 

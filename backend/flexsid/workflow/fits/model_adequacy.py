@@ -21,8 +21,8 @@ from flexsid.sysid.estimation.model_tests import (
 )
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.runs.equation_error_fit import reconstruct_with_out_of_band_modes
-from flexsid.workflow.runs.estimation_task import EstimationTask, ManeuverData
+from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
 
 _MOST_REASONS = 2
 

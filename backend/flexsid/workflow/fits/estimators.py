@@ -27,15 +27,15 @@ from flexsid.sysid.estimation.weighted_fit import (
     weight_by_noise_spectrum,
     widen_by_change,
 )
-from flexsid.workflow.runs.equation_error_fit import fit_equation_error
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.equation_error_fit import fit_equation_error
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     Report,
     compute_poles,
     get_first_start,
     select_free_parameters,
 )
-from flexsid.workflow.runs.likelihood_fit import (
+from flexsid.workflow.fits.likelihood_fit import (
     PROGRESS_BEFORE_WEIGHTING,
     build_experiments,
     build_fit_settings,
@@ -44,11 +44,11 @@ from flexsid.workflow.runs.likelihood_fit import (
     refit_with_leakage_correction,
     refit_with_spread,
 )
-from flexsid.workflow.runs.model_adequacy import assess_model_adequacy
-from flexsid.workflow.runs.nuisance_parameters import (
+from flexsid.workflow.fits.model_adequacy import assess_model_adequacy
+from flexsid.workflow.fits.nuisance_parameters import (
     refit_until_consistent,
 )
-from flexsid.workflow.runs.run_warnings import (
+from flexsid.workflow.fits.run_warnings import (
     warn_of_interpolation,
 )
 

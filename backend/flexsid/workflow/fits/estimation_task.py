@@ -16,8 +16,8 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
+from flexsid.workflow.fits.out_of_band_modes import find_moved_poles
 from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
-from flexsid.workflow.runs.out_of_band_modes import find_moved_poles
 
 Report = Callable[[Progress], None]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, compute_noise_share, estimate_spread
-from flexsid.workflow.runs.estimation_task import EstimationTask
+from flexsid.workflow.fits.estimation_task import EstimationTask
 
 _SPREAD_ROUNDS = 3
 _SPREAD_CONVERGED = 0.1  # relative change of the spread of the nuisance prior

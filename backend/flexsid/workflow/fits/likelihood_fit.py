@@ -18,13 +18,13 @@ from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     Report,
     compute_poles,
     select_moved_poles,
 )
-from flexsid.workflow.runs.starting_values import collect_starting_points
+from flexsid.workflow.fits.starting_values import collect_starting_points
 
 _PROGRESS_BEFORE_REFITS = 0.9  # progress when fits from perturbed starts or new priors remain
 _PROGRESS_BEFORE_LEAKAGE = 0.95  # progress when the leakage correction and weighting remain

@@ -10,18 +10,18 @@ from flexsid.records.run import ModelAdequacy, Provenance
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.stability.poles import NamedPole
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     Report,
     compute_poles,
     select_moved_poles,
 )
-from flexsid.workflow.runs.estimators import find_estimator
-from flexsid.workflow.runs.nuisance_parameters import (
+from flexsid.workflow.fits.estimators import find_estimator
+from flexsid.workflow.fits.nuisance_parameters import (
     ComputedRetainedModes,
     marginalise,
 )
-from flexsid.workflow.runs.run_warnings import (
+from flexsid.workflow.fits.run_warnings import (
     list_result_warnings,
     warn_of_lag,
     warn_of_limits,
@@ -30,7 +30,7 @@ from flexsid.workflow.runs.run_warnings import (
     warn_of_priors,
     warn_of_reversed_surfaces,
 )
-from flexsid.workflow.runs.software_versions import read_versions
+from flexsid.workflow.fits.software_versions import read_versions
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,14 +12,14 @@ from flexsid.sysid.estimation.delays import estimate_delays
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.workflow.runs.equation_error_fit import fit_equation_error
-from flexsid.workflow.runs.estimation_task import (
+from flexsid.workflow.fits.equation_error_fit import fit_equation_error
+from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     Report,
     get_first_start,
     select_free_parameters,
 )
-from flexsid.workflow.runs.out_of_band_modes import regularise_start
+from flexsid.workflow.fits.out_of_band_modes import regularise_start
 
 EQUATION_ERROR = "equation error"
 

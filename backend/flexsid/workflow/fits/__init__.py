@@ -1,0 +1,1 @@
+"""Fits: what is computed from the task of a run, without a database."""
