@@ -173,6 +173,7 @@ _BODIES: dict[str, Any] = {
     "add_conditioning": {"items": [{"channel": "q", "kind": "delay", "delay_s": 0.004}]},
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
+    "save_global_prediction": {"source": "Global model of flights 1 to 3", "condition": [420.0]},
     "add_aircraft": {"text": AIRCRAFT_DEFINITION},
     "replace_aircraft": {"text": AIRCRAFT_DEFINITION},
     "set_thrust": {
@@ -443,6 +444,9 @@ _AERODYNAMICS_FIT = {
     "flutter_std_m_s": 0.33,
     "flutter": "Flutter of the short period with SW1B at 63.87 ± 0.66 m/s, 16.95 rad/s.",
 }
+# Routes that respond as another one, whose example is recorded.
+_SAME_RESPONSE = {"replace_aircraft": "add_aircraft"}
+
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     **live_examples.RESPONSES,
@@ -587,7 +591,7 @@ def _add_response_examples(operation: dict[str, Any], examples: dict[str, Any]) 
             example = _TEXTS.get(kind)
             if kind == "application/json":
                 name = operation["operationId"]
-                example = _NOT_RECORDED.get(name, examples.get(name))
+                example = _NOT_RECORDED.get(name, examples.get(_SAME_RESPONSE.get(name, name)))
             if example is not None:
                 content["example"] = example
 
