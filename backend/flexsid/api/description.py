@@ -590,7 +590,7 @@ def _add_response_examples(operation: dict[str, Any], examples: dict[str, Any]) 
         for kind, content in response.get("content", {}).items():
             example = _TEXTS.get(kind)
             if kind == "application/json":
-                name = operation["operationId"]
+                name: str = operation["operationId"]
                 example = _NOT_RECORDED.get(name, examples.get(_SAME_RESPONSE.get(name, name)))
             if example is not None:
                 content["example"] = example
