@@ -7,7 +7,7 @@ import shutil
 import signal
 import socket
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -286,10 +286,9 @@ def test_invalid_streams_are_refused(store, streams):
 def test_receivers_of_other_packages_are_loaded(monkeypatch):
     own = replace(load_receivers()["push"], name="own")
 
-    class Entry:
-        load: Callable[[], Any] = staticmethod(lambda: own)
-
-    monkeypatch.setattr("flexsid.streams.receivers.entry_points", lambda group: [Entry])
+    monkeypatch.setattr(
+        "flexsid.streams.receivers.load_extensions", lambda group, kind: [("own", "package 1", own)]
+    )
     load_receivers.cache_clear()
     assert list(load_receivers()) == ["replay", "push", "udp", "tcp", "own"]
     monkeypatch.undo()

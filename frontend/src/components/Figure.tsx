@@ -111,7 +111,13 @@ export function Figure({ kind, params, title, height, revision, window, ...event
       )}
       {figure.isError && <Undrawn error={figure.error} onRetry={() => void figure.refetch()} />}
       {spec === undefined && !figure.isError && (
-        <Skeleton height={tall} radius="sm" aria-label="Loading figure" aria-busy="true" />
+        <Skeleton
+          height={tall}
+          radius="sm"
+          role="status"
+          aria-label="Loading figure"
+          aria-busy="true"
+        />
       )}
       {spec !== undefined && (
         <FigureBoundary attempt={spec}>

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -23,6 +24,7 @@ UNIT = "rad"
 """Unit of the samples; that of a throttle is its full range."""
 
 _THROTTLE = "throttle"
+_NOT_PLAIN = re.compile(r"[^\w .+-]")
 _TESTED = 5  # samples of the self-test, at equal distances over the period
 
 
@@ -66,7 +68,7 @@ def to_csv(multisine: Multisine, rate_hz: float) -> str:
         check.crc32,
         strict=True,
     ):
-        safe = "".join(one if one.isprintable() else " " for one in name)
+        safe = _NOT_PLAIN.sub(" ", name)  # a spreadsheet splits comments at commas as well
         text.write(f"# column {number + 1}: {safe} [{unit}], CRC-32 of float32 {checksum:08x}\n")
     text.write(f"# self-test: samples {' '.join(map(str, check.indices))} of {len(samples)}\n")
     rows.writerow(("t_s", *map(escape_spreadsheet_cell, multisine.inputs)))
