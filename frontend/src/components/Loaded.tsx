@@ -29,7 +29,7 @@ export function Loaded<T>({ query, rows = 4, page, children }: Props<T>) {
   return (
     <>
       {head}
-      <Stack gap="xs" aria-busy="true" aria-label="Loading">
+      <Stack gap="xs" role="status" aria-busy="true" aria-label="Loading">
         {Array.from({ length: rows }, (_, row) => (
           <Skeleton key={row} height={22} radius="sm" />
         ))}
