@@ -174,7 +174,7 @@ def print_alarm_delay(store: Store, stream: LiveStream) -> None:
     watcher.start()
     sent: dict[str, float] = {}
     for frame in pace(frames[: 2 * len(names)], FRAME_S, 1.0):
-        name = names[frame.number // 2]
+        name = names[(frame.number - 1) // 2]  # the first frame started the stream
         if name not in sent:
             for group, samples in zip(task.header.groups, frame.samples, strict=True):
                 for column, channel in enumerate(group):

@@ -16,6 +16,8 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
+_MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6, those that alternate between
+# numbers of directions gain nothing by more, and the next second must not wait for them
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +98,11 @@ def fit_growing_record(
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
     near = maximize([experiment], whole, replace(settings, max_iterations=_APPROACH))
     found = weight_by_noise_spectrum(
-        [experiment], whole, replace(near, outcome=Outcome.CONVERGED), settings
+        [experiment],
+        whole,
+        replace(near, outcome=Outcome.CONVERGED),
+        settings,
+        max_rounds=_MAX_ROUNDS,
     )
     if found.noise is None or not found.noise.converged or found.values is near.values:
         found = maximize([experiment], replace(whole, start=near.values), settings)

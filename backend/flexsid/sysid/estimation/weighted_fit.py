@@ -30,8 +30,9 @@ from flexsid.sysid.estimation.parameters import Parameters
 
 _COVERED = 0.9  # share of the source's frequencies between the outermost ones that have a
 # response; less: inputs are omitted
-_ROUNDS = 20  # noise spectra in sequence
-_STEPS = 3  # of Gauss-Newton with one noise spectrum
+ROUNDS = 20  # noise spectra in sequence
+_STEPS = 3  # of Gauss-Newton with one noise spectrum, at most
+_SMALL = 0.005  # change by a step, in standard errors, after which no other follows
 _CONVERGED = 0.05  # largest change by a round, in standard errors
 _SETTLED = 0.3  # the same after the last round: the number of directions may alternate
 _ROUNDING = 1e-6  # of a parameter
@@ -77,6 +78,7 @@ def weight_by_noise_spectrum(
     estimate: Estimate,
     settings: FitSettings,
     report: Callable[[int], None] = lambda iteration: None,
+    max_rounds: int = ROUNDS,
 ) -> Estimate:
     """Estimate again with weights from the noise spectrum of each maneuver.
 
@@ -86,6 +88,8 @@ def weight_by_noise_spectrum(
         A finished fit.
     report
         Called with the number of each noise spectrum, from 1; an exception ends the fit.
+    max_rounds
+        Largest number of noise spectra in sequence.
 
     Returns
     -------
@@ -114,7 +118,7 @@ def weight_by_noise_spectrum(
     spectra: list[tuple[NoiseSpectrum, SpectralMatrix]] = []
     mean, prior = build_prior(parameters, settings.priors)
     theta = estimate.values
-    for number in range(1, _ROUNDS + 1):
+    for number in range(1, max_rounds + 1):
         report(number)
         try:
             noises = [one.estimate_noise(theta) for one in maneuvers]
@@ -124,18 +128,18 @@ def weight_by_noise_spectrum(
             return fallback
         spectra = [found for found in noises if found is not None]
         weights = [W for _, W in spectra]
-        before, N = theta, np.diag(prior)
+        before, error = theta, np.ones_like(theta)
         for _ in range(_STEPS):
             N, g = _expand(maneuvers, weights, theta, mean, prior)
             step = _solve(N, g)
-            if step is None:
+            bounds = None if step is None else _compute_bounds(N)
+            if step is None or bounds is None or not np.isfinite(step).all():
                 return failed
             theta = theta + step
-        error = _compute_bounds(N)
-        if error is None or not np.isfinite(theta).all():
-            return failed
-        # Standard errors of data without noise are smaller than the changes by rounding.
-        error = np.maximum(error, _ROUNDING * np.abs(theta))
+            # Standard errors of data without noise are smaller than the changes by rounding.
+            error = np.maximum(bounds, _ROUNDING * np.abs(theta))
+            if np.max(np.abs(step) / error) < _SMALL:
+                break
         change = float(np.max(np.abs(theta - before) / error))
         if change < _CONVERGED:
             break
