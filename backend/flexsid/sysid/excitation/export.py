@@ -12,6 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+import orjson
 from jaxtyping import Float, Int
 from scipy import io as matlab
 
@@ -25,6 +26,7 @@ UNIT = "rad"
 
 _THROTTLE = "throttle"
 _NOT_PLAIN = re.compile(r"[^\w .+-]")
+_PER_LINE = 6  # numbers of a table
 _TESTED = 5  # samples of the self-test, at equal distances over the period
 
 
@@ -72,10 +74,16 @@ def to_csv(multisine: Multisine, rate_hz: float) -> str:
         text.write(f"# column {number + 1}: {safe} [{unit}], CRC-32 of float32 {checksum:08x}\n")
     text.write(f"# self-test: samples {' '.join(map(str, check.indices))} of {len(samples)}\n")
     rows.writerow(("t_s", *map(escape_spreadsheet_cell, multisine.inputs)))
-    rows.writerows(
-        [f"{index / rate_hz:.9g}", *map(repr, row.tolist())] for index, row in enumerate(samples)
-    )
+    times = np.round(np.arange(len(samples)) / rate_hz, 9)
+    text.write(_write_rows(np.column_stack([times, samples])))
     return text.getvalue()
+
+
+def _write_rows(values: Float[np.ndarray, "n_rows n_columns"]) -> str:
+    """Write the shortest decimal numbers that give the same values."""
+    # A JSON writer prints them tens of times faster than the interpreter.
+    content = orjson.dumps(np.ascontiguousarray(values), option=orjson.OPT_SERIALIZE_NUMPY)
+    return content[2:-2].replace(b"],[", b"\n").decode() + "\n"
 
 
 def to_matlab(multisine: Multisine, rate_hz: float) -> bytes:
@@ -139,9 +147,12 @@ def to_c_header(multisine: Multisine, rate_hz: float) -> str:
 
 def _write_table(name: str, size: str, column: Float[np.ndarray, " n"]) -> str:
     # Rounded to floats before they are printed: twice rounded, some would differ in the last bit.
-    values = [f"{value:.9e}f" for value in column.astype("<f4").tolist()]
-    lines = [", ".join(values[start : start + 6]) for start in range(0, len(values), 6)]
-    body = ",\n  ".join(lines)
+    values = column.astype("<f4")
+    full = values.size - values.size % _PER_LINE
+    lines = _write_rows(values[:full].reshape(-1, _PER_LINE)) if full else ""
+    if full < values.size:
+        lines += _write_rows(values[None, full:])
+    body = lines.rstrip("\n").replace(",", "f, ").replace("\n", "f,\n  ") + "f"
     return f"static const float excitation_{name}[{size}] = {{\n  {body}\n}};"
 
 
