@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
 from flexsid.importers import sandbox
 from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data, inspect_modal_data
+from flexsid.records.modal_data import ModalKind
 
 OPTIONS = ModalDataOptions(name="wing", length_unit="m", generalized_mass="unknown")
 DECK = "".join(f"GRID,{n},,{n}.,0.,0.\n" for n in (1, 2, 3))
@@ -82,6 +85,20 @@ def test_contradictory_files_are_rejected(tmp_path, files, message):
     read = sources(tmp_path, a_bdf=DECK, results_f06=printout(), **files)
     with pytest.raises(BadInput, match=message):
         extract_modal_data(read, OPTIONS)
+
+
+def test_files_of_a_vibration_test_with_one_mode_each_are_combined(tmp_path):
+    test = replace(OPTIONS, kind=ModalKind.GVT)
+    files = {"b_f06": printout(400.0, value=2.0), "c_f06": printout(100.0)}
+    raw = extract_modal_data(sources(tmp_path, a_bdf=DECK, **files), test)
+    assert raw.omega.ravel() == pytest.approx([10.0, 20.0])
+    assert raw.numbers == (1, 2)
+    assert np.abs(raw.shape[0, :, 0, 0]) == pytest.approx([1.0, 2.0])
+    assert any("numbered by frequency" in note for note in raw.notes)
+    with pytest.raises(BadInput, match="has other nodes than that of c"):
+        extract_modal_data(
+            sources(tmp_path, a_bdf=DECK, c_f06=printout(), d_f06=printout(400.0, (1, 2))), test
+        )
 
 
 def test_node_repeated_at_one_location_is_one_node(tmp_path):

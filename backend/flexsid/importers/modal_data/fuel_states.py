@@ -12,11 +12,13 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_data.nodes import check_finite, join_frames
 from flexsid.importers.modal_data.options import ModalDataOptions
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.records.modal_data import ModalKind
 from flexsid.sysid.modes.assurance import compute_real_shapes
 
 RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05  # rad/s: modes below it are rigid-body modes
 _COLLINEAR = 0.9
 _SAME_FREQUENCY = 1e-3  # relative: one mode in two files
+_OF_ONE_MODE = ("shape/radians", "shape/values", "shape/damping", "shape/mass")
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -47,9 +49,14 @@ def join_modes(
         for source in sources.items
         if source.name not in others and options.fuel.get(source.name, fuel) == fuel
     ]
-    best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
+    if options.kind is ModalKind.GVT and _hold_one_mode_each(results):
+        best = _combine_single_modes(results)
+        usable = [best, *(source for source in usable if source not in results)]
+        notes = [f"Each of {len(results)} files holds one mode; they are numbered by frequency."]
+    else:
+        best = max(results, key=lambda source: (source.name.lower().endswith(".op2"), 0))
+        notes = _check_same_modes(best, results, fuel)
     found = best.arrays
-    notes = _check_same_modes(best, results, fuel)
     frames, ids, places = join_frames([*results, *(s for s in usable if s not in results)])
     numbers, values, node = (found[f"shape/{name}"] for name in ("number", "values", "node"))
     for name in ("values", "imaginary", "radians", "damping", "mass"):
@@ -101,6 +108,47 @@ def join_modes(
         shape=values[selected],
         notes=notes,
     )
+
+
+def _hold_one_mode_each(results: Sequence[SourceFile]) -> bool:
+    """Return whether the files are those of a test that exports one file per mode."""
+    if len(results) < 2 or any(source.arrays["shape/number"].size != 1 for source in results):
+        return False
+    omega = np.sort([float(source.arrays["shape/radians"][0]) for source in results])
+    return not _agree(omega[1:], omega[:-1]).any()
+
+
+def _combine_single_modes(results: Sequence[SourceFile]) -> SourceFile:
+    """Combine files of one mode each, in the order of their frequencies.
+
+    What is not given of every mode is not given of any: an unknown damping is not zero.
+    """
+    ordered = sorted(results, key=lambda source: float(source.arrays["shape/radians"][0]))
+    first = ordered[0]
+    for other in ordered[1:]:
+        if not np.array_equal(other.arrays["shape/node"], first.arrays["shape/node"]):
+            raise BadInput(
+                f"the shape of {other.name} has other nodes than that of {first.name}; export "
+                "every mode at the same nodes",
+                code="other-nodes",
+            )
+    values = {name: [source.arrays.get(name) for source in ordered] for name in _OF_ONE_MODE}
+    values["shape/imaginary"] = [
+        source.arrays.get("shape/imaginary", np.zeros_like(source.arrays["shape/values"]))
+        for source in ordered
+    ]
+    arrays = {
+        name: np.concatenate([one for one in parts if one is not None])
+        for name, parts in values.items()
+        if all(one is not None for one in parts)
+    }
+    if not arrays["shape/imaginary"].any():
+        del arrays["shape/imaginary"]
+    if all("shape/basic" in source.arrays for source in ordered):
+        arrays["shape/basic"] = first.arrays["shape/basic"]
+    arrays["shape/node"] = first.arrays["shape/node"]
+    arrays["shape/number"] = np.arange(1, len(ordered) + 1)
+    return SourceFile(name=", ".join(s.name for s in ordered), sha256="", arrays=arrays)
 
 
 def _check_same_modes(best: SourceFile, results: Sequence[SourceFile], fuel: float) -> list[str]:
