@@ -15,6 +15,7 @@ from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
 from flexsid.jobs.inline import execute_request, execute_run
 from flexsid.jobs.kinds import FLUTTER, RUN
+from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.reports import (
@@ -23,12 +24,15 @@ from flexsid.reports import (
     campaign_report,
     comparison_report,
     read_template,
+    run_card,
     run_report,
     to_html,
     to_pdf,
 )
 from flexsid.reports.content import Drawing, ReportTable, Section, Words, draw, estimate, number
+from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.excitation.excitation_designs import specify_design
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
 
 NOW = datetime(2026, 3, 1, 12, 30, tzinfo=UTC)
@@ -205,3 +209,24 @@ def test_a_report_is_printed_where_there_is_a_browser(monkeypatch) -> None:
     monkeypatch.setenv("PATH", "")
     with pytest.raises(Conflict, match="open the HTML report"):
         to_pdf("<p>")
+
+
+def test_the_run_card_of_all_surfaces_is_one_page(tmp_path: Path) -> None:
+    if shutil.which("chromium") is None:
+        pytest.skip("there is no Chromium here")
+    specification = specify_design(556, 24.0, 100.0, 6, (0.01, 0.02, 0.04), "quick")
+    names = [each.name for each in specification.inputs]
+    design = ExcitationDesign(
+        name="FTA 556",
+        specification=specification,
+        phases={each.name: (0.0,) * len(each.harmonics) for each in specification.inputs},
+        peak_factors=dict.fromkeys(names, 1.1),
+        fta=556,
+    )
+    url = f"sqlite:///{tmp_path / 'designs.db'}"
+    upgrade(url)
+    store = Store.open(url)
+    card = run_card(store, store.designs.add(design).id or 0, 1)
+    store.close()
+    assert len(names) == 10
+    assert to_pdf(to_html(card, NOW)).count(b"/Type /Page\n") == 1

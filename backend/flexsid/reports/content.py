@@ -59,13 +59,17 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """A report; ``provenance`` lists data, settings and software."""
+    """A report; ``provenance`` lists data, settings and software.
+
+    A ``single_page`` is printed with narrow spaces.
+    """
 
     title: str
     subtitle: str
     name: str  # of its file, without ending
     sections: tuple[Section, ...]
     provenance: tuple[tuple[str, str], ...]
+    single_page: bool = False
 
 
 def draw(caption: str, store: Store, figure: str, /, **arguments: Any) -> Part:

@@ -24,6 +24,14 @@ from flexsid.reports.content import (
 )
 
 _NEEDED = frozenset({"title", "style", "body", "script"})
+_SINGLE_PAGE = """@media print {
+  h1 { font-size: 1.4rem; }
+  h2 { margin: 0.7rem 0 0.3rem; font-size: 1.05rem; }
+  p, dl, table { margin: 0.1rem 0; }
+  dl { grid-template-columns: repeat(2, max-content 1fr); }
+  figure { margin: 0.2rem 0; }
+}
+"""
 _NUMBER = ' class="number"'
 _NAME = ' class="name"'
 _OFFERED = _NEEDED | {"subtitle", "contents", "provenance", "made_at", "version"}
@@ -70,11 +78,12 @@ def to_html(report: Report, made_at: datetime, template: str | None = None) -> s
         Of :func:`read_template`; the built-in one by default.
     """
     sections = [*report.sections, Section("Provenance", (Facts(report.provenance),))]
+    style = _read_resource("report.css") + (_SINGLE_PAGE if report.single_page else "")
     script = f"<script>{_plotly()}</script>\n<script>{_read_resource('report.js')}</script>"
     return Template(built_in_template() if template is None else template).substitute(
         title=escape(report.title),
         subtitle=escape(report.subtitle),
-        style=f"<style>{_read_resource('report.css')}</style>",
+        style=f"<style>{style}</style>",
         contents="".join(
             f'<li><a href="#{_anchor(section)}">{escape(section.title)}</a></li>'
             for section in sections

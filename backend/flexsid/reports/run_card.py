@@ -23,7 +23,8 @@ from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.target_modes import find_band
 
 _LEVELS = ("low", "medium", "high")
-_HEIGHT_PX = 260  # of the figure, so that the card is short
+_HEIGHT_PX = 300  # of the figure, at most: the card is one page
+_ROW_PX = 54  # of the figure per input
 _STEPS = (
     "Compare the checksums with those of the flight computer; load this amplitude only.",
     "Trim, hands off, at the condition of the test point; hold for 2 s before the start.",
@@ -61,19 +62,25 @@ def run_card(store: Store, design_id: int, level: int) -> Report:
         sections=(
             Section("Maneuver", (Facts(facts), _tabulate_inputs(design, multisine))),
             Section("Conduct", steps),
-            Section("Commands", (_draw_commands(store, design_id, level),)),
+            Section("Commands", (_draw_commands(store, design_id, level, len(multisine.inputs)),)),
         ),
         provenance=(("Design", f"{design_id}, of {moment(design.created_at)}"),),
+        single_page=True,
     )
 
 
-def _draw_commands(store: Store, design_id: int, level: int) -> Part:
-    """Draw the commands so high that the card is short."""
-    caption = "Commands over one period"
+def _draw_commands(store: Store, design_id: int, level: int, n_inputs: int) -> Part:
+    """Draw the commands so high that the card is one page."""
+    caption = "Commands over one period; units as in the table"
     found = draw(caption, store, "design-history", design_id=design_id, level=level)
     if not isinstance(found, Drawing):
         return found
-    layout = {**found.spec["layout"], "height": _HEIGHT_PX}
+    layout = {**found.spec["layout"], "height": min(_HEIGHT_PX, (n_inputs + 1) * _ROW_PX)}
+    for name in [key for key in layout if key.startswith("yaxis")]:
+        title = layout[name].get("title", {})
+        # Rows are lower than a name with its unit is long.
+        short = {**title, "text": title.get("text", "").partition(" [")[0]}
+        layout[name] = {**layout[name], "title": short}
     return Drawing({**found.spec, "layout": layout}, caption)
 
 

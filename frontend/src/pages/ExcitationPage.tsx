@@ -150,6 +150,24 @@ export function ExcitationPage() {
 
   const columns: Column<CatalogueRow>[] = [
     { key: "fta", header: "FTA", render: (row) => `${row.number}–${row.number + 2}` },
+    {
+      key: "make",
+      header: "",
+      render: (row) => (
+        <Button
+          variant="default"
+          size="compact-xs"
+          loading={making === row.number}
+          disabled={search.isPending}
+          aria-label={`Design FTA ${row.number}`}
+          onClick={() => {
+            make(fromRow(row));
+          }}
+        >
+          Design
+        </Button>
+      ),
+    },
     { key: "axis", header: "Surfaces", render: (row) => `${row.surfaces} ${row.axis}` },
     { key: "duration", header: "Duration", render: (row) => (row.periods === 1 ? "T" : "4T") },
     {
@@ -193,25 +211,10 @@ export function ExcitationPage() {
       header: "Least duration",
       unit: "s",
       numeric: true,
-      render: (row) => fixed(targetsOf(row)?.least_duration_s ?? null, 0),
-    },
-    {
-      key: "make",
-      header: "",
-      render: (row) => (
-        <Button
-          variant="default"
-          size="compact-xs"
-          loading={making === row.number}
-          disabled={search.isPending}
-          aria-label={`Design FTA ${row.number}`}
-          onClick={() => {
-            make(fromRow(row));
-          }}
-        >
-          Design
-        </Button>
-      ),
+      render: (row) => {
+        const least = targetsOf(row)?.least_duration_s;
+        return least === undefined || least === 0 ? "" : fixed(least, 0);
+      },
     },
   ];
 
