@@ -261,6 +261,7 @@ export const RUN_TABS = [
   "parameters",
   "fit",
   "residuals",
+  "sensors",
   "time",
   "correlation",
   "poles",

@@ -158,11 +158,13 @@ def test_a_delay_of_10_ms_in_one_sensor_is_found(make_case):
         one = next(t for t in found if (t.hypothesis, t.subject) == (Hypothesis.OUTPUT_DELAY, name))
         assert one.rejects
         assert one.estimate == pytest.approx(0.01, rel=0.3)
+        sensor = next(t for t in found if t.hypothesis is Hypothesis.SENSOR_CONSISTENCY)
+        assert sensor.rejects, "the estimate changes without it"
 
 
 def test_a_sensor_scale_of_3_percent_is_found(make_case):
     case = make_case(3, n_outputs=12)
-    found = []
+    found, changed = [], []
     for seed in range(12):
         output = seed % 12
 
@@ -171,7 +173,10 @@ def test_a_sensor_scale_of_3_percent_is_found(make_case):
 
         tests = fit_and_test(measure(case, seed, case, scale), case.free())
         found.append(tests[0].rejects)
+        one = next(t for t in tests if t.hypothesis is Hypothesis.SENSOR_CONSISTENCY)
+        changed.append(one.rejects)
     assert np.mean(found) >= 0.95
+    assert np.mean(changed) >= 0.9
 
 
 def test_an_omitted_mode_is_found(make_case):
@@ -230,3 +235,59 @@ def test_free_quantities_and_too_few_frequencies_are_not_tested(make_case):
     u, z = case.spectra(0, FREQUENCIES[:15])
     few = case.experiment(u, z, FREQUENCIES[:15])
     assert compute_model_tests([few], case.free(), case.truth.values.ravel()) == ()
+
+
+def measure_with_wrong_az(case: Case, seed: int, factor: float) -> Experiment:
+    """A rigid aircraft: noise of 20 % on all outputs but az, which has a wrong scale and a lag."""
+    rng = np.random.default_rng(seed)
+
+    def change(z: np.ndarray) -> None:
+        z[:, 4] *= factor * np.exp(-0.03j * FREQUENCIES)
+        level = 0.2 * np.sqrt(np.mean(np.abs(z[:, :4]) ** 2, axis=0))
+        z[:, :4] += level * (rng.normal(size=(len(z), 4)) + 1j * rng.normal(size=(len(z), 4)))
+
+    whole = measure(case, seed, case, change)
+    low = slice(60)  # of the short period
+    return case.experiment(whole.inputs[low], whole.measured[low], FREQUENCIES[low])
+
+
+def test_the_estimate_without_a_wrong_sensor_is_that_of_a_fit_without_it(make_case):
+    """The one step from the optimum is close to the fit, and the sensor is named."""
+    case, without = make_case(0, n_outputs=5), make_case(0, n_outputs=4)
+    parameters = case.free()
+    k = parameters.names.index("CZ_alpha")
+    experiment = measure_with_wrong_az(case, 0, factor=2.0)
+    estimate = maximize([experiment], parameters)
+    tests = compute_model_tests([experiment], parameters, estimate.values)
+    found = [t for t in tests if t.hypothesis is Hypothesis.SENSOR_CONSISTENCY]
+    az = found[0].influence
+    assert found[0].rejects
+    assert found[0].subject == "az_egi"
+    assert az is not None
+    u, z = experiment.inputs, experiment.measured[:, :4]
+    refit = maximize([without.experiment(u, z, experiment.omega)], parameters)
+    change, std = refit.values[k] - estimate.values[k], refit.std_errors[k]
+    assert abs(az.change[k]) > 4.0 * az.change_std[k], "the sensor matters"
+    assert az.change[k] == pytest.approx(change, abs=0.3 * std)
+    assert az.std_ratio[k] * estimate.std_errors[k] == pytest.approx(std, rel=0.3)
+
+
+def test_changes_without_a_sensor_have_their_standard_deviations(make_case):
+    case = make_case(1, n_outputs=10)
+    z = []
+    for seed in range(12):
+        for test in fit_and_test(measure(case, seed, case), case.free()):
+            if test.influence is not None:
+                z += (test.influence.change / test.influence.change_std).tolist()
+    assert float(np.nanstd(z)) == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_parameter_that_only_one_sensor_determines_has_no_change(make_case):
+    """The delay of an output is not determined without it."""
+    case = make_case(1, n_outputs=10)
+    name = case.model.outputs[3]
+    parameters = case.free((f"delay_{name}",))
+    for test in fit_and_test(measure(case, 0, case), parameters):
+        if test.influence is not None:
+            is_known = np.isfinite(test.influence.change[parameters.names.index(f"delay_{name}")])
+            assert is_known == (test.subject != name)

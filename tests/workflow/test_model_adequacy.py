@@ -43,6 +43,11 @@ def test_a_correct_model_is_consistent_and_one_without_a_mode_suspect(flown_url:
     adequacy = wrong.result.adequacy
     assert adequacy.state is AdequacyState.SUSPECT
     assert adequacy.tests[0].meaning in adequacy.reason
+    outputs = [one.output for one in adequacy.without_sensors]
+    assert sorted(outputs) == sorted(wrong.result.blocks[0].outputs)
+    for one in correct.result.adequacy.without_sensors:
+        pairs = zip(correct.result.parameters, one.values, one.differences, strict=True)
+        assert all(v is None or d is None or abs(d) < 5.0 for _, v, d in pairs)
     tested = {(test.hypothesis, test.subject) for test in adequacy.tests if test.rejects}
     assert ("further mode", "mode 9") in tested
     items = {item.id: item for item in store.run_page().items}

@@ -287,9 +287,9 @@ class AdequacyTest:
     """One test for remaining model error; see ``sysid.estimation.model_tests.ModelTest``.
 
     ``statistic`` is chi-square with ``degrees_of_freedom`` if the model is correct; that of a
-    residual response is in standard deviations and has no degrees of freedom.
-    ``adjusted_p`` is the p-value in view of the number of tests (Holm); ``meaning`` states the
-    result in a sentence.
+    residual response or the consistency of a sensor is in standard deviations and has no degrees
+    of freedom. ``adjusted_p`` is the p-value in view of the number of tests (Holm); ``meaning``
+    states the result in a sentence.
     """
 
     hypothesis: str  # output delay, scale factor, input delay, aerodynamic lag, ...
@@ -303,15 +303,31 @@ class AdequacyTest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EstimateWithoutSensor:
+    """Estimate when the output of one sensor is not used, by one step from the optimum.
+
+    In the order of the parameters of the run, None where the other sensors do not determine one.
+    ``differences`` from the estimate of the run are in their standard deviations.
+    """
+
+    output: str
+    values: tuple[float | None, ...]
+    std_errors: tuple[float | None, ...]
+    differences: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ModelAdequacy:
     """Whether the model is consistent with its data; ``reason`` is a sentence.
 
-    ``tests`` are sorted by p, smallest first.
+    ``tests`` are sorted by p, smallest first. ``without_sensors`` has one estimate for each sensor,
+    the one with the smallest p first; none in runs of earlier releases.
     """
 
     state: AdequacyState = AdequacyState.NOT_TESTED
     reason: str = "The release that computed this run did not test for remaining model error."
     tests: tuple[AdequacyTest, ...] = ()
+    without_sensors: tuple[EstimateWithoutSensor, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -102,7 +102,7 @@ export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
       adequacy={adequacy}
       title="Model adequacy"
       subject="for remaining model error"
-      note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response is in standard deviations, and p of a residual power includes the errors of the noise measured in the band. A correct model is rejected by any of the tests with a probability of 5 %."
+      note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response or the consistency of a sensor is in standard deviations, and p of a residual power includes the errors of the noise measured in the band. A correct model is rejected by any of the tests with a probability of 5 %."
     />
   );
 }

@@ -20,6 +20,7 @@ import { StateBadge } from "../components/RunBadge";
 import { RunActions } from "../components/RunActions";
 import { RunIntegrity } from "../components/RunIntegrity";
 import { RunOutcome } from "../components/RunOutcome";
+import { SensorsTab } from "../components/SensorsTab";
 import { TimeTab } from "../components/TimeTab";
 import { overFrequency } from "../lib/band";
 import { RUN_TABS, type RunView } from "../views";
@@ -30,6 +31,7 @@ const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
   parameters: "Parameters",
   fit: "Fit",
   residuals: "Residuals",
+  sensors: "Sensors",
   time: "Time",
   correlation: "Correlation",
   poles: "Poles",
@@ -158,6 +160,9 @@ function Results({ run }: { run: Run }) {
       <Tabs.Panel value="residuals" pt="md">
         <BlockPicker run={run} view={view} onChange={change} />
         {panel("residual", "Residuals over frequency")}
+      </Tabs.Panel>
+      <Tabs.Panel value="sensors" pt="md">
+        <SensorsTab run={run} view={view} onChange={change} />
       </Tabs.Panel>
       <Tabs.Panel value="time" pt="md">
         <TimeTab run={run} view={view} onChange={change} />

@@ -4,13 +4,14 @@ Score (Lagrange multiplier) tests ask whether the likelihood would increase if a
 is held were free: the delay of a channel, the scale factor of a sensor, a lag of the
 aerodynamic forces, a derivative, or a further mode. The residual-response test asks whether
 residuals are a smooth response to the inputs, whatever its cause, the test of residual power
-whether they exceed the noise measured in a band. Holm's method limits the
+whether they exceed the noise measured in a band, that of consistency whether the estimate
+changes without a sensor by more than noise. Holm's method limits the
 probability that any test of a fit rejects a correct model.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -36,6 +37,7 @@ from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.residual_power import compute_band_powers
+from flexsid.sysid.estimation.sensor_influence import SensorInfluence, compute_sensor_influences
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
@@ -73,6 +75,7 @@ class Hypothesis(StrEnum):
     FURTHER_MODE = "further mode"
     RESIDUAL_RESPONSE = "residual response"
     RESIDUAL_POWER = "residual power"
+    SENSOR_CONSISTENCY = "sensor consistency"
     SURFACE_EFFECTIVENESS = "surface effectiveness"
     CROSS_DERIVATIVE = "cross derivative"
     CROSS_RESPONSE = "cross response"
@@ -98,7 +101,8 @@ class ModelTest:
     one, ``adjusted_p`` that in any test of the fit (Holm). ``estimate`` is the change of the
     held quantity after one Gauss-Newton step (delays in s, scale factors relative, lag in
     s), of a residual power its ratio to the noise, ``frequency_hz`` where a residual response is
-    largest.
+    largest. The statistic of a sensor's consistency is the largest change of a parameter without
+    it, in standard deviations; ``influence`` has all changes.
     """
 
     hypothesis: Hypothesis
@@ -109,6 +113,7 @@ class ModelTest:
     adjusted_p: float = 1.0
     estimate: float | None = None
     frequency_hz: float | None = None
+    influence: SensorInfluence | None = None
 
     @property
     def rejects(self) -> bool:
@@ -143,6 +148,7 @@ def compute_model_tests(
     extended_models: Sequence[AeroelasticModel] = (),
     opposed_motions: Sequence[OpposedMotion | None] = (),
     overlap: float = 1.0,
+    nuisance: Set[str] = frozenset(),
 ) -> tuple[ModelTest, ...]:
     """Test a fit for remaining model error.
 
@@ -161,6 +167,8 @@ def compute_model_tests(
         could have a derivative in this axis, each surface be more effective on one side.
     overlap
         Frequencies per resolution 1/T of the record, at least one.
+    nuisance
+        Names of parameters that are no results; sensors need not agree on them.
 
     Returns
     -------
@@ -230,6 +238,18 @@ def compute_model_tests(
         *_test_residual_responses(Hypothesis.RESIDUAL_RESPONSE, fits, inverse, step),
     ]
     tests += _test_residual_powers(fits, inverse, step)
+    influences = compute_sensor_influences(
+        [fit.final for fit in fits],
+        information,
+        information * (mean - theta),
+        np.array([k for k, name in enumerate(parameters.names) if name not in nuisance]),
+        overlap=overlap,
+        residual_df=scores.residual_df,
+    )
+    tests += [
+        ModelTest(Hypothesis.SENSOR_CONSISTENCY, one.output, one.z, 0, one.p, influence=one)
+        for one in influences
+    ]
     if all(fit.opposed is not None for fit in fits):
         tests += _test_residual_responses(Hypothesis.CROSS_RESPONSE, fits, inverse, step)
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]

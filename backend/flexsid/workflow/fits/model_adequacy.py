@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexsid.errors import NotIdentifiable
-from flexsid.records.run import AdequacyState, AdequacyTest, ModelAdequacy
+from flexsid.records.run import (
+    AdequacyState,
+    AdequacyTest,
+    EstimateWithoutSensor,
+    ModelAdequacy,
+)
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
@@ -20,6 +27,7 @@ from flexsid.sysid.estimation.model_tests import (
     compute_model_tests,
 )
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.sensor_influence import SensorInfluence
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
@@ -70,20 +78,26 @@ def assess_model_adequacy(
             extended_models=[data.extended_model.with_modes(further) for data in maneuvers],
             opposed_motions=[_reconstruct_opposed_motion(data) for data in maneuvers],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
+            nuisance=estimate.nuisance,
         )
     except np.linalg.LinAlgError:
         return _describe_untested(task, "Not tested, since the information of the fit is singular.")
     if not tests:
         return _describe_untested(task, "Not tested, since the data have too few frequencies.")
     is_shaped = task.settings.aerodynamics.is_shaped
+    results = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
+    influences = [test.influence for test in tests if test.influence is not None]
     of_symmetry = [test for test in tests if test.hypothesis in SYMMETRY_HYPOTHESES]
     others = [test for test in tests if test.hypothesis not in SYMMETRY_HYPOTHESES]
     claim = "for remaining model error rejects the model"
-    adequacy = _summarize(others, claim, is_shaped=is_shaped)
+    adequacy = replace(
+        _summarize(others, claim, results, is_shaped=is_shaped),
+        without_sensors=tuple(_describe_influence(one, results) for one in influences),
+    )
     if not of_symmetry:
         return adequacy, None
     claim = "of symmetry indicates an asymmetry"
-    return adequacy, _summarize(of_symmetry, claim, is_shaped=is_shaped)
+    return adequacy, _summarize(of_symmetry, claim, results, is_shaped=is_shaped)
 
 
 def _describe_untested(
@@ -94,15 +108,20 @@ def _describe_untested(
     return untested, untested if combined else None
 
 
-def _summarize(tests: Sequence[ModelTest], claim: str, *, is_shaped: bool) -> ModelAdequacy:
+def _summarize(
+    tests: Sequence[ModelTest], claim: str, results: Estimate, *, is_shaped: bool
+) -> ModelAdequacy:
     """Summarize tests; the claim completes "None of 12 tests ..."."""
-    found = tuple(_describe_test(test, is_shaped=is_shaped) for test in tests)
-    rejecting = [test.meaning for test in found if test.rejects]
+    found = tuple(_describe_test(test, results, is_shaped=is_shaped) for test in tests)
+    rejecting = [test for test in found if test.rejects]
     if not rejecting:
         reason = f"None of {len(found)} tests {claim}."
         return ModelAdequacy(state=AdequacyState.CONSISTENT, reason=reason, tests=found)
-    more = len(rejecting) - _MOST_REASONS
-    reason = " ".join(rejecting[:_MOST_REASONS])
+    # What a sensor changes in the results is stated, whatever test has the smallest p.
+    of_sensor = [t for t in rejecting if t.hypothesis == Hypothesis.SENSOR_CONSISTENCY][:1]
+    first = list(dict.fromkeys([*rejecting[:_MOST_REASONS], *of_sensor]))
+    more = len(rejecting) - len(first)
+    reason = " ".join(test.meaning for test in first)
     if more > 0:
         reason += f" {more} further {'test rejects' if more == 1 else 'tests reject'} the model."
     return ModelAdequacy(state=AdequacyState.SUSPECT, reason=reason, tests=found)
@@ -124,7 +143,21 @@ def _reconstruct_opposed_motion(data: ManeuverData) -> OpposedMotion | None:
     return OpposedMotion(variables, data.pairs)
 
 
-def _describe_test(test: ModelTest, *, is_shaped: bool) -> AdequacyTest:
+def _describe_influence(influence: SensorInfluence, results: Estimate) -> EstimateWithoutSensor:
+    return EstimateWithoutSensor(
+        output=influence.output,
+        values=_round(results.values + influence.change),
+        std_errors=_round(results.std_errors * influence.std_ratio),
+        differences=_round(influence.change / influence.change_std),
+    )
+
+
+def _round(values: Float[np.ndarray, " n"]) -> tuple[float | None, ...]:
+    """Round to the digits that a standard error supports; None for what is no number."""
+    return tuple(float(f"{v:.6g}") if np.isfinite(v) else None for v in values.tolist())
+
+
+def _describe_test(test: ModelTest, results: Estimate, *, is_shaped: bool) -> AdequacyTest:
     return AdequacyTest(
         hypothesis=test.hypothesis.value,
         subject=test.subject,
@@ -133,11 +166,11 @@ def _describe_test(test: ModelTest, *, is_shaped: bool) -> AdequacyTest:
         p=test.p,
         adjusted_p=test.adjusted_p,
         rejects=test.rejects,
-        meaning=_state_meaning(test, is_shaped) if test.rejects else "No evidence.",
+        meaning=_state_meaning(test, results, is_shaped) if test.rejects else "No evidence.",
     )
 
 
-def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
+def _state_meaning(test: ModelTest, results: Estimate, is_shaped: bool) -> str:
     """State what a rejecting test indicates, with the size of the missing quantity."""
     name, value = test.subject, test.estimate
     size = 0.0 if value is None or not np.isfinite(value) else value
@@ -176,6 +209,8 @@ def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
                 f"The residuals of {name} have {size:.2g} times the power of the noise there: the "
                 "model is not adequate in this band."
             )
+        case Hypothesis.SENSOR_CONSISTENCY:
+            return "" if test.influence is None else _state_change(test.influence, results)
         case Hypothesis.SURFACE_EFFECTIVENESS:
             loss = 200.0 * abs(size) / (1.0 + abs(size))
             less = "left" if size > 0.0 else "right"
@@ -190,3 +225,14 @@ def _state_meaning(test: ModelTest, is_shaped: bool) -> str:
                 f"{test.frequency_hz:.3g} Hz: left and right surfaces or sensors differ, or the "
                 "flight was not symmetric."
             )
+
+
+def _state_change(influence: SensorInfluence, results: Estimate) -> str:
+    """State the parameter that changes most without a sensor, over the noise of the change."""
+    k = influence.largest
+    sensor, value = influence.output, float(results.values[k])
+    return (
+        f"Without {sensor}, {results.names[k]} would be {value + float(influence.change[k]):.3g} "
+        f"instead of {value:.3g} ({influence.z:.2g} standard errors of the difference): check "
+        f"{sensor}, its location and its mode shapes."
+    )
