@@ -24,6 +24,7 @@ import {
   liveStreamView,
   liveView,
   flutterView,
+  globalModelVersionView,
   globalModelView,
   searchView,
   glossaryView,
@@ -219,6 +220,14 @@ const globalModel = createRoute({
   component: page(() => import("./pages/GlobalModelPage"), "GlobalModelPage"),
 });
 
+const globalModelVersion = createRoute({
+  getParentRoute: () => root,
+  path: "/global-model/$id",
+  params: byId,
+  validateSearch: globalModelVersionView,
+  component: page(() => import("./pages/GlobalModelVersionPage"), "GlobalModelVersionPage"),
+});
+
 const jobs = createRoute({
   getParentRoute: () => root,
   path: "/jobs",
@@ -337,6 +346,7 @@ export const router = createRouter({
     flutter,
     closedLoop,
     globalModel,
+    globalModelVersion,
     validation,
     search,
     modalData,

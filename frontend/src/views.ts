@@ -98,7 +98,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
     pages: [
       { to: "/flutter", label: "Flutter", key: "f" },
       { to: "/closed-loop", label: "Closed loop", key: "l" },
-      { to: "/global-model", label: "Global model", key: "b" },
+      { to: "/global-model", label: "Global model", key: "b", at: /^\/global-model/ },
     ],
   },
   {
@@ -419,6 +419,11 @@ export const globalModelView = view((search) => ({
   along: oneOf(search.along, VARIABLES),
   condition: words(search.condition)?.flatMap((word) => number(word) ?? []),
 }));
+export const globalModelVersionView = view((search) => ({
+  /** Version that is compared; the one before by default. */
+  base: integer(search.base),
+}));
+
 export type GlobalModelView = ReturnType<typeof globalModelView>;
 
 export const DESIGN_SOURCES = ["table", "own", "flown"] as const;
@@ -510,6 +515,8 @@ export const newDecisionView = view((search) => ({
   /** Structure and version that the proposal changes. */
   changes: integer(search.changes),
   changes_version: integer(search.changes_version),
+  /** Version of a global model, in place of a structure. */
+  global_model: integer(search.global_model),
   runs: integers(search.runs),
 }));
 

@@ -20,7 +20,7 @@ from waiting import PATIENCE_S, wait_until
 
 from flexsid.api.description import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
-from flexsid.records.decision import StructureProposal, StructureReference, Vote
+from flexsid.records.decision import ModelProposal, StructureReference, Vote
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, decisions
 from flexsid.workflow.review import decision_review
@@ -107,7 +107,7 @@ def test_a_run_uses_a_saved_or_the_approved_structure(flown_url: str, capsys) ->
     assert main(list(run)) == 0
     assert json.loads(capsys.readouterr().out)["structure"]["modes"] == [7, 9]  # of the band
     store = Store.open(flown_url)
-    proposal = StructureProposal(
+    proposal = ModelProposal(
         title="all",
         structure=StructureReference(id=1, version=1),
         limits={},
@@ -398,7 +398,7 @@ def test_each_damage_is_reported_with_advice(flown_url: str, capsys) -> None:
     (channel,) = store.channels.find(maneuver_id=1, name="q")
     decision = decision_review.propose(
         store,
-        StructureProposal(
+        ModelProposal(
             title="two modes",
             structure=StructureReference(id=1, version=1),
             limits={},
@@ -434,7 +434,7 @@ def test_a_deleted_run_of_a_baseline_is_detected(flown_url: str, capsys) -> None
     store = Store.open(flown_url)
     decision = decision_review.propose(
         store,
-        StructureProposal(
+        ModelProposal(
             title="two modes",
             structure=StructureReference(id=1, version=1),
             limits={},

@@ -22,6 +22,7 @@ SHOWN = {
     "/excitation/$id": "{design}",
     "/model-structures/$id": "1",
     "/decisions/$id": "{decision}",
+    "/global-model/$id": "{global_model}",
 }
 
 # Search parameters beside the tab; by route, or by route and tab.
@@ -53,6 +54,7 @@ STATES = {
     "search-new": "/search?maneuvers=2&modes=7,9",
     "excitation-own": "/excitation?from=own",
     "excitation-flown": "/excitation?from=flown",
+    "decision-global-model": "/decisions/new?global_model={global_model}",
     "decision-revised": "/decisions/{decision}?revise=true",
     "no-such-page": "/no/such/page",
     "no-such-record": "/runs/123456",

@@ -68,6 +68,11 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
     live = {"run_id": compared[0], "title": "Replay", "receiver": replay}
     stream = f"live/streams/{workbench.post('live/streams', live)['id']}"
     wait_until(lambda: workbench.get(stream)["stream"]["status"] == "stopped", stream)
+    estimates = [workbench.submit(number, "EE", modes=[7, 9]) for number in (1, 3, 5)]
+    workbench.wait(*estimates, timeout_s=PATIENCE_S)
+    fitted = [compared[1], *estimates]
+    workbench.global_model(fitted)
+    version = workbench.save_global_model(fitted, "first flights")
     return {
         "run": str(compared[0]),
         "runs": ",".join(map(str, compared)),
@@ -77,6 +82,7 @@ def records(server: str, compared: list[int]) -> dict[str, str]:
         "search": str(search_id),
         "design": str(design),
         "decision": str(decision),
+        "global_model": str(version),
         "stream": stream.rsplit("/", 1)[1],
     }
 

@@ -15,7 +15,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import Conflict
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.decision import EventKind, StructureProposal, StructureReference, Vote
+from flexsid.records.decision import EventKind, ModelProposal, StructureReference, Vote
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Progress
@@ -67,7 +67,7 @@ def test_every_acknowledged_write_waits_for_the_disk(
         assert structure.id is not None
         decision = decision_review.propose(
             store,
-            StructureProposal(
+            ModelProposal(
                 title="SP",
                 structure=StructureReference(id=structure.id, version=1),
                 limits={},
@@ -122,7 +122,7 @@ def test_acknowledged_events_survive_a_power_cut(
         ModelStructure(aircraft_id=aircraft.id or 0, name="SP", structure=Structure(fixed={})),
     )
     reference = StructureReference(id=structure.id or 0, version=1)
-    proposal = StructureProposal(title="SP", structure=reference, limits={}, reasoning="enough")
+    proposal = ModelProposal(title="SP", structure=reference, limits={}, reasoning="enough")
     decision = decision_review.propose(store, proposal, "Ann").id or 0
     lease = leases.take(store, leases.read(store), "me")
     acknowledged, on_disk = 0, 0

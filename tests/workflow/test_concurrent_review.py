@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.decision import StructureProposal, StructureReference
+from flexsid.records.decision import ModelProposal, StructureReference
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.storage.event_chain import is_chain_intact
 from flexsid.storage.store import Store
@@ -70,7 +70,7 @@ def test_concurrent_comments_are_stored_in_one_chain(store: Store, aircraft: Air
     assert stored.id is not None
     decision = decision_review.propose(
         store,
-        StructureProposal(
+        ModelProposal(
             title="SP",
             structure=StructureReference(id=stored.id, version=1),
             limits={},

@@ -59,6 +59,7 @@ _NAMED = {
         "modal_tables",
     ),
     "structure_id": "model_structures",
+    **dict.fromkeys(("global_model_id", "base_global_model_id"), "global_model_versions"),
     "design_id": "designs",
     "controller_id": "controllers",
     "search_id": "searches",
@@ -83,6 +84,7 @@ _NOUNS = {
     "frozen_figures": "frozen figure",
     "measured_responses": "set of measured responses",
     "flutter_summaries": "flutter summary",
+    "global_model_versions": "version of a global model",
     "live_streams": "stream",
     "live_test_points": "test point",
 }

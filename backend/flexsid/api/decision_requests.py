@@ -1,4 +1,4 @@
-"""Request models of the review of model structures, validated strictly."""
+"""Request models of the review of models, validated strictly."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field, StringConstraints
 
 from flexsid.api.requests import Id, Line, Lines, Number, Request, Title, Version
-from flexsid.records.decision import LimitedQuantity, StructureProposal, Vote
+from flexsid.records.decision import LimitedQuantity, ModelProposal, Vote
 from flexsid.text import LONGEST_NAME, LONGEST_NOTE
 
 # Stored permanently, therefore not blank.
@@ -36,13 +36,15 @@ class ComparisonRequest(Request):
 
 
 class ProposalRequest(Request):
-    """A proposed model structure for a range of conditions, with its reasoning and evidence.
+    """A proposed model structure or global model, with its reasoning and evidence.
 
-    ``limits`` are closed intervals; without limits it is proposed for all conditions.
+    ``limits`` are closed intervals; without limits a structure is proposed for all conditions.
+    A global model is proposed for the envelope of its runs, which are its evidence.
     """
 
     title: RequiredLine
-    structure: ReferenceRequest
+    structure: ReferenceRequest | None = None
+    global_model_id: Id | None = None
     reasoning: RequiredText
     changes: ReferenceRequest | None = None
     limits: dict[LimitedQuantity, tuple[Number, Number]] | None = None
@@ -50,10 +52,10 @@ class ProposalRequest(Request):
     comparisons: Annotated[tuple[ComparisonRequest, ...], Field(max_length=50)] = ()
     figure_ids: Annotated[tuple[Id, ...], Field(max_length=50)] = ()
 
-    def to_record(self) -> StructureProposal:
+    def to_record(self) -> ModelProposal:
         """Return the proposal to be stored."""
         return self.make_record(
-            StructureProposal,
+            ModelProposal,
             limits=self.limits or {},
             run_ids=tuple(dict.fromkeys(self.run_ids)),
             figure_ids=tuple(dict.fromkeys(self.figure_ids)),

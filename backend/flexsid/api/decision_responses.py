@@ -1,4 +1,4 @@
-"""Response models of the review of model structures."""
+"""Response models of the review of models."""
 
 from __future__ import annotations
 
@@ -9,30 +9,32 @@ from flexsid.records.decision import (
     Decision,
     DecisionEvent,
     FrozenFigure,
+    ModelProposal,
     ReviewRules,
-    StructureProposal,
 )
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.model_structure import StructureVersion
 from flexsid.workflow.model_structures.baselines import Baseline
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionItem(Decision):
-    """A decision with the name of the proposed model structure."""
+    """A decision with the name of the proposed model structure or global model."""
 
-    structure_name: str
+    model_name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionDetail(Decision):
-    """A decision with its events, rules, proposed model structure and figures.
+    """A decision with its events, rules, proposed model and figures.
 
-    ``newest_version`` is the newest version of the proposed structure.
+    ``newest_version`` is the newest version of the proposed structure, or global model.
     """
 
     rules: ReviewRules
     events: list[DecisionEvent]
-    structure: StructureVersion
+    structure: StructureVersion | None
+    global_model: GlobalModelVersion | None
     newest_version: int
     changes: StructureVersion | None
     figures: list[FrozenFigure]
@@ -42,9 +44,9 @@ class DecisionDetail(Decision):
 class StaleProposal(Problem):
     """Why a vote or revision was refused: ``current`` has replaced ``base``."""
 
-    base: StructureProposal
-    current: StructureProposal
-    sent: StructureProposal | None
+    base: ModelProposal
+    current: ModelProposal
+    sent: ModelProposal | None
     revision: int
 
 

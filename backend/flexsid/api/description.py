@@ -174,6 +174,7 @@ _BODIES: dict[str, Any] = {
     "cut_maneuver": {"label": "4-01 FTA 506", "start_s": 500.0, "stop_s": 530.0, "fta": 506},
     "assess_maneuvers": {"maneuver_ids": [1]},
     "save_global_prediction": {"source": "Global model of flights 1 to 3", "condition": [420.0]},
+    "add_global_model_version": {"label": "Flights 1 to 3", "note": "Without the low tanks"},
     "add_aircraft": {"text": AIRCRAFT_DEFINITION},
     "replace_aircraft": {"text": AIRCRAFT_DEFINITION},
     "set_thrust": {

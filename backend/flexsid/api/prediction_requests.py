@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from flexsid.api.requests import LONGEST_TEXT, Id, Name, Number, Request, Title
+from flexsid.api.requests import LONGEST_TEXT, Id, Name, Number, Request, Text, Title
 from flexsid.workflow.modal_data.computed_predictions import PredictionRequest
 
 Length = Annotated[float, Field(strict=True, ge=0.0, le=1000.0, allow_inf_nan=False)]
@@ -45,6 +45,13 @@ class SaveGlobalPredictionRequest(Request):
 
     source: Title
     condition: Annotated[tuple[Number, ...], Field(max_length=5)] = ()
+
+
+class GlobalModelVersionRequest(Request):
+    """Label and note of a new version of a global model."""
+
+    label: Title
+    note: Text = ""
 
 
 class ComputePredictionRequest(Request):

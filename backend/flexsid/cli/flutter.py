@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
@@ -14,6 +15,7 @@ from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import FLUTTER, PREDICTED_FLUTTER
 from flexsid.settings import Settings
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes, Variation
+from flexsid.workflow.flutter.flutter_models import build_approved_query
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 
 
@@ -21,15 +23,19 @@ def predict(settings: Settings, arguments: argparse.Namespace) -> int:
     """Print the predicted flutter speed and the margin of the next test point."""
     if arguments.next is not None and not arguments.next > 0.0:
         raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
-    query = FlutterQuery(
-        run_ids=parse_list(arguments.runs, int, "RUNS"),
-        fuel=arguments.fuel,
-        altitude_m=arguments.altitude,
-        next_m_s=arguments.next,
-        unmodelled_modes=UnmodelledModes(arguments.unmodelled_modes),
-        variation=Variation(arguments.variation),
-    )
+    given: dict[str, Any] = {
+        "fuel": arguments.fuel,
+        "altitude_m": arguments.altitude,
+        "next_m_s": arguments.next,
+        "unmodelled_modes": UnmodelledModes(arguments.unmodelled_modes),
+    }
+    if arguments.variation is not None:
+        given["variation"] = Variation(arguments.variation)
     with open_store(settings) as store:
+        if arguments.runs is None:
+            query = build_approved_query(store, arguments.aircraft, arguments.axis, **given)
+        else:
+            query = FlutterQuery(run_ids=parse_list(arguments.runs, int, "RUNS"), **given)
         execute_request(store, FLUTTER, query, report_progress)
         prediction = get_result(store, FLUTTER, query).flutter
     lines = [prediction.test_point_margin, prediction.sentence]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import getpass
 
 from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
@@ -17,10 +18,13 @@ from flexsid.settings import Settings
 from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
+from flexsid.workflow.global_model.versions import add_version
 
 
 def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
     """Print the derivatives at the centre of the envelope, their drift, and outlying runs."""
+    if arguments.runs is None:
+        return _list_versions(settings, arguments)
     query = GlobalModelQuery(
         run_ids=parse_list(arguments.runs, int, "RUNS"),
         variables=tuple(map(LimitedQuantity, arguments.variables)),
@@ -34,10 +38,29 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
             name = arguments.store_prediction
             stored = store_global_prediction(store, result, name, arguments.condition)
             lines.append(f"prediction {stored.id}: {stored.source}, {stored.note}")
+        if arguments.store_version is not None:
+            version = add_version(
+                store,
+                result,
+                prediction_id=query.prediction_id,
+                label=arguments.store_version,
+                note=arguments.note,
+                author=getpass.getuser(),
+            )
+            lines.append(f"stored as {version.name} (id {version.id})")
     if arguments.dave_ml is not None:
         write_file(arguments.dave_ml, write_dave_ml(result))
         lines.append(f"wrote {arguments.dave_ml}")
     print_result(lines, summary, as_json=arguments.json)
+    return 0
+
+
+def _list_versions(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the stored versions of global models, newest first."""
+    with open_store(settings) as store:
+        found = store.global_model_versions.find()[::-1]
+    lines = [f"id {one.id}: {one.name}; {one.sentence}" for one in found]
+    print_result(lines or ["no version is stored"], found, as_json=arguments.json)
     return 0
 
 

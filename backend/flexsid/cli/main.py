@@ -283,7 +283,11 @@ def _add_multisine_options(command: argparse.ArgumentParser) -> None:
 
 def _add_flutter_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
-    option("runs", metavar="RUN,RUN", help="ids of succeeded runs")
+    meaning = "ids of succeeded runs; default: those of the approved global model"
+    option("runs", nargs="?", metavar="RUN,RUN", help=meaning)
+    meaning = "id of the aircraft of the approved global model; default: 1"
+    option("--aircraft", type=int, default=1, metavar="ID", help=meaning)
+    option("--axis", choices=("longitudinal", "lateral"), default="longitudinal")
     meaning = "fuel fraction; default: that of the fastest run"
     option("--fuel", type=float, metavar="SHARE", help=meaning)
     option("--altitude", type=float, metavar="M", help="altitude in the standard atmosphere")
@@ -297,9 +301,8 @@ def _add_flutter_options(command: argparse.ArgumentParser) -> None:
     option(
         "--variation",
         choices=("constant", "linear", "global-model"),
-        default="constant",
-        help="derivatives over the envelope: constant, linear over dynamic pressure, or of a "
-        "global model of the runs",
+        help="derivatives over the envelope: constant (default), linear over dynamic pressure, or"
+        " of a global model of the runs (default without runs)",
     )
 
 
@@ -315,7 +318,11 @@ def _add_verify_options(command: argparse.ArgumentParser) -> None:
 
 def _add_global_model_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
-    option("runs", metavar="RUN,RUN", help="ids of succeeded runs of one model structure")
+    meaning = "ids of succeeded runs of one model structure; default: list the stored versions"
+    option("runs", nargs="?", metavar="RUN,RUN", help=meaning)
+    meaning = "store the model as the next version, to be proposed for approval"
+    option("--store-version", metavar="LABEL", help=meaning)
+    option("--note", default="", metavar="TEXT", help="note of the stored version")
     option(
         "--variables",
         nargs="+",

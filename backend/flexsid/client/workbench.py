@@ -312,18 +312,30 @@ class Workbench:
         self.wait(job_id)
         return self.get(f"jobs/{job_id}")["result"]["prediction_id"]
 
-    def flutter(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
+    def flutter(self, run_ids: Iterable[int] | None = None, **query: Any) -> dict[str, Any]:
         """Return the flutter prediction of runs and the margin of the next test point.
 
         Parameters
         ----------
         run_ids
-            Runs that succeeded, best over several airspeeds.
+            Runs that succeeded, best over several airspeeds; by default those of the approved
+            global model, with ``variation="global-model"``.
         **query
             ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``unmodelled_modes`` and
             ``variation`` (``linear`` or ``global-model``), as the interface names them.
         """
-        return self._compute("flutter", run_ids=list(run_ids), **query)
+        return self._compute("flutter", **(self._select_runs(run_ids) | query))
+
+    def _select_runs(self, run_ids: Iterable[int] | None) -> dict[str, Any]:
+        """Return the query of runs, by default those of the newest approved global model."""
+        if run_ids is not None:
+            return {"run_ids": list(run_ids)}
+        known = self.items("global-models/versions")
+        approved = [one for one in known if one["state"] == "approved"]
+        if not approved:
+            raise ValueError("no global model is approved; give run_ids")
+        runs = [run["run_id"] for run in approved[0]["runs"] if not run["is_outlying"]]
+        return {"run_ids": runs, "variation": "global-model"}
 
     def predicted_flutter(self, prediction_id: int, **query: Any) -> dict[str, Any]:
         """Return the flutter speed of a prediction alone, by p-k and by rational functions.
@@ -339,11 +351,14 @@ class Workbench:
         return self._compute("flutter/predicted", prediction_id=prediction_id, **query)
 
     def closed_loop(
-        self, run_ids: Iterable[int], controller_id: int, **query: Any
+        self, run_ids: Iterable[int] | None, controller_id: int, **query: Any
     ) -> dict[str, Any]:
-        """Return the stability margins of a controller around identified models."""
-        runs = list(run_ids)
-        return self._compute("closed-loop", run_ids=runs, controller_id=controller_id, **query)
+        """Return the stability margins of a controller around identified models.
+
+        With ``run_ids`` None they are those of the approved global model, as in ``flutter``.
+        """
+        query = self._select_runs(run_ids) | query
+        return self._compute("closed-loop", controller_id=controller_id, **query)
 
     def global_model(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
         """Return the derivatives of all runs over the envelope, with the outlying runs.
@@ -359,6 +374,25 @@ class Workbench:
             ``prediction_id``.
         """
         return self._compute("global-models", run_ids=list(run_ids), **query)
+
+    def global_models(self, **query: Any) -> pandas.DataFrame:
+        """Return the stored versions of global models and the state of their review."""
+        return self.table("global-models/versions", **query)
+
+    def save_global_model(
+        self, run_ids: Iterable[int], label: str, note: str = "", **query: Any
+    ) -> int:
+        """Store a computed global model as the next version, and return its id.
+
+        Parameters
+        ----------
+        run_ids, **query
+            As of ``global_model``, which must have been computed.
+        label, note
+            Of the version.
+        """
+        query["run_ids"] = list(run_ids)
+        return self.post("global-models/versions", {"label": label, "note": note}, **query)["id"]
 
     def save_global_prediction(
         self,

@@ -1,4 +1,4 @@
-"""Decision: a model structure proposed for a range of conditions, with its review."""
+"""Decision: a model structure or global model proposed for conditions, with its review."""
 
 from __future__ import annotations
 
@@ -40,15 +40,17 @@ class LinkedComparison:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StructureProposal:
-    """Proposed model structure and its evidence.
+class ModelProposal:
+    """Proposed model structure or global model, and its evidence.
 
-    ``changes`` is the version that ``structure`` changes, where it is not new.
+    ``changes`` is the version that ``structure`` changes, where it is not new. The runs of a
+    global model are evidence of its proposal.
     """
 
     title: str
-    structure: StructureReference
+    structure: StructureReference | None = None
     changes: StructureReference | None = None
+    global_model_id: int | None = None
     limits: Limits
     reasoning: str
     run_ids: tuple[int, ...] = ()
@@ -128,7 +130,7 @@ class DecisionEvent:
     revision: int
     derivative: str | None = None
     vote: Vote | None = None
-    proposal: StructureProposal | None = None
+    proposal: ModelProposal | None = None
     rules: ReviewRules | None = None
     by_decision_id: int | None = None
     data: dict[str, str]
@@ -151,7 +153,7 @@ class Decision:
 
     aircraft_id: int
     axis: str
-    proposal: StructureProposal
+    proposal: ModelProposal
     state: DecisionState
     revision: int
     authors: tuple[str, ...]

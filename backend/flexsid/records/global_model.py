@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 
 import numpy as np
 
@@ -215,3 +216,70 @@ class EnvelopeCoverage:
     ratio: np.ndarray
     runs: tuple[FittedRun, ...]
     next_condition: NextCondition | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VersionedRun:
+    """A run of a version, with the hash of its request and result."""
+
+    run_id: int
+    hash: str
+    is_outlying: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GlobalModelVersion:
+    """A global model stored under a number; written once and never changed.
+
+    Versions of an aircraft and axis are numbered from 1. ``result`` is the hash of the stored
+    ``GlobalModelResult``, which remains when the job of the model is deleted.
+    """
+
+    aircraft_id: int
+    axis: str
+    version: int
+    label: str
+    note: str
+    author: str
+    sentence: str
+    variables: tuple[LimitedQuantity, ...]
+    prediction_id: int | None
+    runs: tuple[VersionedRun, ...]
+    result: str
+    created_at: datetime | None = None
+    id: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Number and label, for lists and messages."""
+        return f"global model version {self.version}, {self.axis}: {self.label}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DerivativeChange:
+    """A derivative and its standard error in two versions; None where a version has none."""
+
+    name: str
+    before: float | None
+    before_std: float | None
+    after: float | None
+    after_std: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VersionDifferences:
+    """What changed between two versions of a global model.
+
+    Runs of ``changed_run_ids`` have another request or result than before.
+    """
+
+    before_id: int
+    after_id: int
+    variables_before: tuple[LimitedQuantity, ...]
+    variables_after: tuple[LimitedQuantity, ...]
+    added_run_ids: tuple[int, ...]
+    removed_run_ids: tuple[int, ...]
+    changed_run_ids: tuple[int, ...]
+    outlying_before: tuple[int, ...]
+    outlying_after: tuple[int, ...]
+    derivatives: tuple[DerivativeChange, ...]

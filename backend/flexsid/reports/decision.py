@@ -1,10 +1,11 @@
-"""Report of a decision: model structure, conditions, evidence, votes and history."""
+"""Report of a decision: proposed model, conditions, evidence, votes and history."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from flexsid.records.decision import DecisionEvent, LinkedComparison, StructureReference
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.model_structure import StructureVersion
 from flexsid.reports.content import (
     Drawing,
@@ -39,7 +40,6 @@ def decision_report(store: Store, decision_id: int) -> Report:
     decision = audited.decision
     proposal = decision.proposal
     surfaces = tuple(surface.name for surface in trail.aircraft.surfaces)
-    version = _find_version(audited, proposal.structure)
     return Report(
         title=proposal.title,
         subtitle=f"Decision {decision_id} of {trail.aircraft.name}: {decision.state.value}",
@@ -47,9 +47,7 @@ def decision_report(store: Store, decision_id: int) -> Report:
         sections=(
             Section("Decision", (*_list_warnings(audited), Facts(_summarise(audited)))),
             Section("Reasoning", (Words(proposal.reasoning),)),
-            Section(
-                "Model structure", () if version is None else _describe_structure(version, surfaces)
-            ),
+            _describe_model(audited, surfaces),
             Section("Evidence", tuple(_report_evidence(store, audited))),
             Section("History", (_tabulate_events(audited.events),)),
         ),
@@ -62,13 +60,30 @@ def decision_report(store: Store, decision_id: int) -> Report:
     )
 
 
-def _find_version(
-    audited: AuditedDecision, reference: StructureReference
-) -> StructureVersion | None:
-    for one in audited.structures:
-        if (one.structure_id, one.version) == (reference.id, reference.version):
-            return one
-    return None
+def _describe_model(audited: AuditedDecision, surfaces: tuple[str, ...]) -> Section:
+    """Describe the proposed model structure or global model."""
+    proposal = audited.decision.proposal
+    for model in audited.global_models:
+        if model.id == proposal.global_model_id:
+            return Section("Global model", _describe_global_model(model))
+    for version in audited.structures:
+        if StructureReference(id=version.structure_id, version=version.version) == (
+            proposal.structure
+        ):
+            return Section("Model structure", _describe_structure(version, surfaces))
+    return Section("Model structure", ())
+
+
+def _describe_global_model(model: GlobalModelVersion) -> tuple[Part, ...]:
+    outlying = [run.run_id for run in model.runs if run.is_outlying]
+    facts = (
+        ("Name", model.name),
+        ("Variables", listed(one.value for one in model.variables)),
+        ("Runs", listed(run.run_id for run in model.runs)),
+        ("Outlying runs, excluded", listed(outlying, "none")),
+        ("SHA-256 of the model", model.result),
+    )
+    return (Facts(facts), Words(model.sentence), *((Words(model.note),) if model.note else ()))
 
 
 def _list_warnings(audited: AuditedDecision) -> tuple[Part, ...]:
@@ -85,7 +100,12 @@ def _summarise(audited: AuditedDecision) -> tuple[tuple[str, str], ...]:
     votes = (f"{name}: {vote.value}" for name, vote in decision.votes.items())
     return (
         ("State", decision.state.value),
-        ("Valid for", describe_limits(decision.proposal.limits)),
+        (
+            "Valid for",
+            describe_limits(decision.proposal.limits)
+            if decision.proposal.structure is not None
+            else "the envelope of its runs",
+        ),
         ("Axis", decision.axis),
         ("Proposed by", listed(decision.authors)),
         ("Votes", listed(votes, "none")),

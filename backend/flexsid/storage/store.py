@@ -17,6 +17,7 @@ from flexsid.records.decision import (
 )
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import Controller
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.job import Job
 from flexsid.records.live import Acknowledgement, LiveStream, LiveTestPoint, RecordedState
 from flexsid.records.maneuver import (
@@ -110,6 +111,10 @@ class Store:
         self.decisions = Repository(database, tables.decisions, Decision, "decision")
         self.decision_events = Repository(
             database, tables.decision_events, DecisionEvent, "event of a decision"
+        )
+        self.global_model_versions = Repository(
+            *(database, tables.global_model_versions, GlobalModelVersion),
+            "version of a global model",
         )
         self.frozen_figures = Repository(
             database, tables.frozen_figures, FrozenFigure, "frozen figure"

@@ -426,6 +426,24 @@ decision_events = table(
     sa.UniqueConstraint("decision_id", "number"),
 )
 
+global_model_versions = table(
+    "global_model_versions",
+    identity(),
+    refers_to("aircraft_id", "aircraft", index=False),
+    text("axis"),
+    integer("version"),
+    text("label"),
+    text("note"),
+    text("author"),
+    text("sentence"),
+    json("variables"),
+    refers_to("prediction_id", "predictions", required=False),
+    json("runs"),
+    array("result"),
+    moment("created_at"),
+    sa.UniqueConstraint("aircraft_id", "axis", "version"),
+)
+
 frozen_figures = table(
     "frozen_figures",
     identity(),

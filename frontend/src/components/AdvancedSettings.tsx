@@ -47,7 +47,7 @@ export function AdvancedSettings({ draft, outputs, onChange }: Props) {
           <SimpleGrid cols={{ base: 1, sm: 2 }} spacing="md">
             <Select
               label="Prior spread"
-              description="Prior σ of each free derivative about its prediction, relative to its value"
+              description="Prior σ of each free derivative about its prediction, relative to its value; without a selected prediction, mean and σ of the approved global model"
               allowDeselect={false}
               data-testid="run-prior"
               data={spreads}

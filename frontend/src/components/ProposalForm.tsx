@@ -12,12 +12,19 @@ import { useQuery } from "@tanstack/react-query";
 import { useState, type ReactNode } from "react";
 import { useAnalyst } from "../api/analyst";
 import { freezeFigure } from "../api/commands";
-import { predictionsQuery, runsQuery, structureVersionsQuery } from "../api/queries";
+import { Link } from "@tanstack/react-router";
+import {
+  globalModelVersionQuery,
+  predictionsQuery,
+  runsQuery,
+  structureVersionsQuery,
+} from "../api/queries";
 import type { ModelStructure, ProposalRequest } from "../api/types";
 import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../lib/proposal";
 import { integer } from "../lib/urlState";
 import { NameForm } from "./AnalystMenu";
 import { LimitsInput } from "./LimitsInput";
+import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
 
@@ -86,32 +93,38 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
                   set({ title: event.currentTarget.value });
                 }}
               />
-              <VersionSelect
-                label="Structure"
-                structures={structures}
-                value={draft.structure}
-                onChange={(structure) => {
-                  set({ structure });
-                }}
-              />
-              <VersionSelect
-                label="Changes"
-                description="Structure or version that the proposal replaces, if any"
-                structures={structures.filter(
-                  (one) => own === undefined || one.aircraft_id === own.aircraft_id,
-                )}
-                clearable
-                value={draft.changes}
-                onChange={(changes) => {
-                  set({ changes });
-                }}
-              />
-              <LimitsInput
-                value={draft.limits}
-                onChange={(limits) => {
-                  set({ limits });
-                }}
-              />
+              {draft.globalModel !== null ? (
+                <GlobalModelFacts id={draft.globalModel} />
+              ) : (
+                <>
+                  <VersionSelect
+                    label="Structure"
+                    structures={structures}
+                    value={draft.structure}
+                    onChange={(structure) => {
+                      set({ structure });
+                    }}
+                  />
+                  <VersionSelect
+                    label="Changes"
+                    description="Structure or version that the proposal replaces, if any"
+                    structures={structures.filter(
+                      (one) => own === undefined || one.aircraft_id === own.aircraft_id,
+                    )}
+                    clearable
+                    value={draft.changes}
+                    onChange={(changes) => {
+                      set({ changes });
+                    }}
+                  />
+                  <LimitsInput
+                    value={draft.limits}
+                    onChange={(limits) => {
+                      set({ limits });
+                    }}
+                  />
+                </>
+              )}
             </Stack>
           </Section>
           <Section title="Reason">
@@ -149,6 +162,22 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
         </Group>
       </div>
     </form>
+  );
+}
+
+function GlobalModelFacts({ id }: { id: number }) {
+  const version = useQuery(globalModelVersionQuery(id));
+  return (
+    <Loaded query={version} rows={2}>
+      {(data) => (
+        <Text size="sm">
+          <Link to="/global-model/$id" params={{ id }} className="link">
+            Global model version {data.version}: {data.label}
+          </Link>
+          , for the envelope of its {data.runs.length} runs, which are its evidence.
+        </Text>
+      )}
+    </Loaded>
   );
 }
 

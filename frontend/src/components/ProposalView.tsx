@@ -2,7 +2,8 @@ import { Badge, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { aircraftQuery, runQuery } from "../api/queries";
-import type { Decision } from "../api/types";
+import type { ReactNode } from "react";
+import type { Decision, Proposal } from "../api/types";
 import { derivativeNames } from "../lib/derivatives";
 import { limitsText } from "../lib/limits";
 import { differences } from "../lib/structure";
@@ -13,6 +14,8 @@ import { StructureDifference } from "./StructureDifference";
 import { StructureGrid } from "./StructureGrid";
 import { StructureLink } from "./StructureLink";
 
+type GlobalModel = NonNullable<Decision["global_model"]>;
+
 interface Props {
   decision: Decision;
   derivative?: string;
@@ -20,11 +23,77 @@ interface Props {
 }
 
 /** Proposal with its range of conditions, reasoning and evidence. */
-export function ProposalView({ decision, derivative, onDerivative }: Props) {
+export function ProposalView({ decision, ...props }: Props) {
+  const { structure, global_model: model } = decision;
+  return (
+    <>
+      {model !== null && <GlobalModelProposal decision={decision} model={model} />}
+      {structure !== null && (
+        <StructureProposal decision={decision} structure={structure} {...props} />
+      )}
+      <Evidence decision={decision} />
+    </>
+  );
+}
+
+/** Rows of facts of every proposal. */
+function reviewFacts({ proposal, decision }: { proposal: Proposal; decision: Decision }) {
+  const { rules } = decision;
+  return [
+    ["For", proposal.structure === null ? "the envelope of its runs" : limitsText(proposal.limits)],
+    ["Axis", decision.axis],
+    ["By", decision.authors.join(", ")],
+    ["Revision", decision.revision],
+    [
+      "Rules",
+      `quorum ${rules.quorum}, ${rules.own_allowed ? "own proposals allowed" : "own proposals excluded"}`,
+    ],
+    [
+      "Votes",
+      Object.entries(decision.votes)
+        .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
+        .join(", ") || "none yet",
+    ],
+  ] satisfies [string, ReactNode][];
+}
+
+function GlobalModelProposal({ decision, model }: { decision: Decision; model: GlobalModel }) {
+  const { proposal } = decision;
+  const outlying = model.runs.filter((run) => run.is_outlying).map((run) => run.run_id);
+  return (
+    <Section title="Proposal">
+      <Facts
+        facts={[
+          [
+            "Global model",
+            <Link key="model" to="/global-model/$id" params={{ id: model.id }} className="link">
+              version {model.version}: {model.label}
+            </Link>,
+          ],
+          ["Runs", model.runs.length],
+          ["Outlying runs, excluded", outlying.join(", ") || "none"],
+          ...reviewFacts({ proposal, decision }),
+        ]}
+      />
+      <Text mt="sm" size="sm">
+        {model.sentence}
+      </Text>
+      <Text mt="sm" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>
+        {proposal.reasoning}
+      </Text>
+    </Section>
+  );
+}
+
+interface StructureProps extends Props {
+  structure: NonNullable<Decision["structure"]>;
+}
+
+function StructureProposal({ decision, structure, derivative, onDerivative }: StructureProps) {
   const aircraft = useQuery(aircraftQuery);
   const craft = aircraft.data?.find((one) => one.id === decision.aircraft_id);
   const surfaces = craft?.surfaces.map((one) => one.name) ?? [];
-  const { proposal, structure, changes, rules } = decision;
+  const { proposal, changes } = decision;
   const { modes, inputs: named, axis } = structure.structure;
   const inputs = named.length > 0 ? named : surfaces;
   const all = derivativeNames(modes, inputs, axis);
@@ -62,20 +131,7 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
                 />
               ),
             ],
-            ["For", limitsText(proposal.limits)],
-            ["Axis", decision.axis],
-            ["By", decision.authors.join(", ")],
-            ["Revision", decision.revision],
-            [
-              "Rules",
-              `quorum ${rules.quorum}, ${rules.own_allowed ? "own proposals allowed" : "own proposals excluded"}`,
-            ],
-            [
-              "Votes",
-              Object.entries(decision.votes)
-                .map(([name, vote]) => `${name}: ${vote.replace("-", " ")}`)
-                .join(", ") || "none yet",
-            ],
+            ...reviewFacts({ proposal, decision }),
           ]}
         />
         <Text mt="sm" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>
@@ -119,7 +175,6 @@ export function ProposalView({ decision, derivative, onDerivative }: Props) {
           />
         )}
       </Section>
-      <Evidence decision={decision} />
     </>
   );
 }

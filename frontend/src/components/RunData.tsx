@@ -95,7 +95,7 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
           <Select
             label="Prediction"
             description="For initial values and priors"
-            placeholder="none"
+            placeholder="default"
             clearable
             data={predictions.map((one) => ({ value: String(one.id), label: one.source }))}
             value={draft.prediction === null ? null : String(draft.prediction)}

@@ -11,6 +11,7 @@ import {
 const STORED: StoredProposal = {
   title: "SP at low speed",
   structure: { id: 1, version: 1 },
+  global_model_id: null,
   changes: null,
   limits: { fuel_fraction: [0, 0.5] },
   reasoning: "F below 4",

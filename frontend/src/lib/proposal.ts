@@ -17,7 +17,8 @@ export interface Comparison {
 /** A stored proposal. */
 export interface StoredProposal {
   title: string;
-  structure: Reference;
+  structure: Reference | null;
+  global_model_id: number | null;
   changes: Reference | null;
   limits: Limits;
   reasoning: string;
@@ -36,6 +37,8 @@ interface FigureRequest {
 export interface ProposalDraft {
   title: string;
   structure: Reference | null;
+  /** Version of a global model, in place of a structure. */
+  globalModel: number | null;
   changes: Reference | null;
   limits: TypedLimits;
   reasoning: string;
@@ -49,6 +52,7 @@ export interface ProposalDraft {
 export const EMPTY_PROPOSAL: ProposalDraft = {
   title: "",
   structure: null,
+  globalModel: null,
   changes: null,
   limits: {},
   reasoning: "",
@@ -62,10 +66,12 @@ export function draftOf(proposal: StoredProposal): ProposalDraft {
   return {
     title: proposal.title,
     structure: proposal.structure,
+    globalModel: proposal.global_model_id,
     changes: proposal.changes,
     limits: typed(proposal.limits),
     reasoning: proposal.reasoning,
-    runs: proposal.run_ids,
+    // The server adds the runs of a global model.
+    runs: proposal.global_model_id === null ? proposal.run_ids : [],
     comparisons: proposal.comparisons,
     figures: proposal.figure_ids,
     requests: [],
@@ -76,13 +82,15 @@ export function draftOf(proposal: StoredProposal): ProposalDraft {
 export function proposalOf(draft: ProposalDraft, frozen: number[]) {
   const read = readLimits(draft.limits);
   if ("fault" in read) return read;
-  if (draft.structure === null) return { fault: "Select the proposed structure." };
+  if (draft.structure === null && draft.globalModel === null)
+    return { fault: "Select the proposed structure." };
   if (draft.title.trim() === "") return { fault: "Give the decision a title." };
   if (draft.reasoning.trim() === "") return { fault: "Give the reasoning." };
   return {
     proposal: {
       title: draft.title,
       structure: draft.structure,
+      global_model_id: draft.globalModel,
       changes: draft.changes,
       limits: read.limits,
       reasoning: draft.reasoning,
@@ -119,6 +127,7 @@ export function figuresOf(runs: readonly { id: number; method: string }[]): Figu
 const PROPOSAL_PARTS = [
   "title",
   "structure",
+  "global_model_id",
   "changes",
   "limits",
   "reasoning",
@@ -131,6 +140,7 @@ type ProposalPart = (typeof PROPOSAL_PARTS)[number];
 const PART_NAMES: Record<ProposalPart, string> = {
   title: "Title",
   structure: "Structure",
+  global_model_id: "Global model",
   changes: "Changes",
   limits: "Conditions",
   reasoning: "Reasoning",
@@ -146,6 +156,8 @@ function partText(proposal: StoredProposal, part: ProposalPart): string {
     case "structure":
     case "changes":
       return reference(proposal[part]);
+    case "global_model_id":
+      return proposal.global_model_id === null ? "none" : String(proposal.global_model_id);
     case "limits":
       return limitsText(proposal.limits);
     case "title":

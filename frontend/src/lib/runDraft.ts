@@ -181,8 +181,5 @@ export function draftFault(draft: RunDraft): string | null {
   if (/prediction/.test(draft.start) && draft.prediction === null) {
     return "Select the prediction to start from.";
   }
-  if (draft.priorSpread !== null && draft.prediction === null) {
-    return "Select the prediction of the priors.";
-  }
   return null;
 }

@@ -5,6 +5,8 @@ import { closedLoopResult, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopStability, MarginRow } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
+import { ApprovedModelNote } from "../components/ApprovedModelNote";
+import { useDefaultRuns } from "../components/useDefaultRuns";
 import { VariationSelect } from "../components/VariationSelect";
 import { NewController } from "../components/NewController";
 import { DataTable, type Column } from "../components/DataTable";
@@ -72,7 +74,8 @@ const MARGINS: Column<MarginRow>[] = [
 
 /** Closed-loop stability of identified models with a controller, and its margins. */
 export function ClosedLoopPage() {
-  const view = route.useSearch();
+  const search = route.useSearch();
+  const { view, approved } = useDefaultRuns(search);
   const navigate = route.useNavigate();
   const runs = useQuery(runsQuery({ state: "succeeded" }));
   const controllers = useQuery(controllersQuery);
@@ -170,7 +173,7 @@ export function ClosedLoopPage() {
           <VariationSelect
             value={view.variation}
             onChange={(variation) => {
-              change({ variation });
+              change({ variation, runs: view.runs });
             }}
           />
           <NewController
@@ -188,6 +191,7 @@ export function ClosedLoopPage() {
           </div>
         ) : (
           <Stack gap="md">
+            <ApprovedModelNote version={approved} />
             <ComputeButton compute={compute} />
             {error !== null && <ProblemAlert error={error} />}
             {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}

@@ -178,7 +178,7 @@ function Notes({ decision, read, onRead }: NotesProps) {
           covers the whole range. This decision remains readable.
         </Alert>
       )}
-      {newest_version > structure.version && isOpen(decision.state) && (
+      {structure !== null && newest_version > structure.version && isOpen(decision.state) && (
         <Text size="sm" data-testid="newer-structure">
           The structure has version {newest_version} by now.{" "}
           <Link

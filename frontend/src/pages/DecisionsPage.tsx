@@ -105,8 +105,8 @@ function Listed({ items }: { items: DecisionItem[] }) {
   if (items.length === 0) {
     return (
       <Empty title="No decisions yet">
-        A decision proposes a model structure for a range of conditions. Once approved, it is the
-        default of new runs there.
+        A decision proposes a model structure for a range of conditions, or a global model. Once
+        approved, it is the default of new runs there, or of flutter and closed loop.
       </Empty>
     );
   }
@@ -122,17 +122,32 @@ function Listed({ items }: { items: DecisionItem[] }) {
     },
     { key: "state", header: "State", render: (one) => <DecisionBadge state={one.state} /> },
     {
-      key: "structure",
-      header: "Structure",
-      render: (one) => (
-        <StructureLink
-          name={one.structure_name}
-          id={one.proposal.structure.id}
-          version={one.proposal.structure.version}
-        />
-      ),
+      key: "model",
+      header: "Model",
+      render: ({ proposal, model_name }) =>
+        proposal.structure === null ? (
+          <Link
+            to="/global-model/$id"
+            params={{ id: proposal.global_model_id ?? 0 }}
+            className="link"
+          >
+            {model_name}
+          </Link>
+        ) : (
+          <StructureLink
+            name={model_name}
+            id={proposal.structure.id}
+            version={proposal.structure.version}
+          />
+        ),
     },
-    { key: "range", header: "For", wraps: true, render: (one) => limitsText(one.proposal.limits) },
+    {
+      key: "range",
+      header: "For",
+      wraps: true,
+      render: ({ proposal }) =>
+        proposal.structure === null ? "envelope of its runs" : limitsText(proposal.limits),
+    },
     { key: "by", header: "By", render: (one) => one.authors.join(", ") },
     {
       key: "votes",

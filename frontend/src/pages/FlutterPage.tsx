@@ -24,6 +24,8 @@ import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
 import { DerivedRuns } from "../components/DerivedRuns";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
+import { ApprovedModelNote } from "../components/ApprovedModelNote";
+import { useDefaultRuns } from "../components/useDefaultRuns";
 import { VariationSelect } from "../components/VariationSelect";
 import { ComputeButton } from "../components/ComputeButton";
 import { Empty } from "../components/Empty";
@@ -49,7 +51,8 @@ const ALONG = [
 
 /** Flutter prediction of the identified models, and the margin of the next test point. */
 export function FlutterPage() {
-  const view = route.useSearch();
+  const search = route.useSearch();
+  const { view, approved } = useDefaultRuns(search, search.prediction === undefined);
   const navigate = route.useNavigate();
   const runs = view.runs ?? [];
   const query = {
@@ -137,6 +140,7 @@ export function FlutterPage() {
           </div>
         ) : (
           <Stack gap="md">
+            <ApprovedModelNote version={approved} />
             <ComputeButton compute={compute} />
             {error !== null && <ProblemAlert error={error} />}
             {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
@@ -295,7 +299,7 @@ function Choices({ view, result, onChange }: ChoicesProps) {
       <VariationSelect
         value={view.variation}
         onChange={(variation) => {
-          onChange({ variation });
+          onChange({ variation, runs: view.runs });
         }}
       />
       <NumberInput

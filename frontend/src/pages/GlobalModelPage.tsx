@@ -13,6 +13,7 @@ import { DerivativeSelect } from "../components/DerivativeSelect";
 import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { DEFAULT_VARIABLES, GlobalModelSettings } from "../components/GlobalModelSettings";
+import { GlobalModelVersions } from "../components/GlobalModelVersions";
 import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
@@ -65,12 +66,15 @@ export function GlobalModelPage() {
       <div className="split">
         <GlobalModelSettings view={view} onChange={onChange} />
         {query.run_ids === "" || query.variables === "" ? (
-          <div className="panel">
-            <Empty title={query.variables === "" ? "No variable selected" : "Too few runs"}>
-              Select at least four succeeded runs of one model structure, best of several flights,
-              airspeeds and fuel weights, and one or more variables.
-            </Empty>
-          </div>
+          <Stack gap="md">
+            <div className="panel">
+              <Empty title={query.variables === "" ? "No variable selected" : "Too few runs"}>
+                Select at least four succeeded runs of one model structure, best of several flights,
+                airspeeds and fuel weights, and one or more variables.
+              </Empty>
+            </div>
+            <GlobalModelVersions />
+          </Stack>
         ) : (
           <Stack gap="md">
             <ComputeButton compute={compute} />
@@ -118,6 +122,7 @@ function Model({ model, query, view, onChange }: ModelProps) {
         </Section>
       )}
       <Slice model={model} query={query} view={view} onChange={onChange} />
+      <GlobalModelVersions query={query} />
       <PredictionAndExport model={model} query={query} view={view} onChange={onChange} />
       <Section
         title="Derivatives"

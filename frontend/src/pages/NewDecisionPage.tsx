@@ -12,14 +12,14 @@ import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/decisions/new");
 
-/** Propose a model structure for a range of conditions. */
+/** Propose a model structure for a range of conditions, or a global model. */
 export function NewDecisionPage() {
   const structures = useQuery(structuresQuery());
   const view = route.useSearch();
   return (
     <>
       <PageHead
-        title="Propose model structure"
+        title={view.global_model === undefined ? "Propose model structure" : "Propose global model"}
         trail={[
           <Link to="/decisions" className="link" key="decisions">
             Decisions
@@ -45,7 +45,8 @@ function Form({ structures }: { structures: ModelStructure[] }) {
     `flexsid.proposal.${JSON.stringify(view)}`,
     {
       ...EMPTY_PROPOSAL,
-      structure: reference(view.structure, view.version),
+      structure: view.global_model === undefined ? reference(view.structure, view.version) : null,
+      globalModel: view.global_model ?? null,
       changes: reference(view.changes, view.changes_version),
       runs: view.runs ?? [],
     },
@@ -56,7 +57,7 @@ function Form({ structures }: { structures: ModelStructure[] }) {
       draft={draft}
       onChange={setDraft}
       sending={propose.isPending}
-      label="Propose model structure"
+      label={draft.globalModel === null ? "Propose model structure" : "Propose global model"}
       footer={propose.isError && <ProblemAlert error={propose.error} />}
       onSend={(proposal) => {
         propose.mutate(proposal, {

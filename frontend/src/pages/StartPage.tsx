@@ -42,7 +42,7 @@ export function StartPage() {
         <Step to="/campaign" name="Campaign" fact={count(total, "maneuver")} />
         <Step to="/runs" name="Runs" fact={`${inState("succeeded")} succeeded`} />
         <Step to="/compare" name="Compare" fact="methods, conditions, predictions" />
-        <Step to="/decisions" name="Decisions" fact="model structures by flight condition" />
+        <Step to="/decisions" name="Decisions" fact="approved models by flight condition" />
         <Step to="/flutter" name="Flutter" fact="margin of the next test point" />
       </ol>
       <div className="two">
@@ -57,7 +57,7 @@ export function StartPage() {
               </Text>
             )}
           </Section>
-          <Section title="Awaiting review" note="Open proposals of model structures">
+          <Section title="Awaiting review" note="Open proposals of models">
             <Proposals />
           </Section>
           <Section title="Recent maneuvers" note="Latest imports">
@@ -206,7 +206,7 @@ function Proposals() {
                 <Link to="/decisions/$id" params={{ id: one.id }} className="link">
                   {one.proposal.title}
                 </Link>
-                <span className="quiet">{one.structure_name}</span>
+                <span className="quiet">{one.model_name}</span>
               </>
             ),
             when: dateMinute(one.created_at),

@@ -1,4 +1,4 @@
-"""Decisions on the model structure: proposals, comments, votes and audit trail."""
+"""Decisions on model structures and global models: proposals, comments, votes and audit trail."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def list_decisions(
     """List decisions, newest first."""
     found = store.decisions.find(**drop_none(aircraft_id=aircraft_id, state=state))
     items = [
-        extend_record(DecisionItem, one, structure_name=_get_structure(store, one).name)
+        extend_record(DecisionItem, one, model_name=_name_model(store, one))
         for one in reversed(found)
     ]
     return Items(items=items)
@@ -61,7 +61,7 @@ def list_decisions(
 
 @router.post("", response_model=DecisionDetail, status_code=201)
 def propose_decision(store: TheStore, body: ProposalRequest, analyst: NamedAnalyst) -> Json:
-    """Propose a model structure, or a change of one, for a range of conditions."""
+    """Propose a model structure or a change of one for conditions, or a global model."""
     stored = decision_review.propose(store, body.to_record(), analyst)
     location = {"Location": f"/api/v1/decisions/{stored.id}"}
     return Json(_build_detail(store, stored), 201, location)
@@ -131,22 +131,36 @@ def get_decision_audit(store: TheStore, decision_id: Identity, form: Form = "jso
 
 def _build_detail(store: Store, decision: Decision) -> DecisionDetail:
     proposal = decision.proposal
-    changes = proposal.changes
+    changes, structure, model = proposal.changes, proposal.structure, proposal.global_model_id
     return extend_record(
         DecisionDetail,
         decision,
         rules=decision_review.get_rules(store, decision.aircraft_id),
         events=store.decision_events.find(decision_id=decision.id),
-        structure=_get_structure(store, decision),
-        newest_version=store.model_structures.get(proposal.structure.id).version,
+        structure=None
+        if structure is None
+        else get_version(store, structure.id, structure.version),
+        global_model=None if model is None else store.global_model_versions.get(model),
+        newest_version=_find_newest_version(store, decision),
         changes=None if changes is None else get_version(store, changes.id, changes.version),
         figures=[store.frozen_figures.get(number) for number in proposal.figure_ids],
     )
 
 
-def _get_structure(store: Store, decision: Decision) -> Any:
+def _name_model(store: Store, decision: Decision) -> str:
+    """Return the name of the proposed model structure or global model."""
     reference = decision.proposal.structure
-    return get_version(store, reference.id, reference.version)
+    if reference is not None:
+        return get_version(store, reference.id, reference.version).name
+    return store.global_model_versions.get(decision.proposal.global_model_id or 0).name
+
+
+def _find_newest_version(store: Store, decision: Decision) -> int:
+    reference = decision.proposal.structure
+    if reference is not None:
+        return store.model_structures.get(reference.id).version
+    known = store.global_model_versions.find(aircraft_id=decision.aircraft_id, axis=decision.axis)
+    return max(one.version for one in known)
 
 
 def _respond_with_trail(store: Store, trail: AuditTrail, form: str, name: str) -> Response:

@@ -2,25 +2,57 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Response
 
+from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.prediction_requests import SaveGlobalPredictionRequest
-from flexsid.api.serialization import Json
+from flexsid.api.prediction_requests import GlobalModelVersionRequest, SaveGlobalPredictionRequest
+from flexsid.api.responses import extend_record
+from flexsid.api.serialization import (
+    Identity,
+    Json,
+    JsonRoute,
+    Reference,
+    RequiredReference,
+    drop_none,
+)
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import GlobalModelParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.aircraft import DerivativePrediction
-from flexsid.records.global_model import GlobalModelSummary
+from flexsid.records.decision import Decision, DecisionState
+from flexsid.records.global_model import (
+    GlobalModelSummary,
+    GlobalModelVersion,
+    VersionDifferences,
+)
+from flexsid.storage.paging import Items
 from flexsid.text import count_noun
+from flexsid.workflow.global_model import versions
 from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
-router = APIRouter(prefix="/global-models", tags=["global model"])
+router = APIRouter(prefix="/global-models", tags=["global model"], route_class=JsonRoute)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReviewedGlobalModel(GlobalModelVersion):
+    """A version with its newest decision and the state of that; null if not proposed."""
+
+    decision_id: int | None
+    state: DecisionState | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GlobalModelDetail(ReviewedGlobalModel):
+    """A version with its model."""
+
+    summary: GlobalModelSummary
 
 
 async def _read_query(
@@ -57,6 +89,71 @@ def get_global_model_dave_ml(store: TheStore, query: TheGlobalModelQuery) -> Res
     content = write_dave_ml(get_result(store, GLOBAL_MODEL, query))
     name = {"Content-Disposition": 'attachment; filename="flexsid-global-model.dml"'}
     return Response(content, media_type="application/xml", headers=name)
+
+
+@router.get("/versions")
+def list_global_model_versions(
+    store: TheStore, aircraft_id: Reference = None
+) -> Items[ReviewedGlobalModel]:
+    """List the stored versions of global models with the state of their review, newest first."""
+    found = store.global_model_versions.find(**drop_none(aircraft_id=aircraft_id))
+    newest = {one.proposal.global_model_id: one for one in store.decisions.find()}
+    return Items(items=[_add_review(one, newest.get(one.id)) for one in reversed(found)])
+
+
+@router.post("/versions", status_code=201)
+def add_global_model_version(
+    store: TheStore,
+    query: TheGlobalModelQuery,
+    body: GlobalModelVersionRequest,
+    analyst: TheAnalyst,
+) -> GlobalModelVersion:
+    """Store a computed global model under the next version of its aircraft and axis.
+
+    A decision proposes it for approval: `POST /decisions` with `global_model_id`.
+    """
+    result = get_result(store, GLOBAL_MODEL, query)
+    return versions.add_version(
+        store,
+        result,
+        prediction_id=query.prediction_id,
+        label=body.label,
+        note=body.note,
+        author=analyst,
+    )
+
+
+@router.get("/versions/{global_model_id}", response_model=GlobalModelDetail)
+def get_global_model_version(store: TheStore, global_model_id: Identity) -> Json:
+    """Return one version of a global model with its derivatives, scores and outlying runs."""
+    version = store.global_model_versions.get(global_model_id)
+    decisions = [
+        one
+        for one in store.decisions.find(aircraft_id=version.aircraft_id)
+        if one.proposal.global_model_id == version.id
+    ]
+    summary = versions.load_result(store, version).summary
+    reviewed = _add_review(version, decisions[-1] if decisions else None)
+    return Json(extend_record(GlobalModelDetail, reviewed, summary=summary))
+
+
+@router.get("/versions/{global_model_id}/differences", response_model=VersionDifferences)
+def compare_global_models(
+    store: TheStore, global_model_id: Identity, base_global_model_id: RequiredReference
+) -> Json:
+    """Compare a version with another: runs, outlying runs, and derivatives at its centre."""
+    before = store.global_model_versions.get(base_global_model_id)
+    after = store.global_model_versions.get(global_model_id)
+    return Json(versions.compare_versions(store, before, after))
+
+
+def _add_review(version: GlobalModelVersion, decision: Decision | None) -> ReviewedGlobalModel:
+    return extend_record(
+        ReviewedGlobalModel,
+        version,
+        decision_id=None if decision is None else decision.id,
+        state=None if decision is None else decision.state,
+    )
 
 
 @router.post("/predictions", status_code=201)

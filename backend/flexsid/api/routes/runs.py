@@ -28,6 +28,7 @@ from flexsid.storage.list_query import Facets
 from flexsid.storage.paging import Page
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
 from flexsid.storage.signatures import SignaturePlace, sign_content
+from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
@@ -56,6 +57,9 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
     the excited band; the field `proposal` records which. Unknown modes, inputs and outputs are
     refused immediately. A request equal to a queued, running or succeeded run returns that run
     (200, ``repeated``).
+
+    Priors requested by ``prior_spread`` without a prediction are those of the approved global
+    model at the condition, where it has the modes of the run; the settings then name them.
     """
     store = context.store
     given = None if body.structure is None else body.structure.to_record()
@@ -67,6 +71,7 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
         structure, version = model_structures.get_structure_of_run(store, given, *reference)
         run = body.make_run(structure=structure, structure_version=version, author=author)
         run = attach_proposal_basis(store, run)
+    run = add_default_priors(store, run)
     task = estimation.prepare(store, run)
     stored, is_new = batches.add_once(store, add_hashes(store, run))
     assert stored.id is not None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,7 @@ from flexsid.workflow.flutter.run_flutter import (
     scale_to_fuel,
 )
 from flexsid.workflow.modal_data.modal_tables import AircraftModes
+from flexsid.workflow.model_structures.baselines import find_approved_global_model
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.derived_runs import DerivedFit, DerivedRuns
 from flexsid.workflow.runs.run_identity import list_run_contents
@@ -188,6 +190,27 @@ class FlutterModels:
     def fuse(self, store: Store, parts: Sequence[RunModel], fuel: float) -> IdentifiedModes:
         """Fuse some or all runs of one structure at a loading."""
         return _fuse(store, parts, self.at, fuel)[0]
+
+
+def build_approved_query(store: Store, aircraft_id: int, axis: str, **more: Any) -> FlutterQuery:
+    """Build the query of the runs of the approved global model, without the outlying ones.
+
+    Derivatives vary over the envelope as in a global model; ``more`` are further fields.
+
+    Raises
+    ------
+    BadInput
+        If no global model of the axis is approved.
+    """
+    version = find_approved_global_model(store, aircraft_id, axis)
+    if version is None:
+        raise BadInput(
+            f"no global model of the {axis} axis is approved; name the runs, or propose a version "
+            "of a global model",
+            code="no-run",
+        )
+    runs = tuple(run.run_id for run in version.runs if not run.is_outlying)
+    return FlutterQuery(**{"variation": Variation.GLOBAL_MODEL, **more, "run_ids": runs})
 
 
 def identify_query(store: Store, query: FlutterQuery) -> tuple[object, ...]:

@@ -1,4 +1,4 @@
-"""Baselines: approved model structures by flight condition."""
+"""Baselines: approved model structures by flight condition, and approved global models."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from math import inf
 
 from flexsid.errors import BadInput
-from flexsid.records.decision import Decision, DecisionState, EventKind, LimitedQuantity, Limits
+from flexsid.records.decision import (
+    Decision,
+    DecisionState,
+    EventKind,
+    LimitedQuantity,
+    Limits,
+    StructureReference,
+)
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.store import Store
@@ -85,7 +93,11 @@ class Baseline:
 
 def list_baselines(store: Store, aircraft_id: int) -> list[Baseline]:
     """Return the baselines of a campaign, the last approved one first."""
-    return [_build_baseline(store, decision) for decision in list_approved(store, aircraft_id)]
+    return [
+        _build_baseline(store, decision, decision.proposal.structure)
+        for decision in list_approved(store, aircraft_id)
+        if decision.proposal.structure is not None
+    ]
 
 
 def find_baseline(store: Store, maneuver: Maneuver, axis: str | None = None) -> Baseline | None:
@@ -95,8 +107,22 @@ def find_baseline(store: Store, maneuver: Maneuver, axis: str | None = None) -> 
     """
     own = find_body(maneuver.axis).axis if axis is None else axis
     for decision in list_approved(store, maneuver.aircraft_id):
-        if decision.axis == own and is_in_range(maneuver, decision.proposal.limits):
-            return _build_baseline(store, decision)
+        structure = decision.proposal.structure
+        if structure is None or decision.axis != own:
+            continue
+        if is_in_range(maneuver, decision.proposal.limits):
+            return _build_baseline(store, decision, structure)
+    return None
+
+
+def find_approved_global_model(
+    store: Store, aircraft_id: int, axis: str
+) -> GlobalModelVersion | None:
+    """Return the approved version of the global model of an axis; None without one."""
+    for decision in list_approved(store, aircraft_id):
+        number = decision.proposal.global_model_id
+        if number is not None and decision.axis == axis:
+            return store.global_model_versions.get(number)
     return None
 
 
@@ -126,9 +152,8 @@ def require_baseline(store: Store, maneuver_ids: tuple[int, ...], axis: str) -> 
     return first
 
 
-def _build_baseline(store: Store, decision: Decision) -> Baseline:
+def _build_baseline(store: Store, decision: Decision, reference: StructureReference) -> Baseline:
     assert decision.id is not None
-    reference = decision.proposal.structure
     return Baseline(
         decision_id=decision.id,
         title=decision.proposal.title,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexsid.errors import Conflict
 from flexsid.records.run import EstimationRun, RunResult
+from flexsid.storage.event_chain import hash_value
 
 
 def get_result(run: EstimationRun, use: str = "no model") -> RunResult:
@@ -47,6 +48,13 @@ def refuse_altered(run: EstimationRun) -> None:
             code="result-altered",
             run_id=run.id,
         )
+
+
+def hash_run(run: EstimationRun) -> str:
+    """Hash the request and the result of a run."""
+    return hash_value(
+        [run.method, run.maneuver_id, run.structure, run.settings, run.result, run.versions]
+    )
 
 
 def describe_data_changes(run_id: int | None, changed: tuple[str, ...]) -> str | None:

@@ -18,10 +18,11 @@ from flexsid.records.decision import (
     EventKind,
     FrozenFigure,
     Limits,
+    ModelProposal,
     ReviewRules,
-    StructureProposal,
     StructureReference,
 )
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.model_structure import StructureVersion
 from flexsid.records.run import EstimationRun, ParameterEstimate
 from flexsid.storage.event_chain import is_chain_intact
@@ -86,6 +87,7 @@ class AuditedDecision:
     whole: bool
     changed_since: list[str]
     structures: list[StructureVersion]
+    global_models: list[GlobalModelVersion]
     runs: list[AuditedRun]
     figures: list[AuditedFigure]
 
@@ -177,6 +179,11 @@ def _audit(store: Store, decision: Decision) -> AuditedDecision:
                 store.structure_versions.find(structure_id=number) for number in structures
             )
         ),
+        global_models=[
+            store.global_model_versions.get(number)
+            for number in dict.fromkeys(one.global_model_id for one in proposals)
+            if number is not None
+        ],
         runs=[found for number in runs if (found := _summarise_run(store, number)) is not None],
         figures=[
             AuditedFigure(figure=figure, spec=read_figure(store, figure))
@@ -255,7 +262,7 @@ def describe_limits(limits: Limits) -> str:
 def _write_trail(trail: AuditTrail) -> Iterator[str]:
     """Write the blocks of a trail, which blank lines separate."""
     surfaces = tuple(surface.name for surface in trail.aircraft.surfaces)
-    yield f"# Decisions on the model structure of {_text(trail.aircraft.name)}"
+    yield f"# Decisions on the models of {_text(trail.aircraft.name)}"
     yield (
         f"Exported {_time(trail.exported_at)} by flexsid {trail.software['flexsid']}\n"
         f"(source {trail.software['source']}). {trail.check}"
@@ -286,13 +293,21 @@ def _write_decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterat
     if audited.changed_since:
         lines.append(f"Changed since the last event: {', '.join(audited.changed_since)}.")
     yield "\n".join(lines)
-    previous: StructureProposal | None = None
+    previous: ModelProposal | None = None
     for event in audited.events:
         yield from _write_event(event, previous, audited.structures, surfaces)
         previous = event.proposal or previous
-    yield "### Structures"
+    if audited.structures:
+        yield "### Structures"
     for version in audited.structures:
         yield from _write_structure(version, surfaces)
+    if audited.global_models:
+        yield "### Global models"
+        yield _itemise(
+            f"{_text(one.name)}, by {_text(one.author)}, {_time(one.created_at)}, of "
+            f"{len(one.runs)} runs, SHA-256 `{one.result}`: {_text(one.sentence)}"
+            for one in audited.global_models
+        )
     if audited.runs:
         yield "### Runs"
     for run in audited.runs:
@@ -308,7 +323,7 @@ def _write_decision(audited: AuditedDecision, surfaces: Sequence[str]) -> Iterat
 
 def _write_event(
     event: DecisionEvent,
-    previous: StructureProposal | None,
+    previous: ModelProposal | None,
     structures: Sequence[StructureVersion],
     surfaces: Sequence[str],
 ) -> Iterator[str]:
@@ -338,8 +353,8 @@ def _write_event(
 
 
 def _list_proposal(
-    proposal: StructureProposal,
-    previous: StructureProposal | None,
+    proposal: ModelProposal,
+    previous: ModelProposal | None,
     structures: Sequence[StructureVersion],
     surfaces: Sequence[str],
 ) -> Iterator[str]:
@@ -351,10 +366,13 @@ def _list_proposal(
         return f"model structure {reference.id}, version {reference.version}{name}"
 
     yield f"Title: {_text(proposal.title)}"
-    yield f"Proposes {format_reference(proposal.structure)}"
-    yield f"For {describe_limits(proposal.limits)}"
+    if proposal.structure is None:
+        yield f"Proposes global model {proposal.global_model_id} for the envelope of its runs"
+    else:
+        yield f"Proposes {format_reference(proposal.structure)}"
+        yield f"For {describe_limits(proposal.limits)}"
     before = proposal.changes or (None if previous is None else previous.structure)
-    if before is not None and before != proposal.structure:
+    if before is not None and proposal.structure not in (None, before):
         one, other = found.get(before), found.get(proposal.structure)
         changes = ""
         if one is not None and other is not None:

@@ -18,8 +18,8 @@ from flexsid.records.decision import (
     DecisionEvent,
     DecisionState,
     EventKind,
+    ModelProposal,
     ReviewRules,
-    StructureProposal,
     Vote,
 )
 from flexsid.storage.access import get_access
@@ -30,7 +30,7 @@ from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow.model_structures.baselines import is_covered, is_overlapping, list_approved
 from flexsid.workflow.model_structures.model_structures import StaleEdit, get_version
-from flexsid.workflow.model_structures.run_results import refuse_altered
+from flexsid.workflow.model_structures.run_results import hash_run, refuse_altered
 from flexsid.workflow.review.evidence import hash_evidence, list_software_versions
 
 _log = logging.getLogger(__name__)
@@ -72,7 +72,7 @@ def change_rules(store: Store, rules: ReviewRules) -> ReviewRules:
         return store.review_rules.add(replace(rules, version=rules.version + 1))
 
 
-def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
+def propose(store: Store, proposal: ModelProposal, author: str) -> Decision:
     """Open a decision.
 
     Raises
@@ -81,6 +81,7 @@ def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
         If the proposal is inconsistent; see ``check_proposal``.
     """
     with store.transaction():
+        proposal = _add_runs_of_model(store, proposal)
         aircraft_id, axis = check_proposal(store, proposal)
         decision = store.decisions.add(
             Decision(
@@ -99,7 +100,7 @@ def propose(store: Store, proposal: StructureProposal, author: str) -> Decision:
 
 
 def revise(
-    store: Store, decision_id: int, revision: int, proposal: StructureProposal, author: str
+    store: Store, decision_id: int, revision: int, proposal: ModelProposal, author: str
 ) -> Decision:
     """Replace a proposal; votes are reset.
 
@@ -109,12 +110,18 @@ def revise(
         If ``revision`` is not the latest.
     """
     with store.transaction():
+        proposal = _add_runs_of_model(store, proposal)
         decision = _get_open(store, decision_id, revision, proposal)
         aircraft_id, axis = check_proposal(store, proposal)
         if (aircraft_id, axis) != (decision.aircraft_id, decision.axis):
             raise BadInput(
                 "aircraft and axis of a decision are fixed; make a new proposal for others",
                 code="wrong-aircraft",
+            )
+        if not _is_alike(proposal, decision.proposal):
+            raise BadInput(
+                "a decision is on model structures or on global models; make a new proposal",
+                code="other-subject",
             )
         return append(
             store, decision, EventKind.REVISED, author, proposal.reasoning, proposal=proposal
@@ -199,7 +206,7 @@ def append(
     *,
     derivative: str | None = None,
     vote: Vote | None = None,
-    proposal: StructureProposal | None = None,
+    proposal: ModelProposal | None = None,
     rules: ReviewRules | None = None,
     by_decision_id: int | None = None,
 ) -> Decision:
@@ -280,7 +287,9 @@ def apply_event(decision: Decision, event: DecisionEvent) -> Decision:
 def _supersede(store: Store, decided: Decision, author: str) -> None:
     """Mark earlier baselines of the same axis as superseded or narrowed."""
     baselines = [
-        one for one in list_approved(store, decided.aircraft_id) if one.axis == decided.axis
+        one
+        for one in list_approved(store, decided.aircraft_id)
+        if one.axis == decided.axis and _is_alike(one.proposal, decided.proposal)
     ]
     # The rules were read with the aircraft locked, so this one was adopted after all others.
     assert baselines[0].id == decided.id
@@ -300,7 +309,7 @@ def _supersede(store: Store, decided: Decision, author: str) -> None:
 
 
 def _get_open(
-    store: Store, decision_id: int, revision: int, sent: StructureProposal | None = None
+    store: Store, decision_id: int, revision: int, sent: ModelProposal | None = None
 ) -> Decision:
     decision = store.decisions.get(decision_id)
     if decision.state not in OPEN:
@@ -326,8 +335,28 @@ def _get_open(
     )
 
 
+def _is_alike(one: ModelProposal, other: ModelProposal) -> bool:
+    """Whether both propose a model structure, or both a global model."""
+    return (one.structure is None) == (other.structure is None)
+
+
+def _add_runs_of_model(store: Store, proposal: ModelProposal) -> ModelProposal:
+    """Add the runs of a proposed global model to the evidence."""
+    if proposal.global_model_id is None:
+        return proposal
+    version = store.global_model_versions.get(proposal.global_model_id)
+    runs = dict.fromkeys((*(run.run_id for run in version.runs), *proposal.run_ids))
+    return replace(proposal, run_ids=tuple(runs))
+
+
 def _check_derivative(store: Store, decision: Decision, name: str) -> None:
     reference = decision.proposal.structure
+    if reference is None:
+        raise BadInput(
+            "comments on single derivatives are for model structures; comment on the global model",
+            code="unknown-derivative",
+            name=name,
+        )
     structure = get_version(store, reference.id, reference.version).structure
     surfaces = tuple(s.name for s in store.aircraft.get(decision.aircraft_id).surfaces)
     known = list_derivative_names(
@@ -345,27 +374,20 @@ def _fold(names: tuple[str, ...]) -> set[str]:
     return {name.casefold() for name in names}
 
 
-def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]:
+def check_proposal(store: Store, proposal: ModelProposal) -> tuple[int, str]:
     """Check a proposal; return its aircraft and axis.
 
     Raises
     ------
     UnknownRecord
-        If a structure, run, prediction or figure does not exist.
+        If a structure, global model, run, prediction or figure does not exist.
     BadInput
-        If they belong to different aircraft, a run has no result, or limits are reversed.
+        If not one model is proposed, records belong to different aircraft, a run has no result,
+        or limits are reversed.
+    Conflict
+        If a run of the global model was estimated again since.
     """
-    proposed = get_version(store, proposal.structure.id, proposal.structure.version)
-    aircraft_id = store.model_structures.get(proposal.structure.id).aircraft_id
-    if proposal.changes is not None:
-        before = get_version(store, proposal.changes.id, proposal.changes.version)
-        other = store.model_structures.get(proposal.changes.id).aircraft_id
-        _check_aircraft(f"model structure {proposal.changes.id}", other, aircraft_id)
-        if before.structure == proposed.structure:
-            raise BadInput(
-                "the proposed model structure is identical to the one it changes; modify it first",
-                code="no-change",
-            )
+    aircraft_id, axis = _check_model(store, proposal)
     for quantity, (low, high) in proposal.limits.items():
         if not low < high:
             raise BadInput(
@@ -384,6 +406,44 @@ def check_proposal(store: Store, proposal: StructureProposal) -> tuple[int, str]
             _check_aircraft(f"prediction {prediction_id}", other, aircraft_id)
     for figure_id in proposal.figure_ids:
         store.frozen_figures.get(figure_id)
+    return aircraft_id, axis
+
+
+def _check_model(store: Store, proposal: ModelProposal) -> tuple[int, str]:
+    """Check the proposed model structure or global model; return its aircraft and axis."""
+    if (proposal.structure is None) == (proposal.global_model_id is None):
+        raise BadInput(
+            "propose one model: either structure or global_model_id", code="no-single-model"
+        )
+    if proposal.global_model_id is not None:
+        if proposal.changes is not None or proposal.limits:
+            raise BadInput(
+                "a global model is proposed for the envelope of its runs; give neither changes nor"
+                " limits",
+                code="not-with-global-model",
+            )
+        version = store.global_model_versions.get(proposal.global_model_id)
+        for run in version.runs:
+            if hash_run(store.runs.get(run.run_id)) != run.hash:
+                raise Conflict(
+                    f"run {run.run_id} has changed since {version.name} was stored; fit the global"
+                    " model again",
+                    code="result-altered",
+                    run_id=run.run_id,
+                )
+        return version.aircraft_id, version.axis
+    assert proposal.structure is not None
+    proposed = get_version(store, proposal.structure.id, proposal.structure.version)
+    aircraft_id = store.model_structures.get(proposal.structure.id).aircraft_id
+    if proposal.changes is not None:
+        before = get_version(store, proposal.changes.id, proposal.changes.version)
+        other = store.model_structures.get(proposal.changes.id).aircraft_id
+        _check_aircraft(f"model structure {proposal.changes.id}", other, aircraft_id)
+        if before.structure == proposed.structure:
+            raise BadInput(
+                "the proposed model structure is identical to the one it changes; modify it first",
+                code="no-change",
+            )
     return aircraft_id, proposed.structure.axis
 
 
@@ -406,7 +466,7 @@ def _check_run(store: Store, run_id: int, aircraft_id: int) -> None:
 def _check_aircraft(what: str, other: int, aircraft_id: int) -> None:
     if other != aircraft_id:
         raise BadInput(
-            f"{what} belongs to another aircraft than the proposed model structure",
+            f"{what} belongs to another aircraft than the proposed model",
             code="wrong-aircraft",
         )
 

@@ -9,24 +9,28 @@ from pathlib import Path
 
 import flexsid
 from flexsid.errors import UnknownRecord
-from flexsid.records.decision import StructureProposal
+from flexsid.records.decision import ModelProposal
 from flexsid.storage.event_chain import hash_value
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.software_versions import read_versions
 from flexsid.workflow.model_structures.model_structures import get_version
+from flexsid.workflow.model_structures.run_results import hash_run
 
 GONE = "gone"
 """Value in place of the hash for deleted records."""
 
 
-def hash_evidence(store: Store, proposal: StructureProposal) -> dict[str, str]:
-    """Hash the evidence of a proposal: model structures, runs, maneuvers, figures."""
+def hash_evidence(store: Store, proposal: ModelProposal) -> dict[str, str]:
+    """Hash the evidence of a proposal: models, runs, maneuvers, predictions, figures."""
     found: dict[str, str] = {}
     for reference in (proposal.structure, proposal.changes):
         if reference is not None:
             name = f"structure {reference.id} version {reference.version}"
             stored = get_version(store, reference.id, reference.version)
             found[name] = hash_value([stored.name, stored.structure])
+    if proposal.global_model_id is not None:
+        version = store.global_model_versions.get(proposal.global_model_id)
+        found[f"global model {version.id}"] = hash_value(version)
     maneuvers: dict[int, None] = {}
     for run_id in proposal.all_run_ids:
         try:
@@ -36,9 +40,7 @@ def hash_evidence(store: Store, proposal: StructureProposal) -> dict[str, str]:
         if run is None or run.deleted_at is not None:
             found[f"run {run_id}"] = GONE
             continue
-        found[f"run {run_id}"] = hash_value(
-            [run.method, run.maneuver_id, run.structure, run.settings, run.result, run.versions]
-        )
+        found[f"run {run_id}"] = hash_run(run)
         maneuvers |= dict.fromkeys((run.maneuver_id, *run.settings.additional_maneuver_ids))
     for maneuver_id in maneuvers:
         found[f"maneuver {maneuver_id}"] = _maneuver_hash(store, maneuver_id)

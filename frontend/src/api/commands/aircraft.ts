@@ -1,10 +1,12 @@
 /** Commands on the aircraft: definition, thrust table and controllers. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { named } from "../analyst";
 import { api, body, json } from "../client";
 import type { GlobalModelParams } from "../queries/globalModel";
 import type {
   Controller,
   ComputePredictionRequest,
+  GlobalModelVersionRequest,
   SaveGlobalPredictionRequest,
   ThrustRequest,
 } from "../types";
@@ -83,6 +85,27 @@ export function useComputePrediction() {
   return useMutation({
     mutationFn: (request: ComputePredictionRequest) =>
       body(api.POST("/api/v1/predictions", { body: request })),
+  });
+}
+
+/** Stores a computed global model as the next version. */
+export function useSaveGlobalModelVersion() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({
+      query,
+      request,
+    }: {
+      query: GlobalModelParams;
+      request: GlobalModelVersionRequest;
+    }) =>
+      body(
+        api.POST("/api/v1/global-models/versions", {
+          params: { query, header: named() },
+          body: request,
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["global-models", "versions"] }),
   });
 }
 

@@ -9,7 +9,7 @@ function useRefreshDecisions() {
   const cache = useQueryClient();
   return () =>
     Promise.all(
-      [["decisions"], ["notifications"], ["review-rules"]].map((queryKey) =>
+      [["decisions"], ["notifications"], ["review-rules"], ["global-models"]].map((queryKey) =>
         cache.invalidateQueries({ queryKey }),
       ),
     );
