@@ -88,6 +88,18 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "check a signed file, or the installation against published values"
     _add_verify_options(add("verify", "verify:verify", summary))
 
+    summary = "write a run with its data, settings and results as an RO-Crate"
+    capsule = add("capsule", "capsule:export", summary)
+    capsule.add_argument("run", type=int, metavar="RUN", help="id of a run that succeeded")
+    meaning = "file; default: flexsid-run-RUN.crate.zip"
+    capsule.add_argument("--output", metavar="FILE", help=meaning)
+
+    summary = "compute the run of a capsule again, and compare the results"
+    recompute = add("recompute", "capsule:recompute", summary)
+    recompute.add_argument("file", metavar="FILE", help="capsule of a run")
+    meaning = "public key of the site that the capsule must be of"
+    recompute.add_argument("--key", metavar="HEX", help=meaning)
+
     summary = "add, invite and disable accounts, and set their roles in campaigns"
     _add_user_options(add("users", "users:users", summary))
 

@@ -514,6 +514,13 @@ class Workbench:
             raise BadInput(f"{file} ends in '.{form}'; expected .mat or .json")
         Path(file).write_bytes(self._connection.get(f"runs/{run_id}/model", {"format": form}))
 
+    def save_capsule(self, run_id: int, file: str | Path) -> None:
+        """Save a run with its data, settings and results as an RO-Crate.
+
+        ``flexsid recompute FILE`` computes it again in another installation.
+        """
+        Path(file).write_bytes(self._connection.get(f"runs/{run_id}/capsule", {}))
+
     def save_report(
         self, file: str | Path, kind: str, number: int | None = None, **query: Any
     ) -> None:

@@ -43,6 +43,13 @@ export function RunActions({ run }: { run: Run }) {
             </Menu.Item>
             <Menu.Item
               component="a"
+              href={`/api/v1/runs/${run.id}/capsule`}
+              download={`flexsid-run-${run.id}.crate.zip`}
+            >
+              Capsule to recompute (RO-Crate)
+            </Menu.Item>
+            <Menu.Item
+              component="a"
               href={`/api/v1/runs/${run.id}/model?format=mat`}
               download={`flexsid-model-${run.id}.mat`}
             >

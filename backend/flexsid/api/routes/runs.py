@@ -31,6 +31,7 @@ from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
+from flexsid.workflow.runs.capsule import write_capsule
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import RunExport, export_run
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -40,6 +41,10 @@ router = APIRouter(prefix="/runs", tags=["runs"], route_class=JsonRoute)
 
 _MATLAB: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string"}}}}
+}
+
+_ZIP: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}}}
 }
 
 
@@ -126,6 +131,16 @@ def get_run_export(store: TheStore, run_id: Identity) -> Response:
         store.database, dump_json(export_run(store, run_id)), SignaturePlace.JSON
     )
     return Response(content, media_type=Json.media_type, headers=name)
+
+
+@router.get("/{run_id}/capsule", response_class=Response, responses=_ZIP)
+def get_run_capsule(store: TheStore, run_id: Identity) -> Response:
+    """Return a run with its data, settings, software versions and results as an RO-Crate.
+
+    `flexsid recompute FILE` computes it again in another installation and compares the results.
+    """
+    name = {"Content-Disposition": f'attachment; filename="flexsid-run-{run_id}.crate.zip"'}
+    return Response(write_capsule(store, run_id), media_type="application/zip", headers=name)
 
 
 @router.get("/{run_id}/model", response_model=ModelExport, responses=_MATLAB)
