@@ -151,6 +151,12 @@ def test_versions_are_approved_compared_and_used_by_default(client: TestClient, 
     assert "global model version 2, longitudinal: all flights" in audit
     assert "Global model" in client.get(f"{API}/reports/decision/{newest['id']}").text
 
+    report = client.get(f"{API}/reports/global-model/{second['id']}").text
+    assert "People qualifications" in report
+    assert "approve by Bo" in report
+    assert "qualifications of these persons: NOT STATED" in report
+    assert "each flight predicted by all others" in report
+
     run = store.runs.get(5)
     requested = replace(run, settings=replace(run.settings, prior_spread=0.5), prediction_id=None)
     priors = add_default_priors(store, requested).settings.priors

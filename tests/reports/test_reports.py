@@ -87,7 +87,7 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
     parts = {section.title: section.parts for section in report.sections}
     assert list(parts) == [
         *("Summary", "Flight condition", "Derivatives", "Fit", "Model adequacy"),
-        *("Uncertainty", "Poles"),
+        *("Uncertainty", "Poles", "Credibility"),
     ]
     assert not [part for part in parts["Fit"] if isinstance(part, Words)]
     table = next(part for part in parts["Derivatives"] if isinstance(part, ReportTable))
@@ -99,7 +99,7 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
     assert provenance["Covariance"] == parameters.covariance
     html = to_html(report, NOW)
     assert len(figures(html)) >= 8
-    assert html.count("<h2>") == 8
+    assert html.count("<h2>") == 9
 
 
 def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> None:
@@ -230,3 +230,18 @@ def test_the_run_card_of_all_surfaces_is_one_page(tmp_path: Path) -> None:
     store.close()
     assert len(names) == 10
     assert to_pdf(to_html(card, NOW)).count(b"/Type /Page\n") == 1
+
+
+def test_the_credibility_sheet_has_all_factors_and_visible_blanks(flown: Store):
+    (sheet,) = (one for one in run_report(flown, 1).sections if one.title == "Credibility")
+    (table,) = (part for part in sheet.parts if isinstance(part, ReportTable))
+    evidence = {row[0]: row[1] for row in table.rows}
+    assert list(evidence) == [
+        *("Data pedigree", "Verification", "Validation", "Input pedigree"),
+        *("Uncertainty characterization", "Results robustness", "Use history"),
+        *("M&S management", "People qualifications"),
+    ]
+    assert "quality of the data: 1 not checked" in evidence["Data pedigree"]
+    assert "1 without a source file (simulated)" in evidence["Data pedigree"]
+    assert evidence["Use history"] == "NOT STATED"
+    assert all(row[2] == "" for row in table.rows), "levels are not claimed"

@@ -239,8 +239,10 @@ def _add_search_options(command: argparse.ArgumentParser) -> None:
 
 def _add_report_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
-    option("kind", choices=("run", "comparison", "decision", "campaign", "template"))
-    option("ids", nargs="?", metavar="ID,ID", help="ids of runs, or id of a decision")
+    kinds = ("run", "comparison", "decision", "global-model", "campaign", "template")
+    option("kind", choices=kinds)
+    meaning = "ids of runs, or id of a decision or of a version of a global model"
+    option("ids", nargs="?", metavar="ID,ID", help=meaning)
     meaning = "ids of predictions in the comparison"
     option("--predictions", default="", metavar="ID,ID", help=meaning)
     meaning = "custom template; start from `flexsid report template`"

@@ -50,5 +50,9 @@ def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:
         raise BadInput(
             f"give one id, e.g. flexsid report {arguments.kind} 3 --output {arguments.kind}.html"
         )
-    document = reports.run_report if arguments.kind == "run" else reports.decision_report
-    return document(store, ids[0])
+    documents = {
+        "run": reports.run_report,
+        "decision": reports.decision_report,
+        "global-model": reports.global_model_report,
+    }
+    return documents[arguments.kind](store, ids[0])

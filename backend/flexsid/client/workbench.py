@@ -531,9 +531,9 @@ class Workbench:
         file
             File name; the suffix selects the format.
         kind
-            ``run``, ``comparison``, ``decision`` or ``campaign``.
+            ``run``, ``comparison``, ``decision``, ``global-model`` or ``campaign``.
         number
-            Id of the run or decision.
+            Id of the run, decision or version of a global model.
         **query
             ``run_ids`` and ``prediction_ids`` of a comparison; filters of a campaign.
         """

@@ -4,6 +4,7 @@ from flexsid.reports.campaign import campaign_report
 from flexsid.reports.comparison import comparison_report
 from flexsid.reports.content import Report
 from flexsid.reports.decision import decision_report
+from flexsid.reports.global_model import global_model_report
 from flexsid.reports.layout import built_in_template, read_template, to_html
 from flexsid.reports.printing import to_pdf
 from flexsid.reports.run import run_report
@@ -15,6 +16,7 @@ __all__ = [
     "campaign_report",
     "comparison_report",
     "decision_report",
+    "global_model_report",
     "read_template",
     "run_card",
     "run_report",

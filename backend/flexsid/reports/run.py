@@ -19,6 +19,7 @@ from flexsid.reports.content import (
     moment,
     number,
 )
+from flexsid.reports.credibility import report_run_credibility
 from flexsid.reports.flown import condition_facts, source_facts
 from flexsid.reports.validation import report_cross_validation
 from flexsid.storage.content import find_changes
@@ -67,6 +68,7 @@ def run_report(store: Store, run_id: int) -> Report:
             ),
             Section("Uncertainty", _report_uncertainty(store, run_id)),
             Section("Poles", _report_poles(store, run_id, result)),
+            report_run_credibility(store, run, result),
         ),
         provenance=(*_list_provenance(store, run, result), *source_facts(store, maneuver)),
     )

@@ -15,6 +15,7 @@ import { DerivativeName } from "../components/DerivativeName";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { dateTime, withError } from "../lib/format";
 import { QUANTITIES } from "../lib/limits";
@@ -49,6 +50,7 @@ function Version({ version }: { version: GlobalModelDetail }) {
         aside={version.state !== null && <DecisionBadge state={version.state} />}
         actions={
           <>
+            <ReportMenu of={`global-model/${version.id}`} />
             <ButtonLink
               variant="default"
               to="/global-model"

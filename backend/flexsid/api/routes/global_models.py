@@ -127,13 +127,8 @@ def add_global_model_version(
 def get_global_model_version(store: TheStore, global_model_id: Identity) -> Json:
     """Return one version of a global model with its derivatives, scores and outlying runs."""
     version = store.global_model_versions.get(global_model_id)
-    decisions = [
-        one
-        for one in store.decisions.find(aircraft_id=version.aircraft_id)
-        if one.proposal.global_model_id == version.id
-    ]
     summary = versions.load_result(store, version).summary
-    reviewed = _add_review(version, decisions[-1] if decisions else None)
+    reviewed = _add_review(version, versions.find_decision(store, version))
     return Json(extend_record(GlobalModelDetail, reviewed, summary=summary))
 
 

@@ -1,4 +1,4 @@
-"""Reports of runs, comparisons, decisions and campaigns, as HTML or PDF."""
+"""Reports of runs, comparisons, decisions, global models and campaigns, as HTML or PDF."""
 
 from __future__ import annotations
 
@@ -57,6 +57,15 @@ def report_comparison(
 def report_decision(context: TheContext, decision_id: Identity, form: Form = "html") -> Response:
     """Return the report of a decision: range, structure, evidence, votes and history."""
     return _respond_with_report(context, reports.decision_report(context.store, decision_id), form)
+
+
+@router.get("/global-model/{global_model_id}", response_class=Response)
+def report_global_model(
+    context: TheContext, global_model_id: Identity, form: Form = "html"
+) -> Response:
+    """Return the report of a version of a global model: derivatives, score, credibility."""
+    report = reports.global_model_report(context.store, global_model_id)
+    return _respond_with_report(context, report, form)
 
 
 @router.get("/campaign", response_class=Response)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.decision import LimitedQuantity
+from flexsid.records.decision import Decision, LimitedQuantity
 from flexsid.records.global_model import (
     DerivativeChange,
     GlobalModelResult,
@@ -79,6 +79,13 @@ def add_version(
                 result=stored,
             )
         )
+
+
+def find_decision(store: Store, version: GlobalModelVersion) -> Decision | None:
+    """Return the newest decision about a version; None if it was not proposed."""
+    known = store.decisions.find(aircraft_id=version.aircraft_id)
+    found = [one for one in known if one.proposal.global_model_id == version.id]
+    return found[-1] if found else None
 
 
 def load_result(store: Store, version: GlobalModelVersion) -> GlobalModelResult:
