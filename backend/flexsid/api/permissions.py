@@ -53,6 +53,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_predictions", "get_prediction", "list_model_structures"),
         *("get_model_structure", "list_structure_versions", "get_structure_version"),
         *("list_decisions", "get_campaign_audit", "get_decision", "get_decision_audit"),
+        *("get_vote_evidence", "get_proposal_evidence"),
         *("get_review_rules", "list_campaign_baselines", "list_maneuver_baselines"),
         *("get_frozen_figure", "get_notifications", "mark_notifications_seen"),
         *("mark_decision_seen", "mark_structure_seen", "list_runs", "list_run_facets", "get_run"),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
+from flexsid.jobs.stored_results import find_stored_flutter
 from flexsid.records.decision import DecisionEvent, LinkedComparison, StructureReference
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.model_structure import StructureVersion
@@ -16,8 +18,10 @@ from flexsid.reports.content import (
     Section,
     Words,
     draw,
+    estimate,
     listed,
     moment,
+    number,
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
@@ -25,6 +29,11 @@ from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
 from flexsid.workflow.model_structures.model_structures import describe_derivative_state
 from flexsid.workflow.review.audit import AuditedDecision, audit_decision, describe_limits
+from flexsid.workflow.review.vote_evidence import (
+    FlutterEvidence,
+    ReferenceComparison,
+    collect_vote_evidence,
+)
 
 
 def decision_report(store: Store, decision_id: int) -> Report:
@@ -132,23 +141,33 @@ def _describe_structure(version: StructureVersion, surfaces: tuple[str, ...]) ->
 
 
 def _report_evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
-    if audited.runs:
+    decision = audited.decision
+    evidence = collect_vote_evidence(
+        store, decision.proposal, partial(find_stored_flutter, store), decision
+    )
+    for warning in evidence.warnings:
+        yield Words(warning, warns=True)
+    if evidence.runs:
+        authors = {run.id: run.author for run in audited.runs}
         yield ReportTable(
-            ("run", "maneuver", "method", "by", "outcome", "worst R²"),
+            ("run", "maneuver", "method", "by", "outcome", "adequacy", "lowest R²"),
             tuple(
                 (
-                    str(run.id),
+                    str(run.run_id),
                     run.maneuver_label,
                     run.method,
-                    run.author or "–",
-                    run.outcome or "–",
-                    f"{min(run.r_squared.values()):.3f}" if run.r_squared else "–",
+                    authors.get(run.run_id) or "–",
+                    run.outcome,
+                    run.adequacy.value,
+                    number(run.lowest_r_squared, 3),
                 )
-                for run in audited.runs
+                for run in evidence.runs
             ),
             "Runs of the proposal",
-            numbers_from=5,
+            numbers_from=6,
         )
+    if evidence.reference is not None:
+        yield from _report_reference(evidence.reference, evidence.flutter)
     comparisons = audited.decision.proposal.comparisons
     for comparison in comparisons:
         yield _draw_comparison(store, comparison)
@@ -160,6 +179,46 @@ def _report_evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
         yield Drawing(one.spec, caption)
     if not (audited.runs or audited.figures or audited.decision.proposal.comparisons):
         yield Words("No evidence is linked.")
+
+
+def _report_reference(reference: ReferenceComparison, flutter: FlutterEvidence) -> Iterator[Part]:
+    """Report the comparison with the baseline of the time of the report."""
+    named = f"{reference.name}, version {reference.structure.version}"
+    what = "the structure that it changes" if reference.decision_id is None else "the baseline"
+    yield Words(
+        f"Compared with {what}, {named}: {len(reference.terms)} terms differ, and"
+        f" {len(reference.derivatives)} of {reference.n_derivatives} derivatives moved by more than"
+        " 2 standard errors of the difference."
+    )
+    if reference.terms:
+        yield ReportTable(
+            ("term", "before", "proposed"),
+            tuple((one.what, one.before, one.after) for one in reference.terms),
+            "Terms that differ",
+            numbers_from=3,
+        )
+    if reference.derivatives:
+        yield ReportTable(
+            ("derivative", "runs", "before", "proposed", "difference [σ]"),
+            tuple(
+                (
+                    one.name,
+                    f"{one.baseline_run_id}, {one.run_id}",
+                    " ± ".join(estimate(one.baseline_value, one.baseline_std_error)),
+                    " ± ".join(estimate(one.value, one.std_error)),
+                    f"{one.difference_sigma:.1f}",
+                )
+                for one in reference.derivatives
+            ),
+            "Derivatives that moved by more than 2 standard errors",
+            numbers_from=2,
+        )
+    if reference.flutter_change_m_s is not None:
+        yield Words(
+            f"Flutter speed {number(flutter.airspeed_m_s, 3)} m/s, before"
+            f" {number(reference.flutter.airspeed_m_s, 3)} m/s: a change of"
+            f" {reference.flutter_change_m_s:+.1f} m/s."
+        )
 
 
 def _draw_derivatives(store: Store, audited: AuditedDecision) -> Iterator[Part]:

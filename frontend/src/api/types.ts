@@ -54,6 +54,7 @@ export type DecisionItem = Received<"DecisionItem">;
 export type Decision = Received<"DecisionDetail">;
 export type DecisionEvent = Received<"DecisionEvent">;
 export type Proposal = Received<"ModelProposal">;
+export type VoteEvidence = Received<"VoteEvidence">;
 export type ProposalRequest = Schemas["ProposalRequest"];
 export type StaleProposal = Received<"StaleProposal">;
 export type ReviewedGlobalModel = Received<"ReviewedGlobalModel">;

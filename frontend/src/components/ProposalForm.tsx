@@ -16,10 +16,12 @@ import { Link } from "@tanstack/react-router";
 import {
   globalModelVersionQuery,
   predictionsQuery,
+  proposalEvidenceQuery,
   runsQuery,
   structureVersionsQuery,
 } from "../api/queries";
 import type { ModelStructure, ProposalRequest } from "../api/types";
+import { limitsText, typed } from "../lib/limits";
 import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../lib/proposal";
 import { integer } from "../lib/urlState";
 import { NameForm } from "./AnalystMenu";
@@ -27,6 +29,7 @@ import { LimitsInput } from "./LimitsInput";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
+import { EvidenceSummary } from "./VoteEvidence";
 
 interface Props {
   structures: ModelStructure[];
@@ -123,6 +126,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
                       set({ limits });
                     }}
                   />
+                  <RangeOfRuns draft={draft} onChange={set} />
                 </>
               )}
             </Stack>
@@ -142,6 +146,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
                 }}
               />
               <Evidence aircraftId={own?.aircraft_id} draft={draft} onChange={set} />
+              <EvidencePreview draft={draft} />
             </Stack>
           </Section>
         </div>
@@ -179,6 +184,57 @@ function GlobalModelFacts({ id }: { id: number }) {
       )}
     </Loaded>
   );
+}
+
+/** The range that the attached runs cover, to be used as limits. */
+function RangeOfRuns({
+  draft,
+  onChange,
+}: {
+  draft: ProposalDraft;
+  onChange: (part: Partial<ProposalDraft>) => void;
+}) {
+  const evidence = useQuery(proposalEvidenceQuery(draft.structure, draft.runs));
+  if (draft.structure === null || draft.runs.length === 0) {
+    return (
+      <Text size="xs" className="quiet">
+        Attach runs, and the range that they cover is proposed here.
+      </Text>
+    );
+  }
+  return (
+    <Loaded query={evidence} rows={1}>
+      {({ limits }) => (
+        <Group gap="xs">
+          <Text size="sm">The runs cover {limitsText(limits).toLowerCase()}.</Text>
+          <Button
+            variant="default"
+            size="compact-xs"
+            data-testid="use-range"
+            onClick={() => {
+              onChange({ limits: { ...draft.limits, ...typed(limits) } });
+            }}
+          >
+            Use this range
+          </Button>
+        </Group>
+      )}
+    </Loaded>
+  );
+}
+
+/** Evidence that the readers of the proposal will see. */
+function EvidencePreview({ draft }: { draft: ProposalDraft }) {
+  const evidence = useQuery(proposalEvidenceQuery(draft.structure, draft.runs));
+  if (draft.structure === null) return null;
+  if (draft.runs.length === 0) {
+    return (
+      <Text size="sm" c="var(--page-warn)" data-testid="no-evidence">
+        No run is attached: votes would have no evidence.
+      </Text>
+    );
+  }
+  return <Loaded query={evidence}>{(data) => <EvidenceSummary evidence={data} />}</Loaded>;
 }
 
 interface VersionProps {

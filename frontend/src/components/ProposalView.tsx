@@ -1,7 +1,7 @@
 import { Badge, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
-import { aircraftQuery, runQuery } from "../api/queries";
+import { aircraftQuery, voteEvidenceQuery } from "../api/queries";
 import type { ReactNode } from "react";
 import type { Decision, Proposal } from "../api/types";
 import { derivativeNames } from "../lib/derivatives";
@@ -9,10 +9,12 @@ import { limitsText } from "../lib/limits";
 import { differences } from "../lib/structure";
 import { Facts } from "./ConditionFacts";
 import { Figure } from "./Figure";
+import { Loaded } from "./Loaded";
 import { Section } from "./Section";
 import { StructureDifference } from "./StructureDifference";
 import { StructureGrid } from "./StructureGrid";
 import { StructureLink } from "./StructureLink";
+import { EvidenceTables } from "./VoteEvidence";
 
 type GlobalModel = NonNullable<Decision["global_model"]>;
 
@@ -181,47 +183,36 @@ function StructureProposal({ decision, structure, derivative, onDerivative }: St
 
 function Evidence({ decision }: { decision: Decision }) {
   const { proposal, figures } = decision;
-  if (proposal.run_ids.length + proposal.comparisons.length + figures.length === 0) return null;
+  const evidence = useQuery(voteEvidenceQuery(decision.id, decision.revision));
   return (
     <Section title="Evidence">
-      <ul className="links">
-        {proposal.run_ids.map((id) => (
-          <li key={id}>
-            <RunLink id={id} />
-          </li>
-        ))}
-        {proposal.comparisons.map((one, index) => (
-          <li key={`comparison ${index}`}>
-            <Link
-              to="/compare"
-              search={{
-                runs: one.run_ids,
-                predictions: one.prediction_ids,
-                coefficient: one.coefficient ?? undefined,
-              }}
-              className="link"
-            >
-              Comparison of runs {one.run_ids.join(", ")}
-              {one.prediction_ids.length > 0 && ` and predictions ${one.prediction_ids.join(", ")}`}
-            </Link>
-          </li>
-        ))}
-      </ul>
+      <Loaded query={evidence}>{(data) => <EvidenceTables evidence={data} />}</Loaded>
+      {proposal.comparisons.length > 0 && (
+        <ul className="links">
+          {proposal.comparisons.map((one, index) => (
+            <li key={`comparison ${index}`}>
+              <Link
+                to="/compare"
+                search={{
+                  runs: one.run_ids,
+                  predictions: one.prediction_ids,
+                  coefficient: one.coefficient ?? undefined,
+                }}
+                className="link"
+              >
+                Comparison of runs {one.run_ids.join(", ")}
+                {one.prediction_ids.length > 0 &&
+                  ` and predictions ${one.prediction_ids.join(", ")}`}
+              </Link>
+            </li>
+          ))}
+        </ul>
+      )}
       {figures.map((one) => (
         <div key={one.id}>
           <Figure kind="frozen" title={`${one.title} (frozen)`} params={{ figure_id: one.id }} />
         </div>
       ))}
     </Section>
-  );
-}
-
-function RunLink({ id }: { id: number }) {
-  const run = useQuery(runQuery(id));
-  return (
-    <Link to="/runs/$id" params={{ id }} className="link">
-      {run.data?.method} run {id}
-      {run.data?.fit !== undefined && run.data.fit !== null && `, ${run.data.fit.outcome}`}
-    </Link>
   );
 }

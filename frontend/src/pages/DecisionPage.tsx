@@ -4,7 +4,7 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import { useEffect, useState } from "react";
 import { useAnalyst } from "../api/analyst";
 import { useMarkSeen } from "../api/commands";
-import { structuresQuery, decisionQuery } from "../api/queries";
+import { decisionQuery, structuresQuery, voteEvidenceQuery } from "../api/queries";
 import { isOpen, type Decision } from "../api/types";
 import { AuditTrailMenu } from "../components/AuditTrailMenu";
 import { DecisionBadge } from "../components/DecisionBadge";
@@ -17,6 +17,7 @@ import { ProposalView } from "../components/ProposalView";
 import { ReportMenu } from "../components/ReportMenu";
 import { ReviseForm } from "../components/ReviseForm";
 import { Section } from "../components/Section";
+import { EvidenceSummary } from "../components/VoteEvidence";
 import type { DecisionView } from "../views";
 
 const route = getRouteApi("/decisions/$id");
@@ -36,6 +37,7 @@ function OneDecision({ decision }: { decision: Decision }) {
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const structures = useQuery(structuresQuery(decision.aircraft_id));
+  const evidence = useQuery(voteEvidenceQuery(decision.id, decision.revision));
   const change = (part: Partial<DecisionView>) =>
     void navigate({ search: (before) => ({ ...before, ...part }), replace: true });
   // A vote applies to the revision that was read.
@@ -117,6 +119,9 @@ function OneDecision({ decision }: { decision: Decision }) {
             }
           >
             <DecisionThread events={decision.events} derivative={view.derivative} />
+            {open && (
+              <Loaded query={evidence}>{(data) => <EvidenceSummary evidence={data} />}</Loaded>
+            )}
             <DecisionComposer decision={decision} revision={read} derivative={view.derivative} />
           </Section>
         </aside>

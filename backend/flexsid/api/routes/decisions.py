@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
@@ -27,6 +28,7 @@ from flexsid.api.serialization import (
     drop_none,
     dump_json,
 )
+from flexsid.jobs.stored_results import find_stored_flutter
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.storage.paging import Items
 from flexsid.storage.signatures import SignaturePlace, sign_content
@@ -34,6 +36,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review
 from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision, write_markdown
+from flexsid.workflow.review.vote_evidence import VoteEvidence, collect_vote_evidence
 
 router = APIRouter(prefix="/decisions", tags=["decisions"], route_class=JsonRoute)
 
@@ -80,6 +83,15 @@ def get_campaign_audit(
 def get_decision(store: TheStore, decision_id: Identity) -> DecisionDetail:
     """Return one decision with its comments, votes and history."""
     return _build_detail(store, store.decisions.get(decision_id))
+
+
+@router.get("/{decision_id}/evidence")
+def get_vote_evidence(store: TheStore, decision_id: Identity) -> VoteEvidence:
+    """Return the evidence for a vote: fits, warnings, and comparison with the baseline."""
+    decision = store.decisions.get(decision_id)
+    return collect_vote_evidence(
+        store, decision.proposal, partial(find_stored_flutter, store), decision
+    )
 
 
 @router.post("/{decision_id}/revisions", status_code=201, responses=_STALE)

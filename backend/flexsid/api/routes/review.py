@@ -20,16 +20,28 @@ from flexsid.api.decision_responses import (
 from flexsid.api.serialization import Identity, Json, JsonRoute, RequiredReference
 from flexsid.api.subrequests import get_internally
 from flexsid.errors import BadInput
-from flexsid.records.decision import FrozenFigure, ReviewRules
+from flexsid.jobs.stored_results import find_stored_flutter
+from flexsid.records.decision import (
+    FrozenFigure,
+    ModelProposal,
+    ReviewRules,
+    StructureReference,
+)
 from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
 from flexsid.text import split_ids
 from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, list_baselines
+from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review, notifications
+from flexsid.workflow.review.vote_evidence import VoteEvidence, collect_vote_evidence
 
 router = APIRouter(tags=["review"], route_class=JsonRoute)
 
 _MAX_MANEUVERS = 200
+_MAX_RUNS = 200
+Version = Annotated[
+    int | None, Query(ge=1, le=2**31 - 1, description="Version; the newest by default.")
+]
 _UNIT = "application/json"
 
 
@@ -73,6 +85,28 @@ def list_maneuver_baselines(
         for number in ids
     ]
     return Items(items=items)
+
+
+@router.get("/proposal-evidence")
+def get_proposal_evidence(
+    store: TheStore,
+    structure_id: RequiredReference,
+    run_ids: Annotated[str, Query(description="Ids of runs, separated by commas.")],
+    structure_version: Version = None,
+) -> VoteEvidence:
+    """Return the evidence that a proposal with these runs would have, before it is made."""
+    ids = split_ids(run_ids, "run_ids")
+    if not 1 <= len(ids) <= _MAX_RUNS:
+        raise BadInput(f"run_ids has {len(ids)} ids; expected 1 to {_MAX_RUNS}")
+    version = get_version(store, structure_id, structure_version).version
+    proposal = ModelProposal(
+        title="",
+        structure=StructureReference(id=structure_id, version=version),
+        limits={},
+        reasoning="",
+        run_ids=tuple(ids),
+    )
+    return collect_vote_evidence(store, proposal, partial(find_stored_flutter, store))
 
 
 @router.post("/frozen-figures", response_model=FrozenFigure, status_code=201)

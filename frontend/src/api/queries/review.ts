@@ -32,6 +32,42 @@ export const decisionQuery = (id: number) =>
     refetchInterval: TEAM_POLL_MS,
   });
 
+/** What a vote on a revision can rest on; runs may be corrected and flutter computed meanwhile. */
+export const voteEvidenceQuery = (id: number, revision: number) =>
+  queryOptions({
+    queryKey: ["decisions", id, "evidence", revision],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/decisions/{decision_id}/evidence", {
+          params: { path: { decision_id: id } },
+          signal,
+        }),
+      ),
+  });
+
+/** The evidence that a proposal with these runs would have. */
+export const proposalEvidenceQuery = (
+  structure: { id: number; version: number } | null,
+  runs: readonly number[],
+) =>
+  queryOptions({
+    queryKey: ["decisions", "proposal-evidence", structure, runs],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/proposal-evidence", {
+          params: {
+            query: {
+              structure_id: structure?.id ?? 0,
+              structure_version: structure?.version,
+              run_ids: runs.join(","),
+            },
+          },
+          signal,
+        }),
+      ),
+    enabled: structure !== null && runs.length > 0,
+  });
+
 export const reviewRulesQuery = (aircraftId: number) =>
   queryOptions({
     queryKey: ["review-rules", aircraftId],
