@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+
 from fastapi.testclient import TestClient
 from waiting import ended
 
@@ -22,6 +24,9 @@ def test_margins_are_numbers_or_null_and_figures(client: TestClient):
     for kind, words in (("closed-loop-margins", "Gain margin"), ("closed-loop-roots", "Imaginary")):
         figure = client.get(f"/api/v1/figures/{kind}?{query}").json()
         assert words in figure["layout"]["yaxis"]["title"]["text"]
+    report = client.get(f"/api/v1/reports/closed-loop?{query}").text
+    assert response["sentence"] in html.unescape(report)
+    assert "Margins of the loop of wf4s" in report
     missing = client.get("/api/v1/closed-loop?run_ids=1&controller_id=99")
     assert missing.status_code == 404
     assert client.post("/api/v1/closed-loop/results?run_ids=1&controller_id=99").status_code == 404

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+
 import pytest
 from waiting import ended
 
@@ -59,6 +61,16 @@ def test_flutter_prediction_is_stored(client):
         assert client.get(f"/api/v1/figures/{kind}?run_ids=1").json()["data"]
     assert client.post("/api/v1/flutter/results?run_ids=999").status_code == 404
     draw_beside_prediction(client, found)
+    report = client.get("/api/v1/reports/flutter?run_ids=1")
+    assert report.status_code == 200, report.text
+    for part in (
+        found["test_point_margin"],
+        "Runs that the prediction rests on",
+        "flexsid-signature",
+    ):
+        assert html.escape(part, quote=False) in report.text
+    unknown = client.get("/api/v1/reports/flutter?run_ids=1&fuel=0.31")
+    assert (unknown.status_code, unknown.json()["code"]) == (409, "not-computed")
 
 
 def test_flutter_of_a_prediction_is_drawn_alone(client):

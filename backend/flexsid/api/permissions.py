@@ -62,7 +62,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_jobs", "get_queue_status", "get_job", "get_job_log", "stream_events"),
         *("list_batches", "get_batch", "get_comparison", "get_trend", "report_run"),
         *("report_comparison", "report_decision", "report_campaign", "list_designs", "get_design"),
-        *("report_run_card", "report_global_model"),
+        *("report_run_card", "report_global_model", "report_flutter", "report_closed_loop"),
         *(
             "check_design",
             "get_target_modes",

@@ -133,7 +133,7 @@ def build_parser() -> argparse.ArgumentParser:
     meaning = ".json: the run with its inputs; .csv: parameters; .mat: the model"
     export.add_argument("--output", required=True, metavar="FILE", help=meaning)
 
-    summary = "write a report of a run, a comparison, a decision or the campaign"
+    summary = "write a report of a run, a comparison, flutter, a decision or the campaign"
     _add_report_options(add("report", "reports:report", summary))
 
     summary = "design a multisine of Table 1 for minimum relative peak factor"
@@ -239,12 +239,15 @@ def _add_search_options(command: argparse.ArgumentParser) -> None:
 
 def _add_report_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
-    kinds = ("run", "comparison", "decision", "global-model", "campaign", "template")
-    option("kind", choices=kinds)
+    kinds = ("run", "comparison", "flutter", "closed-loop", "decision", "global-model", "campaign")
+    option("kind", choices=(*kinds, "template"))
     meaning = "ids of runs, or id of a decision or of a version of a global model"
     option("ids", nargs="?", metavar="ID,ID", help=meaning)
     meaning = "ids of predictions in the comparison"
     option("--predictions", default="", metavar="ID,ID", help=meaning)
+    option("--controller", type=int, metavar="ID", help="controller of a closed loop")
+    option("--next", type=float, metavar="M/S", help="next test point of a flutter report")
+    option("--fuel", type=float, metavar="SHARE", help="fuel fraction of flutter and closed loop")
     meaning = "custom template; start from `flexsid report template`"
     option("--template", metavar="FILE", help=meaning)
     option("--output", required=True, metavar="FILE", help=".html, or .pdf")

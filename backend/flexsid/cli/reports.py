@@ -10,10 +10,15 @@ from flexsid import reports
 from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_written_file, write_file
+from flexsid.cli.runs import report_progress
 from flexsid.errors import BadInput
+from flexsid.jobs.inline import execute_request
+from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER
 from flexsid.settings import Settings
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
+from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 
 
 def report(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -46,6 +51,8 @@ def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:
     if arguments.kind == "comparison":
         predictions = parse_list(arguments.predictions, int, "--predictions")
         return reports.comparison_report(store, ids, predictions)
+    if arguments.kind in ("flutter", "closed-loop"):
+        return _report_stability(store, arguments, ids)
     if len(ids) != 1:
         raise BadInput(
             f"give one id, e.g. flexsid report {arguments.kind} 3 --output {arguments.kind}.html"
@@ -56,3 +63,22 @@ def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:
         "global-model": reports.global_model_report,
     }
     return documents[arguments.kind](store, ids[0])
+
+
+def _report_stability(
+    store: Store, arguments: argparse.Namespace, run_ids: tuple[int, ...]
+) -> reports.Report:
+    """Report flutter or a closed loop; computed first unless the result is stored."""
+    if not run_ids:
+        raise BadInput(f"give ids of runs, e.g. flexsid report {arguments.kind} 1,2,3 --output ...")
+    if arguments.next is not None and not arguments.next > 0.0:
+        raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
+    query = FlutterQuery(run_ids=run_ids, fuel=arguments.fuel, next_m_s=arguments.next)
+    if arguments.kind == "flutter":
+        execute_request(store, FLUTTER, query, report_progress)
+        return reports.flutter_report(store, query)
+    if arguments.controller is None:
+        raise BadInput("a closed loop needs a controller; give --controller ID")
+    loop = ClosedLoopQuery(flutter=query, controller_id=arguments.controller)
+    execute_request(store, CLOSED_LOOP, loop, report_progress)
+    return reports.closed_loop_report(store, loop)

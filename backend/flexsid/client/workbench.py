@@ -531,11 +531,14 @@ class Workbench:
         file
             File name; the suffix selects the format.
         kind
-            ``run``, ``comparison``, ``decision``, ``global-model`` or ``campaign``.
+            ``run``, ``comparison``, ``flutter``, ``closed-loop``, ``decision``,
+            ``global-model`` or ``campaign``.
         number
             Id of the run, decision or version of a global model.
         **query
-            ``run_ids`` and ``prediction_ids`` of a comparison; filters of a campaign.
+            ``run_ids`` and ``prediction_ids`` of a comparison; ``run_ids`` of a stored flutter
+            prediction or closed-loop analysis, ``controller_id`` of the latter; filters of a
+            campaign.
         """
         form = Path(file).suffix.removeprefix(".")
         if form not in ("html", "pdf"):

@@ -4,6 +4,7 @@ from flexsid.reports.campaign import campaign_report
 from flexsid.reports.comparison import comparison_report
 from flexsid.reports.content import Report
 from flexsid.reports.decision import decision_report
+from flexsid.reports.flutter import closed_loop_report, flutter_report
 from flexsid.reports.global_model import global_model_report
 from flexsid.reports.layout import built_in_template, read_template, to_html
 from flexsid.reports.printing import to_pdf
@@ -14,8 +15,10 @@ __all__ = [
     "Report",
     "built_in_template",
     "campaign_report",
+    "closed_loop_report",
     "comparison_report",
     "decision_report",
+    "flutter_report",
     "global_model_report",
     "read_template",
     "run_card",

@@ -18,6 +18,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { degrees, fixed } from "../lib/format";
 import { integers } from "../lib/urlState";
@@ -98,6 +99,7 @@ export function ClosedLoopPage() {
     <>
       <PageHead
         title="Closed loop"
+        actions={result.data !== undefined && <ReportMenu of="closed-loop" query={params} />}
         trail={[
           <Link
             to="/flutter"

@@ -36,6 +36,7 @@ import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { PredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { fixed, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
@@ -91,19 +92,22 @@ export function FlutterPage() {
           </Link>,
         ]}
         actions={
-          <ButtonLink
-            variant="default"
-            to="/closed-loop"
-            search={{
-              runs: view.runs,
-              fuel: view.fuel,
-              altitude: view.altitude,
-              unmodelled_modes: view.unmodelled_modes,
-              variation: view.variation,
-            }}
-          >
-            Closed loop
-          </ButtonLink>
+          <>
+            {ready && <ReportMenu of="flutter" query={query} />}
+            <ButtonLink
+              variant="default"
+              to="/closed-loop"
+              search={{
+                runs: view.runs,
+                fuel: view.fuel,
+                altitude: view.altitude,
+                unmodelled_modes: view.unmodelled_modes,
+                variation: view.variation,
+              }}
+            >
+              Closed loop
+            </ButtonLink>
+          </>
         }
       />
       <div className="split">

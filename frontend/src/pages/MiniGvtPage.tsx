@@ -16,7 +16,7 @@ const route = getRouteApi("/flights/$id/mini-gvt");
 const LOOKS = {
   healthy: { color: "green", title: "Change explained by fuel" },
   watch: { color: "yellow", title: "Amplitude change" },
-  alarm: { color: "red.9", title: "Structural change: do not fly" },
+  alarm: { color: "red.9", title: "Structural change indicated: inspect before flight" },
 } as const;
 
 /** Frequency changes of every flight that has a mini-GVT. */

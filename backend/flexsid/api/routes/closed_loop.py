@@ -60,6 +60,8 @@ async def _read_query(query: TheFlutterQuery, controller_id: RequiredReference) 
     return ClosedLoopQuery(flutter=query, controller_id=controller_id)
 
 
+TheClosedLoopQuery = Annotated[ClosedLoopQuery, Depends(_read_query)]
+
 add_job_routes(
     *(router, "", CLOSED_LOOP, "closed_loop", _read_query),
     lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
@@ -67,9 +69,7 @@ add_job_routes(
 
 
 @router.get("", response_model=ClosedLoopStability)
-def get_closed_loop(
-    store: TheStore, query: Annotated[ClosedLoopQuery, Depends(_read_query)]
-) -> Json:
+def get_closed_loop(store: TheStore, query: TheClosedLoopQuery) -> Json:
     """Return the stored stability limit and margins of the runs with a controller."""
     found = get_result(store, CLOSED_LOOP, query)
     return Json(

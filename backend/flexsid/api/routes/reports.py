@@ -1,4 +1,4 @@
-"""Reports of runs, comparisons, decisions, global models and campaigns, as HTML or PDF."""
+"""Reports of runs, comparisons, decisions, campaigns, models and stability, as HTML or PDF."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from fastapi import APIRouter, Query, Response
 
 from flexsid import reports
 from flexsid.api.context import Context, TheContext
+from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level
+from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity
 from flexsid.storage.signatures import SignaturePlace, sign_content
@@ -72,6 +74,20 @@ def report_global_model(
 def report_campaign(context: TheContext, filters: Filters, form: Form = "html") -> Response:
     """Return the report of the filtered maneuvers and their ground tests."""
     return _respond_with_report(context, reports.campaign_report(context.store, **filters), form)
+
+
+@router.get("/flutter", response_class=Response)
+def report_flutter(context: TheContext, query: TheFlutterQuery, form: Form = "html") -> Response:
+    """Return the report of a stored flutter prediction: interval, next point, runs, figures."""
+    return _respond_with_report(context, reports.flutter_report(context.store, query), form)
+
+
+@router.get("/closed-loop", response_class=Response)
+def report_closed_loop(
+    context: TheContext, query: TheClosedLoopQuery, form: Form = "html"
+) -> Response:
+    """Return the report of a stored closed-loop analysis: stability limit, margins, roots."""
+    return _respond_with_report(context, reports.closed_loop_report(context.store, query), form)
 
 
 @router.get("/run-card/{design_id}", response_class=Response)
