@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from ipaddress import ip_address
+from pathlib import Path
 from urllib.parse import urlsplit
 
 from flexsid.errors import BadInput
@@ -34,7 +35,8 @@ class Settings:
     processes compute (None: one less than the number of cores). Reports use the file
     ``report_template``. With accounts the server is known to browsers as ``url``, and listens on
     ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
-    unless users log in at the provider ``openid``.
+    unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
+    database server issues.
     """
 
     database: str = DEFAULT_DATABASE
@@ -48,6 +50,7 @@ class Settings:
     proxies: tuple[str, ...] = ()
     proxy_secret: str | None = field(default=None, repr=False)
     openid: OpenIdProvider | None = None
+    site_key: Path | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -80,6 +83,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         ),
         proxy_secret=environment.get("FLEXSID_PROXY_SECRET") or None,
         openid=_read_openid(environment),
+        site_key=Path(key) if (key := environment.get("FLEXSID_SITE_KEY")) else None,
     )
     _check_access(settings)
     return settings

@@ -60,6 +60,17 @@ def test_the_key_is_made_once_and_private(site: Database, tmp_path):
     assert refused.value.code == "wrong-site-key"
 
 
+def test_a_site_on_a_database_server_signs_with_a_file_for_its_key(tmp_path):
+    address = "postgresql://user@host/flexsid"
+    unsigned = CONTENTS[SignaturePlace.PDF]
+    assert sign_content(Database(address), unsigned, SignaturePlace.PDF) == unsigned
+    site = Database(address, site_key=tmp_path / "key")
+    signed = sign_content(site, unsigned, SignaturePlace.PDF)
+    assert check_signed_file(signed, read_public_key(site)).key == read_public_key(site)
+    with pytest.raises(BadInput, match="FLEXSID_SITE_KEY"):
+        read_public_key(Database(address, site_key=tmp_path / "none" / "key"))
+
+
 def test_a_decision_changed_before_it_was_signed_is_noticed(site: Database):
     event = {"data": {}, "previous_hash": "", "sealed": "{}", "hash": "0" * 64, "data_hash": ""}
     trail = {"decisions": [{"decision": {"id": 3}, "events": [event]}], "signature": None}

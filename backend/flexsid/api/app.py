@@ -103,7 +103,7 @@ def create_app(
         template_path = settings.report_template
         template = None if template_path is None else read_template(template_path)
         migration = upgrade(settings.database)
-        store = Store.open(settings.database)
+        store = Store.open(settings.database, settings.site_key)
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)

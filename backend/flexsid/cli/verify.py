@@ -45,7 +45,11 @@ def _verify_file(file: Path, key: str | None, *, as_json: bool) -> int:
 def _verify_installation(settings: Settings, output: Path, *, as_json: bool) -> int:
     found = measure_requirements(lambda text: print(text, file=sys.stderr))
     html = reports.to_html(report_verification(found), datetime.now(UTC))
-    content = sign_content(Database(settings.database), html.encode(), SignaturePlace.COMMENT)
+    content = sign_content(
+        Database(settings.database, site_key=settings.site_key),
+        html.encode(),
+        SignaturePlace.COMMENT,
+    )
     write_file(output, content)
     lines = [
         f"{one.requirement.id} {'fulfilled' if one.is_fulfilled else 'NOT FULFILLED'}: "
@@ -73,7 +77,7 @@ def _verify_installation(settings: Settings, output: Path, *, as_json: bool) -> 
 
 
 def _print_key(settings: Settings, *, as_json: bool) -> int:
-    key = read_public_key(Database(settings.database))
+    key = read_public_key(Database(settings.database, site_key=settings.site_key))
     if key is None:
         raise BadInput("a database server has no key of the site: its files are not signed")
     print_result([key], {"key": key}, as_json=as_json)

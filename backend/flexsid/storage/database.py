@@ -187,8 +187,11 @@ class Database:
         Engine of a database in memory; by default one of the address.
     """
 
-    def __init__(self, url: str, engine: Engine | None = None) -> None:
+    def __init__(
+        self, url: str, engine: Engine | None = None, site_key: Path | None = None
+    ) -> None:
         self.url = parse_url(url)
+        self.site_key = site_key
         self.engine = make_engine(self.url) if engine is None else engine
         add_access_control(self.engine)
         add_recording(self.engine)

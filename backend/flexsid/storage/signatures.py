@@ -42,12 +42,12 @@ class SignedContent:
 def sign_content(database: Database, content: bytes, place: SignaturePlace) -> bytes:
     """Sign a file with the key of the site, which is made at first use.
 
-    A database server has no folder for the key: its files are not signed.
+    A database server has no folder for the key: without a file for it, its files are not signed.
 
     Parameters
     ----------
     database
-        Database of the site; the key is beside its file.
+        Database of the site, with the file of its key; by default it is beside that of SQLite.
     content
         The file. JSON ends in a member ``signature`` that is null.
     place
@@ -114,14 +114,22 @@ def check_key(key: str) -> str:
 
 
 def _read_secret(database: Database) -> bytes | None:
-    """Read the secret of the site, beside the database file, or make it."""
-    file = sqlite_file(database.url)
-    if file is None:
+    """Read the secret of the site, or make it."""
+    place, file = database.site_key, sqlite_file(database.url)
+    if place is None and file is not None:
+        place = file.with_name(f"{file.name}-site-key")
+    if place is None:
         return None
-    place = file.with_name(f"{file.name}-site-key")
-    if not place.exists():
-        _write_secret(place)
-    secret = place.read_bytes()
+    try:
+        if not place.exists():
+            _write_secret(place)
+        secret = place.read_bytes()
+    except OSError as error:
+        raise BadInput(
+            f"the key of the site, {place}, cannot be read or made: {error.strerror}; name a file "
+            "in a folder of the server by FLEXSID_SITE_KEY",
+            code="bad-site-key",
+        ) from error
     if len(secret) != _KEY_LENGTH:
         raise BadInput(
             f"{place} has {len(secret)} bytes; expected a key of {_KEY_LENGTH}; restore it from a "

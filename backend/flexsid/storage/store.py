@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any, Unpack
 
 from flexsid.records.account import Account, ApiToken, LoginSession, Membership
@@ -148,9 +149,9 @@ class Store:
         self.api_tokens = Repository(database, tables.api_tokens, ApiToken, "token")
 
     @classmethod
-    def open(cls, url: str) -> Store:
-        """Open the store at a database address."""
-        return cls(Database(url))
+    def open(cls, url: str, site_key: Path | None = None) -> Store:
+        """Open the store at a database address; the file ``site_key`` signs what it issues."""
+        return cls(Database(url, site_key=site_key))
 
     def close(self) -> None:
         """Close all connections."""
