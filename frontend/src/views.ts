@@ -266,6 +266,7 @@ export const RUN_TABS = [
   "correlation",
   "poles",
   "aerodynamics",
+  "posterior",
   "iterations",
   "provenance",
 ] as const;

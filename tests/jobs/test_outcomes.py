@@ -43,6 +43,7 @@ from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
 _STRUCTURE = Structure(modes=(7, 9), fixed={})
 # The attempts, log and lease of a job change whether its result is stored or not.
@@ -101,6 +102,11 @@ def _query_design(store: Store) -> DesignQuery:
     estimated = execute_run(store, run, kinds.RUN, lambda progress: None)
     design = store.designs.add(compute_design(_order_design(), lambda progress: None))
     return DesignQuery(design_id=design.id or 0, run_id=estimated.id or 0, level=1)
+
+
+def _check_posterior(store: Store) -> Job:
+    run_id = _query_design(store).run_id or 0
+    return submit(store, kinds.POSTERIOR, PosteriorQuery(run_id=run_id))
 
 
 def _simulate(store: Store) -> Job:
@@ -186,6 +192,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     kinds.CROSS_VALIDATION.name: lambda store, folder: submit(
         store, kinds.CROSS_VALIDATION, CrossValidationQuery(run_id=1, folds=2)
     ),
+    kinds.POSTERIOR.name: lambda store, folder: _check_posterior(store),
     kinds.PREDICTED_ACCURACY.name: lambda store, folder: submit(
         store, kinds.PREDICTED_ACCURACY, _query_design(store)
     ),

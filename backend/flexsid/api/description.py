@@ -445,6 +445,7 @@ _AERODYNAMICS_FIT = {
     "flutter_std_m_s": 0.33,
     "flutter": "Flutter of the short period with SW1B at 63.87 ± 0.66 m/s, 16.95 rad/s.",
 }
+_POSTERIOR_JOB = _describe_queued_job("posterior-check", "run 1", {"run_id": 1})
 # Routes that respond as another one, whose example is recorded.
 _SAME_RESPONSE = {"replace_aircraft": "add_aircraft"}
 
@@ -464,6 +465,33 @@ _NOT_RECORDED: dict[str, Any] = {
             {"name": "load_factor", "limit": 0.661, "standard": 0.661, "optimal": 0.558},
         ],
         "optimal_design_id": 2,
+    },
+    "request_posterior_check": _POSTERIOR_JOB,
+    "get_posterior_check_job": {"job": _POSTERIOR_JOB},
+    "get_posterior_check": {
+        "run_id": 1,
+        "is_confirmed": True,
+        "is_converged": True,
+        "sentence": "The standard errors hold beyond first order. Standard deviations of ...",
+        "n_chains": 4,
+        "n_samples": 200,
+        "acceptance": 0.99,
+        "parameters": [
+            {
+                "name": "CZ_alpha",
+                "unit": "",
+                "value": -4.67,
+                "std_error": 0.019,
+                "ratio": 1.01,
+                "ratio_error": 0.03,
+                "low": -4.709,
+                "high": -4.633,
+                "scale_reduction": 1.0,
+                "sample_size": 760.0,
+            }
+        ],
+        "poles": [],
+        "flutter": None,
     },
     "request_aerodynamics_comparison": _AERODYNAMICS_JOB,
     "get_aerodynamics_comparison_job": {"job": _AERODYNAMICS_JOB},

@@ -154,6 +154,11 @@ def build_parser() -> argparse.ArgumentParser:
     )
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
     _add_validation_options(add("validate", "validation:validate", summary))
+    summary = "sample the posterior of output-error runs, and check their standard errors"
+    meaning = "ids of succeeded output-error runs"
+    add("posterior", "validation:check_posterior", summary).add_argument(
+        "runs", metavar="RUN,RUN", help=meaning
+    )
     return parser
 
 

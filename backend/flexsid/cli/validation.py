@@ -10,12 +10,18 @@ from flexsid.cli.output import print_next_result, print_result
 from flexsid.cli.runs import report_progress
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import CROSS_PREDICTION, CROSS_VALIDATION
-from flexsid.records.validation import CrossPredictionMatrix, CrossValidationSummary, Partition
+from flexsid.jobs.kinds import CROSS_PREDICTION, CROSS_VALIDATION, POSTERIOR
+from flexsid.records.validation import (
+    CrossPredictionMatrix,
+    CrossValidationSummary,
+    Partition,
+    PosteriorCheck,
+)
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
 
 def validate(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -33,6 +39,18 @@ def validate(settings: Settings, arguments: argparse.Namespace) -> int:
             execute_request(store, CROSS_VALIDATION, query, report_progress)
             found = get_result(store, CROSS_VALIDATION, query).summary
             lines = "\n".join(_format_validation(found))
+            print_next_result(lines, found, as_json=arguments.json)
+    return 0
+
+
+def check_posterior(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the posterior of runs against their standard errors."""
+    with open_store(settings) as store:
+        for number in parse_list(arguments.runs, int, "RUNS"):
+            query = PosteriorQuery(run_id=number)
+            execute_request(store, POSTERIOR, query, report_progress)
+            found = get_result(store, POSTERIOR, query)
+            lines = "\n".join(_format_posterior(found))
             print_next_result(lines, found, as_json=arguments.json)
     return 0
 
@@ -67,5 +85,17 @@ def _format_validation(found: CrossValidationSummary) -> list[str]:
         lines.append(
             f"  {one.output:<16}{one.r_squared:>10.3f}{one.fitted_r_squared:>12.3f}"
             f"{one.theil:>10.3f}{one.fitted_theil:>12.3f}"
+        )
+    return lines
+
+
+def _format_posterior(found: PosteriorCheck) -> list[str]:
+    lines = [f"run {found.run_id}: {found.sentence}"]
+    lines.append(f"  {'quantity':<32}{'value':>12}{'low':>12}{'high':>12}{'ratio':>8}{'R-hat':>8}")
+    flutter = () if found.flutter is None else (found.flutter,)
+    for one in (*found.parameters, *found.poles, *flutter):
+        lines.append(
+            f"  {one.name:<32}{one.value:>12.5g}{one.low:>12.5g}{one.high:>12.5g}"
+            f"{one.ratio:>8.2f}{one.scale_reduction:>8.3f}"
         )
     return lines

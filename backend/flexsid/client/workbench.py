@@ -441,6 +441,10 @@ class Workbench:
         """Return the verdict between quasi-steady and shaped derivatives for the data of a run."""
         return self._compute("aerodynamics-comparisons", run_id=run_id)
 
+    def check_posterior(self, run_id: int) -> dict[str, Any]:
+        """Return the posterior of an output-error run, sampled, against its standard errors."""
+        return self._compute("posterior-checks", run_id=run_id)
+
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:

@@ -17,6 +17,7 @@ from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
     CrossValidation,
+    PosteriorCheck,
 )
 from flexsid.records.views import Reconstruction
 from flexsid.storage import queue
@@ -111,6 +112,11 @@ from flexsid.workflow.validation.cross_validation import (
     CrossValidationQuery,
     cross_validate,
     identify_cross_validation,
+)
+from flexsid.workflow.validation.posterior_check import (
+    PosteriorQuery,
+    check_posterior,
+    identify_posterior,
 )
 
 Result = TypeVar("Result")
@@ -389,6 +395,17 @@ AERODYNAMICS = Kind(
     result=AerodynamicsComparison,
     identify=identify_aerodynamics,
 )
+POSTERIOR = Kind(
+    name="posterior-check",
+    label="Posterior check",
+    request=PosteriorQuery,
+    prepare=lambda store, job, query: SnapshotTask(
+        take_snapshot(store, run_ids=(query.run_id,)), query
+    ),
+    compute=lambda task, report: check_posterior(task.open(), task.request, report),
+    result=PosteriorCheck,
+    identify=identify_posterior,
+)
 PREDICTED_ACCURACY = Kind(
     name="predicted-accuracy",
     label="Predicted accuracy",
@@ -493,6 +510,7 @@ KINDS: Kinds = {
         CROSS_PREDICTION,
         CROSS_VALIDATION,
         AERODYNAMICS,
+        POSTERIOR,
         PREDICTED_ACCURACY,
         INPUT_COMPARISON,
         AMPLITUDES,

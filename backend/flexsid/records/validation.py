@@ -209,3 +209,48 @@ class AerodynamicsComparison:
     difference: float
     difference_std: float
     fits: tuple[AerodynamicsFit, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PosteriorQuantity:
+    """Posterior of one quantity of a run.
+
+    ``std_error`` is that of the run. ``ratio`` is the standard deviation of the samples over that
+    of the quadratic approximation, ``ratio_error`` its Monte Carlo error. ``low`` and ``high``
+    bound 95 % of the posterior, about the value and scaled to the standard error of the run.
+    ``unit`` is empty for nondimensional quantities. ``scale_reduction`` is R-hat, ``sample_size``
+    the effective number of samples.
+    """
+
+    name: str
+    unit: str
+    value: float
+    std_error: float | None
+    ratio: float
+    ratio_error: float
+    low: float
+    high: float
+    scale_reduction: float
+    sample_size: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PosteriorCheck:
+    """Posterior of an output-error run, sampled: whether its standard errors hold.
+
+    ``parameters`` are the results of the run, ``poles`` the frequency and damping of its poles,
+    ``flutter`` is the flutter speed, None where a sample has none in the searched range.
+    ``acceptance`` is the share of accepted trajectories. It ``is_confirmed`` if the chains
+    converged and no ratio differs from one by more than 20 % and its error.
+    """
+
+    run_id: int
+    is_confirmed: bool
+    is_converged: bool
+    sentence: str
+    n_chains: int
+    n_samples: int
+    acceptance: float
+    parameters: tuple[PosteriorQuantity, ...]
+    poles: tuple[PosteriorQuantity, ...]
+    flutter: PosteriorQuantity | None = None

@@ -36,6 +36,7 @@ export type Verdict = ManeuverQuality["verdict"];
 export type GroundTest = Received<"GroundTest">;
 export type Flutter = Received<"Flutter">;
 export type PredictedFlutter = Received<"PredictedFlutter">;
+export type PosteriorCheck = Received<"PosteriorCheck">;
 export type AerodynamicsComparison = Received<"AerodynamicsComparison">;
 export type DerivedRun = Received<"DerivedRun">;
 export type StructureSearch = Received<"StructureSearch">;

@@ -101,6 +101,7 @@ const KINDS: Record<string, string> = {
   "cross-prediction": "Cross-prediction",
   "cross-validation": "Cross-validation",
   "aerodynamics-comparison": "Comparison of aerodynamics",
+  "posterior-check": "Posterior check",
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
@@ -181,11 +182,12 @@ function JobSubject({ job }: { job: Job }) {
         </Link>
       );
     case "aerodynamics-comparison":
+    case "posterior-check":
       return (
         <Link
           to="/runs/$id"
           params={{ id: id("run_id") }}
-          search={{ tab: "aerodynamics" }}
+          search={{ tab: job.kind === "posterior-check" ? "posterior" : "aerodynamics" }}
           className="link"
         >
           {label}

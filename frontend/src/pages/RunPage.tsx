@@ -14,6 +14,7 @@ import { OtherAxis } from "../components/OtherAxis";
 import { PageHead } from "../components/PageHead";
 import { NuisanceParameters } from "../components/NuisanceParameters";
 import { ParameterTable } from "../components/ParameterTable";
+import { Posterior } from "../components/Posterior";
 import { PoleTable } from "../components/PoleTable";
 import { Provenance } from "../components/Provenance";
 import { StateBadge } from "../components/RunBadge";
@@ -36,6 +37,7 @@ const TAB_NAMES: Record<(typeof RUN_TABS)[number], string> = {
   correlation: "Correlation",
   poles: "Poles",
   aerodynamics: "Aerodynamics",
+  posterior: "Posterior",
   iterations: "Iterations",
   provenance: "Provenance",
 };
@@ -180,6 +182,9 @@ function Results({ run }: { run: Run }) {
       </Tabs.Panel>
       <Tabs.Panel value="aerodynamics" pt="md">
         <AerodynamicsVerdict runId={run.id} />
+      </Tabs.Panel>
+      <Tabs.Panel value="posterior" pt="md">
+        <Posterior run={run} />
       </Tabs.Panel>
       <Tabs.Panel value="iterations" pt="md">
         {panel("iterations", "Cost by iteration")}

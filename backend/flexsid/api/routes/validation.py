@@ -11,16 +11,18 @@ from flexsid.api.serialization import Json, RequiredReference
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import CrossPredictionParameters, CrossValidationParameters
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import AERODYNAMICS, CROSS_PREDICTION, CROSS_VALIDATION
+from flexsid.jobs.kinds import AERODYNAMICS, CROSS_PREDICTION, CROSS_VALIDATION, POSTERIOR
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
     CrossValidationSummary,
+    PosteriorCheck,
 )
 from flexsid.text import count_noun
 from flexsid.workflow.validation.aerodynamics_comparison import AerodynamicsQuery
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
 router = APIRouter(tags=["validation"])
 
@@ -41,9 +43,14 @@ async def _read_aerodynamics(run_id: RequiredReference) -> AerodynamicsQuery:
     return AerodynamicsQuery(run_id=run_id)
 
 
+async def _read_posterior(run_id: RequiredReference) -> PosteriorQuery:
+    return PosteriorQuery(run_id=run_id)
+
+
 ThePredictionQuery = Annotated[CrossPredictionQuery, Depends(_read_cross_prediction)]
 TheValidationQuery = Annotated[CrossValidationQuery, Depends(_read_cross_validation)]
 TheAerodynamicsQuery = Annotated[AerodynamicsQuery, Depends(_read_aerodynamics)]
+ThePosteriorQuery = Annotated[PosteriorQuery, Depends(_read_posterior)]
 
 
 add_job_routes(
@@ -57,6 +64,10 @@ add_job_routes(
 add_job_routes(
     *(router, "/aerodynamics-comparisons", AERODYNAMICS, "aerodynamics_comparison"),
     *(_read_aerodynamics, lambda store, query: f"run {query.run_id}"),
+)
+add_job_routes(
+    *(router, "/posterior-checks", POSTERIOR, "posterior_check"),
+    *(_read_posterior, lambda store, query: f"run {query.run_id}"),
 )
 
 
@@ -79,3 +90,9 @@ def get_cross_validation(store: TheStore, query: TheValidationQuery) -> Json:
 def get_aerodynamics_comparison(store: TheStore, query: TheAerodynamicsQuery) -> Json:
     """Return the stored verdict between quasi-steady and shaped derivatives for a run."""
     return Json(get_result(store, AERODYNAMICS, query))
+
+
+@router.get("/posterior-checks", response_model=PosteriorCheck)
+def get_posterior_check(store: TheStore, query: ThePosteriorQuery) -> Json:
+    """Return the stored posterior of an output-error run, against its standard errors."""
+    return Json(get_result(store, POSTERIOR, query))

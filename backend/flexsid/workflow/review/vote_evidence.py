@@ -52,8 +52,9 @@ class RunEvidence:
     """Fit and adequacy of a run of a proposal.
 
     ``lowest_r_squared`` is that of ``lowest_output``. ``has_proposed_structure`` is whether the run
-    estimated the proposed model structure or is one of the proposed global model, ``baseline_run_id`` the newest run by the same method
-    that estimated the reference structure from the same maneuver.
+    estimated the proposed model structure or is one of the proposed global model,
+    ``baseline_run_id`` the newest run by the same method that estimated the reference structure
+    from the same maneuver.
     """
 
     run_id: int

@@ -31,11 +31,8 @@ from flexsid.sysid.estimation.held_out_likelihood import (
 )
 from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
-from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
-from flexsid.sysid.stability.bands import UncertainDerivatives
-from flexsid.sysid.stability.prediction import FlutterPrediction, IdentifiedModes, predict_flutter
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
 from flexsid.workflow.fits.estimation_task import EstimationTask, Report
@@ -50,9 +47,9 @@ from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.validation.cross_validation import select_frequencies
+from flexsid.workflow.validation.fitted_flutter import predict_flutter_of_fit
 
 _FOLDS = 3  # every third frequency of each input is held out
-_BAND = (0.35, 2.0)  # of the airspeed flown: range of the flutter search
 _LEAST_HIGHEST_K = 0.2
 """Of the data. Flexible aircraft flutter at k = 0.15 to 0.3 (design notes of the project): a band
 that ends below does not contain the lag that matters, however well it is resolved."""
@@ -210,27 +207,10 @@ def _fit(task: EstimationTask, report: Report) -> _Fitted:
     report(Progress(fraction=0.7, message="fitting all frequencies"))
     estimate = refit_with_spread(task, every, parameters, estimate, PRIOR_SPREAD, report)
     fit = complete_likelihood_fit(task, every, parameters, estimate, "", report)
-    flutter = _predict_flutter(task, parameters, fit.estimate)
-    return _Fitted(held_out, fit.estimate, fit.adequacy, flutter)
-
-
-def _predict_flutter(
-    task: EstimationTask, parameters: Parameters, estimate: Estimate
-) -> FlutterPrediction:
-    model, table = task.model, parameters.table(estimate.values)
-    names = list(model.derivative_names)
-    own = [k for k, name in enumerate(estimate.names) if name in names]
-    places = np.array([names.index(estimate.names[k]) for k in own], dtype=int)
-    rows, columns = np.divmod(places, len(model.variables))
-    covariance = estimate.corrected_covariance[np.ix_(own, own)]
-    modes = model.modes.tuned(dict(zip(estimate.names, estimate.values.tolist(), strict=True)))
-    found = IdentifiedModes(
-        Aeroelastic(model.condition, modes, table, model.shape),
-        UncertainDerivatives(rows, columns, covariance),
+    flutter = predict_flutter_of_fit(
+        task, parameters, fit.estimate.values, fit.estimate.corrected_covariance
     )
-    airspeed = model.condition.airspeed
-    labels = dict(zip(map(str, model.modes.numbers), task.mode_names, strict=True))
-    return predict_flutter(found, (_BAND[0] * airspeed, _BAND[1] * airspeed), called=labels)
+    return _Fitted(held_out, fit.estimate, fit.adequacy, flutter)
 
 
 def _decide(

@@ -97,7 +97,7 @@ def cross_validate(
     """
     run = store.runs.get(query.run_id)
     values = collect_values(run)
-    task = _prepare(store, run, values)
+    task = prepare_refit(store, run, values)
     splits = _split(task, query)
     predicted: list[list[FittedSpectra]] = [[] for _ in task.maneuver_tasks]
     fitted: list[list[FittedSpectra]] = [[] for _ in task.maneuver_tasks]
@@ -130,7 +130,7 @@ def cross_validate(
     return _summarise(query, tuple(dict.fromkeys(ids)), refits, predicted, fitted)
 
 
-def _prepare(store: Store, run: EstimationRun, values: dict[str, float]) -> EstimationTask:
+def prepare_refit(store: Store, run: EstimationRun, values: dict[str, float]) -> EstimationTask:
     """Prepare a run again, to start from its own values alone."""
     settings = run.settings
     if settings.start is Start.RUN:  # another run, which is not needed

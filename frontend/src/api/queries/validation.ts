@@ -5,6 +5,7 @@ import type {
   AerodynamicsComparison,
   CrossPredictionMatrix,
   CrossValidationSummary,
+  PosteriorCheck,
 } from "../types";
 
 export interface CrossPredictionParams {
@@ -58,5 +59,20 @@ export const aerodynamicsResult = (
     read: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons", { params, signal })),
     find: (signal) => body(api.GET("/api/v1/aerodynamics-comparisons/results", { params, signal })),
     submit: () => body(api.POST("/api/v1/aerodynamics-comparisons/results", { params })),
+  };
+};
+
+/** The posterior of an output-error run against its standard errors; computed where `requested`. */
+export const posteriorResult = (
+  runId: number,
+  requested: boolean,
+): StoredResultOptions<PosteriorCheck> => {
+  const params = { query: { run_id: runId } };
+  return {
+    key: ["posterior-checks", runId],
+    enabled: requested,
+    read: (signal) => body(api.GET("/api/v1/posterior-checks", { params, signal })),
+    find: (signal) => body(api.GET("/api/v1/posterior-checks/results", { params, signal })),
+    submit: () => body(api.POST("/api/v1/posterior-checks/results", { params })),
   };
 };
