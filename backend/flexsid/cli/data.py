@@ -33,6 +33,7 @@ from flexsid.workflow.importing.flight_import import (
     store_upload,
 )
 from flexsid.workflow.model_structures.run_results import refuse_altered
+from flexsid.workflow.runs.fmu import FmiVersion, write_fmu
 from flexsid.workflow.runs.model_export import export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import export_run
 
@@ -112,28 +113,32 @@ def _import_each(
 
 
 def export(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Write a run (.json), its parameters (.csv) or its model (.mat) to a file."""
+    """Write a run (.json), its parameters (.csv) or its model (.mat, .fmu) to a file."""
     run_id, output = arguments.run, arguments.output
     encode = _EXPORTS.get(Path(output).suffix)
     if encode is None:
         ending = Path(output).suffix
         raise BadInput(f"{output} ends in {ending!r}; expected one of {', '.join(_EXPORTS)}")
     with open_store(settings) as store:
-        content = encode(store, run_id)
+        content = encode(store, arguments)
     write_file(output, content)
     result = {"run": run_id, "file": output}
     print_written_file(f"wrote run {run_id} to {output}", result, as_json=arguments.json)
     return 0
 
 
-def _encode_run(store: Store, run_id: int) -> bytes:
+def _encode_run(store: Store, arguments: argparse.Namespace) -> bytes:
     options = orjson.OPT_INDENT_2 | orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z
-    content = orjson.dumps(export_run(store, run_id), option=options)
+    content = orjson.dumps(export_run(store, arguments.run), option=options)
     return sign_content(store.database, content, SignaturePlace.INDENTED_JSON)
 
 
-def _encode_model(store: Store, run_id: int) -> bytes:
-    return write_matlab_model(export_model(store, run_id))
+def _encode_model(store: Store, arguments: argparse.Namespace) -> bytes:
+    return write_matlab_model(export_model(store, arguments.run))
+
+
+def _encode_fmu(store: Store, arguments: argparse.Namespace) -> bytes:
+    return write_fmu(store, arguments.run, FmiVersion(arguments.fmi))
 
 
 def _collect_ids(imported: Imported) -> dict[str, Any]:
@@ -164,8 +169,8 @@ def _describe_import(imported: Imported, n_channels: int) -> list[str]:
     return lines or [f"aircraft {imported.aircraft.id}: {imported.aircraft.name}"]
 
 
-def _encode_parameters(store: Store, run_id: int) -> bytes:
-    run = store.runs.get(run_id)
+def _encode_parameters(store: Store, arguments: argparse.Namespace) -> bytes:
+    run = store.runs.get(arguments.run)
     refuse_altered(run)
     if run.result is None:
         message = f"run {run.id} is {run.state.value} and has no parameters"
@@ -179,4 +184,9 @@ def _encode_parameters(store: Store, run_id: int) -> bytes:
     return text.getvalue().encode()
 
 
-_EXPORTS = {".json": _encode_run, ".csv": _encode_parameters, ".mat": _encode_model}
+_EXPORTS = {
+    ".json": _encode_run,
+    ".csv": _encode_parameters,
+    ".mat": _encode_model,
+    ".fmu": _encode_fmu,
+}

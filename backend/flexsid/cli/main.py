@@ -130,8 +130,10 @@ def build_parser() -> argparse.ArgumentParser:
 
     export = add("export", "data:export", "export a run, its parameters or its model")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
-    meaning = ".json: the run with its inputs; .csv: parameters; .mat: the model"
+    meaning = ".json: the run with its inputs; .csv: parameters; .mat, .fmu: the model"
     export.add_argument("--output", required=True, metavar="FILE", help=meaning)
+    meaning = "version of FMI of an .fmu file"
+    export.add_argument("--fmi", choices=("2", "3"), default="2", help=meaning)
 
     summary = "write a report of a run, a comparison, flutter, a decision or the campaign"
     _add_report_options(add("report", "reports:report", summary))

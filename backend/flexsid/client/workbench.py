@@ -512,10 +512,13 @@ class Workbench:
         )
 
     def save_model(self, run_id: int, file: str | Path) -> None:
-        """Write an identified model to a ``.mat`` or ``.json`` file."""
+        """Write an identified model to a ``.mat``, ``.json`` or ``.fmu`` file (FMI 2.0)."""
         form = Path(file).suffix.removeprefix(".")
+        if form == "fmu":
+            Path(file).write_bytes(self._connection.get(f"runs/{run_id}/fmu", {}))
+            return
         if form not in ("mat", "json"):
-            raise BadInput(f"{file} ends in '.{form}'; expected .mat or .json")
+            raise BadInput(f"{file} ends in '.{form}'; expected .mat, .json or .fmu")
         Path(file).write_bytes(self._connection.get(f"runs/{run_id}/model", {"format": form}))
 
     def save_capsule(self, run_id: int, file: str | Path) -> None:

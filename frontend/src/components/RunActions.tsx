@@ -55,6 +55,16 @@ export function RunActions({ run }: { run: Run }) {
             >
               Model for MATLAB
             </Menu.Item>
+            {(["2", "3"] as const).map((version) => (
+              <Menu.Item
+                key={version}
+                component="a"
+                href={`/api/v1/runs/${run.id}/fmu?fmi_version=${version}`}
+                download={`flexsid-run-${run.id}.fmu`}
+              >
+                Model as FMU (FMI {version}.0)
+              </Menu.Item>
+            ))}
             <Menu.Item
               onClick={() => {
                 saveText(

@@ -32,6 +32,7 @@ from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.capsule import write_capsule
+from flexsid.workflow.runs.fmu import FmiVersion, write_fmu
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import RunExport, export_run
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -131,6 +132,18 @@ def get_run_export(store: TheStore, run_id: Identity) -> Response:
         store.database, dump_json(export_run(store, run_id)), SignaturePlace.JSON
     )
     return Response(content, media_type=Json.media_type, headers=name)
+
+
+@router.get("/{run_id}/fmu", response_class=Response, responses=_ZIP)
+def get_run_fmu(
+    store: TheStore,
+    run_id: Identity,
+    fmi_version: Annotated[FmiVersion, Query(description="Version of FMI.")] = FmiVersion.FMI_2,
+) -> Response:
+    """Return the identified model as an FMU with C sources; parameters are its derivatives."""
+    name = {"Content-Disposition": f'attachment; filename="flexsid-run-{run_id}.fmu"'}
+    content = write_fmu(store, run_id, fmi_version)
+    return Response(content, media_type="application/zip", headers=name)
 
 
 @router.get("/{run_id}/capsule", response_class=Response, responses=_ZIP)
