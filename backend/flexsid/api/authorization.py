@@ -68,6 +68,7 @@ _NAMED = {
     "decision_id": "decisions",
     "mapping_id": "mappings",
     "view_id": "saved_views",
+    "note_id": "notes",
     **dict.fromkeys(("figure_id", "figure_ids"), "frozen_figures"),
     "responses_id": "measured_responses",
     "summary_id": "flutter_summaries",

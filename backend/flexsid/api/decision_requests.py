@@ -8,6 +8,7 @@ from pydantic import Field, StringConstraints
 
 from flexsid.api.requests import Id, Line, Lines, Number, Request, Title, Version
 from flexsid.records.decision import LimitedQuantity, ModelProposal, Vote
+from flexsid.records.note import NoteSubject
 from flexsid.text import LONGEST_NAME, LONGEST_NOTE
 
 # Stored permanently, therefore not blank.
@@ -98,6 +99,26 @@ class RulesRequest(Request):
     own_allowed: Annotated[bool, Field(strict=True)]
     version: Annotated[int, Field(strict=True, ge=0, le=2**31 - 2)]
     reason: RequiredText
+
+
+class NoteRequest(Request):
+    """A note in Markdown.
+
+    ``key`` is the id of the maneuver or run, the number of the mode or the name of the derivative;
+    the latter two need ``aircraft_id``.
+    """
+
+    subject: NoteSubject
+    key: Annotated[str, Field(min_length=1, max_length=64), Line]
+    text: RequiredText
+    aircraft_id: Id | None = None
+
+
+class NoteEditRequest(Request):
+    """The text that replaces ``revision`` of a note."""
+
+    revision: Version
+    text: RequiredText
 
 
 class FreezeRequest(Request):

@@ -154,6 +154,13 @@ _BODIES: dict[str, Any] = {
     "comment_decision": {"text": "within 2 σ of zero everywhere", "derivative": "CZ_q"},
     "vote_on_decision": {"revision": 1, "vote": "approve", "text": "agreed"},
     "withdraw_decision": {"revision": 1, "text": "the record was cut wrongly"},
+    "add_note": {
+        "subject": "derivative",
+        "key": "CZ_q",
+        "text": "within **2 σ** of zero everywhere",
+        "aircraft_id": 1,
+    },
+    "edit_note": {"revision": 1, "text": "within **2 σ** of zero below 45 m/s"},
     "change_review_rules": {
         "quorum": 2,
         "own_allowed": False,

@@ -553,6 +553,33 @@ class Workbench:
         path = f"reports/{kind}" if number is None else f"reports/{kind}/{number}"
         Path(file).write_bytes(self._connection.get(path, {**query, "format": form}))
 
+    def notes(self, **query: Any) -> pandas.DataFrame:
+        """Return the notes of a campaign, maneuver or run.
+
+        Parameters
+        ----------
+        **query
+            One of ``aircraft_id``, ``maneuver_id`` and ``run_id``.
+        """
+        return self.table("notes", **query)
+
+    def add_note(self, subject: str, key: str | int, text: str, **more: Any) -> int:
+        """Add a note in Markdown; return its id.
+
+        Parameters
+        ----------
+        subject
+            ``maneuver``, ``run``, ``mode`` or ``derivative``.
+        key
+            Id of the maneuver or run, number of the mode or name of the derivative.
+        text
+            Markdown.
+        **more
+            ``aircraft_id`` of a mode or derivative.
+        """
+        body = {"subject": subject, "key": str(key), "text": text, **more}
+        return int(self.post("notes", body)["id"])
+
     def figure(self, kind: str, **query: Any) -> Figure:
         """Return a figure of the page, e.g. ``figure("bode", maneuver_id=1, output="q")``."""
         from plotly.graph_objects import Figure  # takes a while to load

@@ -22,6 +22,14 @@ class Words:
 
 
 @dataclass(frozen=True, slots=True)
+class Markdown:
+    """A text of an analyst in Markdown, with its author and time."""
+
+    text: str
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
 class Facts:
     """A list of names with values."""
 
@@ -46,7 +54,7 @@ class Drawing:
     caption: str
 
 
-Part = Words | Facts | ReportTable | Drawing
+Part = Words | Markdown | Facts | ReportTable | Drawing
 
 
 @dataclass(frozen=True, slots=True)

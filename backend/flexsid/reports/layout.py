@@ -15,6 +15,7 @@ from flexsid.errors import BadInput
 from flexsid.reports.content import (
     Drawing,
     Facts,
+    Markdown,
     Part,
     Report,
     ReportTable,
@@ -22,6 +23,7 @@ from flexsid.reports.content import (
     Words,
     moment,
 )
+from flexsid.workflow.review.notes import render_markdown
 
 _NEEDED = frozenset({"title", "style", "body", "script"})
 _SINGLE_PAGE = """@media print {
@@ -112,6 +114,9 @@ def _part(part: Part) -> str:
         case Words():
             kind = ' class="warning"' if part.warns else ""
             return f"<p{kind}>{escape(part.text)}</p>"
+        case Markdown():
+            origin = f'<p class="origin">{escape(part.origin)}</p>'
+            return f'<div class="note">{origin}{render_markdown(part.text)}</div>'
         case Facts():
             pairs = "".join(
                 f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in part.pairs

@@ -8,6 +8,7 @@ from flexsid.nomenclature import describe
 from flexsid.records.run import AdequacyState, EstimationRun, ModelAdequacy, RunResult
 from flexsid.reports.content import (
     Facts,
+    Markdown,
     Part,
     Report,
     ReportTable,
@@ -28,6 +29,7 @@ from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
 from flexsid.workflow.fits.estimators import find_estimator
 from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.review.notes import list_notes
 from flexsid.workflow.views.run import read_finished_run
 
 _MOST_TESTS = 20  # of a table in a report
@@ -68,10 +70,26 @@ def run_report(store: Store, run_id: int) -> Report:
             ),
             Section("Uncertainty", _report_uncertainty(store, run_id)),
             Section("Poles", _report_poles(store, run_id, result)),
+            *_report_notes(store, run_id),
             report_run_credibility(store, run, result),
         ),
         provenance=(*_list_provenance(store, run, result), *source_facts(store, maneuver)),
     )
+
+
+def _report_notes(store: Store, run_id: int) -> tuple[Section, ...]:
+    """Report the notes on a run, its maneuver, its modes and its derivatives."""
+    notes = list_notes(store, run_id=run_id)
+    parts = tuple(
+        Markdown(
+            note.text,
+            f"{note.subject.value.capitalize()} {note.key}, {note.author}"
+            f"{'' if note.author_verified else ' (unverified)'}, {moment(note.changed_at)}"
+            + (f", revision {note.revision}" if note.revision > 1 else ""),
+        )
+        for note in notes
+    )
+    return (Section("Notes", parts),) if parts else ()
 
 
 def _list_warnings(store: Store, run: EstimationRun, result: RunResult) -> tuple[Part, ...]:

@@ -111,7 +111,7 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
             *("flights", "maneuvers", "mappings", "modal_tables", "flutter_summaries"),
             *("measured_responses", "predictions", "model_structures", "designs", "controllers"),
             *("saved_views", "review_rules", "decisions", "frozen_figures", "jobs", "batches"),
-            *("searches", "audit_events", "live_streams", "global_model_versions"),
+            *("searches", "audit_events", "live_streams", "global_model_versions", "notes"),
         )
     },
     **dict.fromkeys(

@@ -36,6 +36,7 @@ from flexsid.records.modal_data import (
     ModeCorrection,
 )
 from flexsid.records.model_structure import ModelStructure, StructureVersion
+from flexsid.records.note import NoteRevision
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import Batch
 from flexsid.records.saved_view import SavedView
@@ -139,6 +140,7 @@ class Store:
         self.runs = Runs(database, self.jobs)
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
+        self.notes = Repository(database, tables.notes, NoteRevision, "note")
         self.batches = Repository(database, tables.batches, Batch, "batch")
         self.audit_events = Repository(
             database, tables.audit_events, AuditEvent, "event of the audit log"

@@ -356,7 +356,7 @@ live_acknowledgements = table(
     sa.UniqueConstraint("stream_id", "kind", "subject", "time_s"),
 )
 
-# Shared views, and decisions of the team with their evidence.
+# Shared views, notes, and decisions of the team with their evidence.
 
 saved_views = table(
     "saved_views",
@@ -368,6 +368,22 @@ saved_views = table(
     text("author"),
     moment("created_at"),
     sa.UniqueConstraint("page", "name"),
+)
+
+notes = table(
+    "notes",
+    identity(),
+    refers_to("aircraft_id", "aircraft"),
+    text("subject", length=24),
+    text("key"),
+    text("text"),
+    text("author"),
+    sa.Column("author_verified", sa.Boolean, nullable=False),
+    integer("revision"),
+    refers_to("original_id", "notes", required=False, index=False),
+    sa.Column("is_deleted", sa.Boolean, nullable=False),
+    moment("created_at"),
+    sa.UniqueConstraint("original_id", "revision"),
 )
 
 review_rules = table(

@@ -8,6 +8,7 @@ import { ConditionFacts } from "../components/ConditionFacts";
 import { Loaded } from "../components/Loaded";
 import { BodeTab } from "../components/BodeTab";
 import { ManeuverRuns } from "../components/ManeuverRuns";
+import { Notes } from "../components/Notes";
 import { PageHead } from "../components/PageHead";
 import { PlotMatrixTab } from "../components/PlotMatrixTab";
 import { QualityTab } from "../components/QualityTab";
@@ -112,6 +113,12 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
           <ManeuverRuns maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
       </Tabs>
+      <div style={{ marginTop: 16 }}>
+        <Notes
+          filter={{ maneuver_id: maneuver.id }}
+          topics={[{ subject: "maneuver", key: String(maneuver.id), label: maneuver.label }]}
+        />
+      </div>
     </>
   );
 }

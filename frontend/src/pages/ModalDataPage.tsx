@@ -13,6 +13,7 @@ import { ShapesTab } from "../components/modes/ShapesTab";
 import { ModalFiles } from "../components/modes/ModalFiles";
 import { tableTitle, type TableProps } from "../components/modes/tables";
 import { VibrationTab } from "../components/modes/VibrationTab";
+import { Notes } from "../components/Notes";
 import { PageHead } from "../components/PageHead";
 import { MODAL_TABS, type ModalDataView } from "../views";
 
@@ -112,6 +113,18 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
                 <TablePanels {...{ aircraft, table, usable, view, onChange }} />
               )}
             </Tabs>
+            <Notes
+              filter={{ aircraft_id: aircraft.id }}
+              subject="mode"
+              topics={[...new Set(known.flatMap((one) => one.numbers))]
+                .toSorted((one, other) => one - other)
+                .map((mode) => ({
+                  subject: "mode",
+                  key: String(mode),
+                  aircraft_id: aircraft.id,
+                  label: `Mode ${mode}`,
+                }))}
+            />
           </Stack>
         );
       }}

@@ -2,7 +2,7 @@ import { Alert, Tabs } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery, runQuery } from "../api/queries";
-import { isOver, methodName, type Run } from "../api/types";
+import { isOver, methodName, type Maneuver, type Run } from "../api/types";
 import { AerodynamicsVerdict } from "../components/AerodynamicsVerdict";
 import { Figure } from "../components/Figure";
 import { RunDerivation } from "../components/DerivedRuns";
@@ -11,6 +11,7 @@ import { JobProgress } from "../components/JobProgress";
 import { Loaded } from "../components/Loaded";
 import { AdequacyTests, SymmetryTests } from "../components/ModelAdequacy";
 import { OtherAxis } from "../components/OtherAxis";
+import { Notes, type NoteTopic } from "../components/Notes";
 import { PageHead } from "../components/PageHead";
 import { NuisanceParameters } from "../components/NuisanceParameters";
 import { ParameterTable } from "../components/ParameterTable";
@@ -24,6 +25,7 @@ import { RunOutcome } from "../components/RunOutcome";
 import { SensorsTab } from "../components/SensorsTab";
 import { TimeTab } from "../components/TimeTab";
 import { overFrequency } from "../lib/band";
+import { parseDerivative } from "../lib/derivatives";
 import { RUN_TABS, type RunView } from "../views";
 
 const route = getRouteApi("/runs/$id");
@@ -99,8 +101,31 @@ function OneRun({ run }: { run: Run }) {
       {run.adequacy !== null && <AdequacyTests adequacy={run.adequacy} />}
       {run.symmetry !== null && <SymmetryTests symmetry={run.symmetry} />}
       {isOver(run.state) && <Results run={run} />}
+      {isOver(run.state) && maneuver.data !== undefined && (
+        <div style={{ marginTop: 16 }}>
+          <Notes filter={{ run_id: run.id }} topics={noteTopics(run, maneuver.data)} />
+        </div>
+      )}
     </>
   );
+}
+
+/** The run, its maneuver, its modes and its derivatives. */
+function noteTopics(run: Run, maneuver: Maneuver): NoteTopic[] {
+  const { aircraft_id } = maneuver;
+  return [
+    { subject: "run", key: String(run.id), label: `Run ${run.id}` },
+    { subject: "maneuver", key: String(run.maneuver_id), label: `Maneuver ${maneuver.label}` },
+    ...run.structure.modes.map((mode) => ({
+      subject: "mode" as const,
+      key: String(mode),
+      aircraft_id,
+      label: `Mode ${mode}`,
+    })),
+    ...run.parameters
+      .filter(({ name }) => parseDerivative(name) !== null)
+      .map(({ name }) => ({ subject: "derivative" as const, key: name, aircraft_id, label: name })),
+  ];
 }
 
 function Results({ run }: { run: Run }) {

@@ -6,6 +6,7 @@ export * from "./lists";
 export * from "./live";
 export * from "./maneuvers";
 export * from "./modes";
+export * from "./notes";
 export * from "./review";
 export * from "./runs";
 export * from "./searches";

@@ -8,6 +8,7 @@ export * from "./jobs";
 export * from "./live";
 export * from "./maneuvers";
 export * from "./modes";
+export * from "./notes";
 export * from "./quality";
 export * from "./review";
 export * from "./runs";
