@@ -11,6 +11,7 @@ from jaxtyping import Complex, Float
 from flexsid.sysid.estimation.noise import smooth_density
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.residual_spectrum import compute_local_residuals
+from flexsid.sysid.spectra.response_smoothing import smooth_response
 
 _ALL_NOISE = 0.6  # share of noise in the residual power above which all of it counts as noise
 
@@ -67,13 +68,20 @@ def compute_command_responses(
         Recorded excitation of every input. [rad s]
     assigned_input
         Index of the input that each harmonic is assigned to.
+
+    Notes
+    -----
+    They are smooth over frequency. The noise of measured deflections differs from harmonic to
+    harmonic; over the small commands of an optimal design it would pass for independent motion of
+    all surfaces, and thus for information.
     """
     responses: dict[str, Response] = {}
     for index, name in enumerate(commands.names):
         own = np.flatnonzero((assigned_input == index) & (commands.values[:, index] != 0.0))
         if own.size:
             ratio = deflections.values[own] / commands.values[own, index][:, None]
-            responses[name] = TabulatedResponse(deflections.omega[own], ratio).at
+            omega, size = deflections.omega[own], np.abs(commands.values[own, index])
+            responses[name] = TabulatedResponse(omega, smooth_response(omega, ratio, size)).at
     return responses
 
 
