@@ -11,6 +11,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
+from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
     compute_design,
@@ -20,11 +21,16 @@ from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 
 def estimated(
-    store: Store, flight: int, ratio: float, plan: tuple[int, float, tuple[int, ...]], seed: int
+    store: Store,
+    flight: int,
+    ratio: float,
+    plan: tuple[int, float, tuple[int, ...]],
+    seed: int,
+    multisine: Multisine | None = None,
 ) -> EstimationRun:
     """Eight modes fly, fewer are fitted."""
     fta, peak_deg, modes = plan
-    flown = fly(airspeed_ratio=ratio, fta=fta, peak_deg=peak_deg, seed=seed)
+    flown = fly(airspeed_ratio=ratio, fta=fta, peak_deg=peak_deg, seed=seed, multisine=multisine)
     maneuver = add_maneuver(store, flown, flight)
     request = EstimationRun(
         maneuver_id=maneuver.id or 0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -54,6 +54,7 @@ def fly(
     turbulence: Turbulence = Turbulence.NONE,
     fault: SurfaceFault | None = None,
     unsteady: bool = False,
+    multisine: Multisine | None = None,
 ) -> FlownManeuver:
     """Simulate a flight test aid in closed loop from trim and record all channels.
 
@@ -87,10 +88,16 @@ def fly(
         Fault of a surface, None for none.
     unsteady
         True flies FLEX-28U, whose air forces lag the motion.
+    multisine
+        Excitation of all symmetric surfaces in any order, instead of that of ``fta``.
     """
     truth = load_truth(unsteady=unsteady).without(absent)
     aircraft = describe_aircraft(truth)
-    multisine = design_fta(fta, peak_deg)
+    if multisine is None:
+        multisine = design_fta(fta, peak_deg)
+    # The columns of the simulation are the surfaces of the aircraft, in their order.
+    tones = {surface.name: multisine.tones[surface.name] for surface in aircraft.surfaces}
+    multisine = replace(multisine, tones=tones)
     excitation, during = sample_excitation(multisine, n_periods)
     duration_s = len(excitation) / RATE_HZ
 
