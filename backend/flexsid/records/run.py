@@ -307,12 +307,13 @@ class EstimateWithoutSensor:
     """Estimate when the output of one sensor is not used, by one step from the optimum.
 
     In the order of the parameters of the run, None where the other sensors do not determine one.
-    ``differences`` from the estimate of the run are in their standard deviations.
+    ``std_ratios`` are the standard errors over those with the sensor; ``differences`` from the
+    estimate of the run are in their standard deviations.
     """
 
     output: str
     values: tuple[float | None, ...]
-    std_errors: tuple[float | None, ...]
+    std_ratios: tuple[float | None, ...]
     differences: tuple[float | None, ...]
 
 

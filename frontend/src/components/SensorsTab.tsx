@@ -15,6 +15,9 @@ interface Row {
   difference: number | null;
 }
 
+const product = (a: number | null | undefined, b: number | null | undefined) =>
+  a == null || b == null ? null : a * b;
+
 const sizeOf = (row: Row) => Math.abs(row.difference ?? -1);
 
 const COLUMNS: Column<Row>[] = [
@@ -58,7 +61,7 @@ export function SensorsTab({ run, view, onChange }: RunTabProps) {
       .map((parameter, k) => ({
         parameter,
         value: sensor.values[k] ?? null,
-        stdError: sensor.std_errors[k] ?? null,
+        stdError: product(parameter.std_error, sensor.std_ratios[k]),
         difference: sensor.differences[k] ?? null,
       }))
       .sort((a, b) => sizeOf(b) - sizeOf(a));

@@ -236,6 +236,9 @@ def complete_likelihood_fit(
         # Residuals that are model error are no noise: weighted with them, a fit follows the
         # frequencies and outputs where the model is least wrong.
         weighted = replace(estimate, noise=describe_common_noise(corrected, settings))
+        again, of_symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+        if again.state is AdequacyState.SUSPECT:  # the sizes stated are about these values
+            adequacy, symmetry = again, of_symmetry
     converged = noise is None or noise.converged
     if change > _MOST_CHANGE or not converged:
         found = f"moved the results by {change:.2g} standard errors"

@@ -117,9 +117,13 @@ def _summarize(
     if not rejecting:
         reason = f"None of {len(found)} tests {claim}."
         return ModelAdequacy(state=AdequacyState.CONSISTENT, reason=reason, tests=found)
-    # What a sensor changes in the results is stated, whatever test has the smallest p.
-    of_sensor = [t for t in rejecting if t.hypothesis == Hypothesis.SENSOR_CONSISTENCY][:1]
-    first = list(dict.fromkeys([*rejecting[:_MOST_REASONS], *of_sensor]))
+    of_sensors = [test for test in found if test.hypothesis == Hypothesis.SENSOR_CONSISTENCY]
+    inconsistent = [test for test in of_sensors if test.rejects]
+    first = rejecting[:_MOST_REASONS]
+    if 2 * len(inconsistent) < len(of_sensors):
+        # What a wrong sensor changes in the results is stated, whatever test has the smallest p;
+        # where most sensors are inconsistent, the model is wrong.
+        first = list(dict.fromkeys([*first, *inconsistent[:1]]))
     more = len(rejecting) - len(first)
     reason = " ".join(test.meaning for test in first)
     if more > 0:
@@ -147,7 +151,7 @@ def _describe_influence(influence: SensorInfluence, results: Estimate) -> Estima
     return EstimateWithoutSensor(
         output=influence.output,
         values=_round(results.values + influence.change),
-        std_errors=_round(results.std_errors * influence.std_ratio),
+        std_ratios=_round(influence.std_ratio),
         differences=_round(influence.change / influence.change_std),
     )
 
