@@ -31,6 +31,7 @@ from flexsid.jobs.kinds import QUALITY
 from flexsid.records.account import Role
 from flexsid.records.decision import FrozenFigure
 from flexsid.records.flutter import Controller
+from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.live import (
     LiveStream,
     LiveTestPoint,
@@ -132,6 +133,21 @@ def _fill(client: TestClient, store: Store) -> None:
         store.live_streams.add(stream)
         store.live_test_points.add(
             LiveTestPoint(stream_id=1, start_s=1.0, stop_s=2.0, status=LiveTestPointStatus.STORED)
+        )
+        store.global_model_versions.add(
+            GlobalModelVersion(
+                aircraft_id=1,
+                axis="longitudinal",
+                version=1,
+                label="v",
+                note="",
+                author="",
+                sentence="",
+                variables=(),
+                prediction_id=None,
+                runs=(),
+                result=array,
+            )
         )
     adopt_records(store, 1)
 

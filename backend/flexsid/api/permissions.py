@@ -83,6 +83,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         "get_stream_history",
         *("get_global_model_job", "get_global_model", "get_global_model_dave_ml"),
         *("list_global_model_versions", "get_global_model_version", "compare_global_models"),
+        "get_global_model_fmu",
         *(f"draw_{name.replace('-', '_')}" for name in FIGURES),
     ),
     Permission.ANALYST: (

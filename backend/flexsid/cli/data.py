@@ -24,6 +24,7 @@ from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import Settings
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
+from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.text import escape_spreadsheet_cell
 from flexsid.workflow.aircraft.aircraft_definition import add_aircraft, replace_aircraft
 from flexsid.workflow.importing.flight_import import (
@@ -33,7 +34,7 @@ from flexsid.workflow.importing.flight_import import (
     store_upload,
 )
 from flexsid.workflow.model_structures.run_results import refuse_altered
-from flexsid.workflow.runs.fmu import FmiVersion, write_fmu
+from flexsid.workflow.runs.fmu import write_fmu
 from flexsid.workflow.runs.model_export import export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import export_run
 

@@ -15,8 +15,10 @@ from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import GlobalModelSummary
 from flexsid.settings import Settings
+from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
+from flexsid.workflow.global_model.fmu import write_global_fmu
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 from flexsid.workflow.global_model.versions import add_version
 
@@ -51,6 +53,9 @@ def fit_global_model(settings: Settings, arguments: argparse.Namespace) -> int:
     if arguments.dave_ml is not None:
         write_file(arguments.dave_ml, write_dave_ml(result))
         lines.append(f"wrote {arguments.dave_ml}")
+    if arguments.fmu is not None:
+        write_file(arguments.fmu, write_global_fmu(result, FmiVersion(arguments.fmi)))
+        lines.append(f"wrote {arguments.fmu}")
     print_result(lines, summary, as_json=arguments.json)
     return 0
 

@@ -363,6 +363,8 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
     option("--prediction", type=int, metavar="ID", help="prediction that may be the mean")
     meaning = "write DAVE-ML with standard errors and check cases to a file"
     option("--dave-ml", metavar="FILE", help=meaning)
+    option("--fmu", metavar="FILE", help="write an FMU of the derivatives over the envelope")
+    option("--fmi", choices=("2", "3"), default="2", help="version of FMI of the FMU")
     meaning = "store the derivatives at one condition as a prediction of this name"
     option("--store-prediction", metavar="NAME", help=meaning)
     meaning = "value of every variable, in SI; default: mean condition of the runs"

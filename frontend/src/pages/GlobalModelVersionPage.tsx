@@ -1,6 +1,7 @@
-import { Select, Text } from "@mantine/core";
+import { Button, Select, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
+import { address } from "../api/client";
 import {
   globalModelDifferencesQuery,
   globalModelVersionQuery,
@@ -50,6 +51,14 @@ function Version({ version }: { version: GlobalModelDetail }) {
         aside={version.state !== null && <DecisionBadge state={version.state} />}
         actions={
           <>
+            <Button
+              component="a"
+              variant="default"
+              href={address(`global-models/versions/${version.id}/fmu`)}
+              download
+            >
+              Download FMU
+            </Button>
             <ReportMenu of={`global-model/${version.id}`} />
             <ButtonLink
               variant="default"

@@ -31,10 +31,12 @@ from flexsid.records.global_model import (
     VersionDifferences,
 )
 from flexsid.storage.paging import Items
+from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.text import count_noun
 from flexsid.workflow.global_model import versions
 from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
+from flexsid.workflow.global_model.fmu import write_global_fmu
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
 router = APIRouter(prefix="/global-models", tags=["global model"], route_class=JsonRoute)
@@ -130,6 +132,26 @@ def get_global_model_version(store: TheStore, global_model_id: Identity) -> Json
     summary = versions.load_result(store, version).summary
     reviewed = _add_review(version, versions.find_decision(store, version))
     return Json(extend_record(GlobalModelDetail, reviewed, summary=summary))
+
+
+@router.get(
+    "/versions/{global_model_id}/fmu",
+    response_class=Response,
+    responses={
+        200: {"content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}}}
+    },
+)
+def get_global_model_fmu(
+    store: TheStore,
+    global_model_id: Identity,
+    fmi_version: Annotated[FmiVersion, Query(description="Version of FMI.")] = FmiVersion.FMI_2,
+) -> Response:
+    """Return a version as an FMU with C sources: derivatives and errors over the conditions."""
+    version = store.global_model_versions.get(global_model_id)
+    content = write_global_fmu(versions.load_result(store, version), fmi_version)
+    file = f"flexsid-global-model-{global_model_id}.fmu"
+    name = {"Content-Disposition": f'attachment; filename="{file}"'}
+    return Response(content, media_type="application/zip", headers=name)
 
 
 @router.get("/versions/{global_model_id}/differences", response_model=VersionDifferences)

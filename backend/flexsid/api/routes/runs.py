@@ -28,11 +28,12 @@ from flexsid.storage.list_query import Facets
 from flexsid.storage.paging import Page
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
 from flexsid.storage.signatures import SignaturePlace, sign_content
+from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.capsule import write_capsule
-from flexsid.workflow.runs.fmu import FmiVersion, write_fmu
+from flexsid.workflow.runs.fmu import write_fmu
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import RunExport, export_run
 from flexsid.workflow.runs.run_identity import add_hashes
