@@ -456,9 +456,110 @@ _POSTERIOR_JOB = _describe_queued_job("posterior-check", "run 1", {"run_id": 1})
 # Routes that respond as another one, whose example is recorded.
 _SAME_RESPONSE = {"replace_aircraft": "add_aircraft"}
 
+_GLOBAL_MODEL_VERSION = {
+    "aircraft_id": 1,
+    "axis": "longitudinal",
+    "version": 2,
+    "label": "Flights 1 to 3",
+    "note": "Without the low tanks",
+    "author": "Ann",
+    "sentence": "44 derivatives from 4 runs of 3 flights.",
+    "variables": ["dynamic_pressure_pa"],
+    "prediction_id": None,
+    "runs": [
+        {
+            "run_id": 3,
+            "hash": "1f0c4f3a8e2d5b6a7c8d9e0f1a2b3c4d5e6f708192a3b4c5d6e7f8091a2b3c4d",
+            "is_outlying": False,
+        }
+    ],
+    "result": "de9fc7603147db7a68ffc986d6538de84ee695ba8227fae993bc00953d48b9e5",
+    "created_at": "2026-05-13T09:21:00Z",
+    "id": 2,
+}
+_REVIEWED_GLOBAL_MODEL = {**_GLOBAL_MODEL_VERSION, "decision_id": 4, "state": "approved"}
+_GLOBAL_MODEL_SUMMARY = {
+    "sentence": "44 derivatives from 4 runs of 3 flights.",
+    "aircraft_id": 1,
+    "modes": [7, 9],
+    "variables": [{"quantity": "dynamic_pressure_pa", "lowest": 210.0, "highest": 640.0}],
+    "centre": [415.0],
+    "n_maneuvers": 4,
+    "n_flights": 3,
+    "prediction_id": None,
+    "uses_prediction": False,
+    "derivatives": [
+        {
+            "name": "Cm_alpha",
+            "label": "C_mα",
+            "unit": "1",
+            "n_runs": 4,
+            "value": -1.31,
+            "std_error": 0.021,
+            "scatter": 0.012,
+            "modal_std": 0.0,
+            "slopes": [
+                {
+                    "quantity": "dynamic_pressure_pa",
+                    "slope": 0.00011,
+                    "std_error": 0.00009,
+                    "probability": 0.4,
+                    "is_drift": False,
+                }
+            ],
+        }
+    ],
+    "scores": [
+        {
+            "uses_prediction": False,
+            "degree": 1,
+            "log_density": 3.1,
+            "rms": 1.05,
+            "share_inside": 0.95,
+            "is_selected": True,
+        }
+    ],
+    "outliers": [],
+    "runs": [
+        {
+            "run_id": 3,
+            "maneuver_id": 1,
+            "label": "1-01 FTA 503",
+            "method": "OE",
+            "condition": [415.0],
+            "is_outlying": False,
+        }
+    ],
+    "next_condition": {"condition": [640.0], "reduction": 0.08},
+    "omitted": [],
+}
+
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     **live_examples.RESPONSES,
+    "list_global_model_versions": {"items": [_REVIEWED_GLOBAL_MODEL]},
+    "add_global_model_version": _GLOBAL_MODEL_VERSION,
+    "get_global_model_version": {**_REVIEWED_GLOBAL_MODEL, "summary": _GLOBAL_MODEL_SUMMARY},
+    "compare_global_models": {
+        "before_id": 1,
+        "after_id": 2,
+        "variables_before": ["dynamic_pressure_pa"],
+        "variables_after": ["dynamic_pressure_pa"],
+        "added_run_ids": [3],
+        "removed_run_ids": [],
+        "changed_run_ids": [],
+        "outlying_before": [],
+        "outlying_after": [],
+        "derivatives": [
+            {
+                "name": "Cm_alpha",
+                "before": -1.29,
+                "before_std": 0.028,
+                "after": -1.31,
+                "after_std": 0.021,
+            }
+        ],
+    },
     "request_optimal_design": _OPTIMAL_DESIGN_JOB,
     "get_optimal_design_job": {"job": _OPTIMAL_DESIGN_JOB},
     "get_optimal_design": {
@@ -578,6 +679,7 @@ _TEXTS = {
     "text/markdown": "# SP + SW1B below 400 Pa\n\n- proposed by Ann Analyst\n",
     "text/plain": "static const float design_t[2400][5] = {\n",
     "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
+    "application/zip": "PK",
 }
 
 
