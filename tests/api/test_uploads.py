@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +17,7 @@ from preloaded import use_preloaded
 from scipy.io import savemat
 from waiting import ended
 
+from flexsid.importers.proposal import REMEMBERED
 from flexsid.settings import Settings
 
 TIME = np.arange(200) / 50.0
@@ -276,6 +278,51 @@ def test_stored_mapping_is_proposed_for_next_files(client: TestClient) -> None:
     assert client.get(f"/api/v1/mappings/{identity}").json()["text"] == mapping
     assert client.delete(f"/api/v1/mappings/{identity}").status_code == 204
     assert client.get(f"/api/v1/mappings/{identity}").status_code == 404
+
+
+def test_drafts_of_mappings_are_on_the_server(client: TestClient) -> None:
+    found = upload(client, ("draft.csv", text()))
+    assert found["draft"] is None
+    address = f"/api/v1/uploads/{found['upload']['id']}"
+    edited = found["proposal"]["text"] + "# not finished ["
+    assert client.put(f"{address}/draft", json={"mapping": edited}).status_code == 204
+    assert client.get(address).json()["draft"] == edited
+    first, *_ = client.get("/api/v1/uploads").json()["items"]
+    assert (first["id"], first["files"]) == (found["upload"]["id"], ["draft.csv"])
+    assert client.delete(address).status_code == 204
+    listed = client.get("/api/v1/uploads").json()["items"]
+    assert first["id"] not in [one["id"] for one in listed]
+    unknown = client.put("/api/v1/uploads/u0123456789abcdef/draft", json={"mapping": ""})
+    assert unknown.status_code == 404
+
+
+def test_a_column_that_was_mapped_once_is_proposed_for_the_next_file(client: TestClient) -> None:
+    renamed = text().replace(b"Q_dps", b"KreiselNick")
+    found = upload(client, ("own.csv", renamed))
+    proposed = found["proposal"]["text"]
+    assert REMEMBERED not in proposed
+    mapping = re.sub(
+        r'column = "KreiselNick".*?(?=\n\[\[|$)',
+        'column = "KreiselNick"\nname = "q"\nunit = "deg/s"\nrole = "output"\n',
+        re.sub(r"guessed = .*\n", "", proposed),
+        flags=re.DOTALL,
+    )
+    address = f"/api/v1/uploads/{found['upload']['id']}"
+    body = {"mapping": mapping, "confirmed": True}
+    client.put(f"{address}/draft", json={"mapping": mapping})
+    begun = client.post(f"{address}/import", json=body)
+    assert begun.status_code == 202, begun.text
+    assert ended(client, begun.headers["location"])["state"] == "succeeded"
+    listed = client.get("/api/v1/uploads").json()["items"]
+    assert found["upload"]["id"] not in [one["id"] for one in listed], "imported"
+
+    proposal = upload(client, ("next.csv", renamed))["proposal"]
+    (channel,) = [part for part in proposal["text"].split("[[channels]]") if "KreiselNick" in part]
+    assert channel.startswith(f"\n{REMEMBERED}\n")
+    for line in ('name = "q"', 'unit = "deg/s"', 'guessed = ["unit", "role"]'):
+        assert line in channel
+    assert proposal["text"].count(REMEMBERED) == 1, "the others are recognised by their names"
+    assert "earlier imports" in proposal["origin"]
 
 
 def test_upload_is_deleted(client: TestClient) -> None:

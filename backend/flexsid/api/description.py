@@ -265,6 +265,7 @@ _BODIES: dict[str, Any] = {
     "create_token": {"name": "nightly batch", "role": "analyst", "days": 90},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
+    "save_upload_draft": {"mapping": _MAPPING},
     "preview_upload": {"mapping": _MAPPING, "channels": ["bfs"]},
     "import_upload": {"mapping": _MAPPING, "aircraft_id": 1},
 }

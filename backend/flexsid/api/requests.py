@@ -67,6 +67,12 @@ class UploadMappingRequest(Request):
     confirmed: Annotated[bool, Field(strict=True)] = False
 
 
+class DraftRequest(Request):
+    """A mapping that is being edited."""
+
+    mapping: Annotated[str, Field(max_length=LONGEST_TEXT)]
+
+
 class PreviewRequest(Request):
     """A mapping and the channels to plot; the first ones if none are given."""
 

@@ -48,12 +48,13 @@ class ManeuverDetail(Maneuver):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadDetail:
-    """An upload with the contents of its files and a proposed mapping."""
+    """An upload with its files, a proposed mapping, and the draft that was edited from it."""
 
     upload: Upload
     files: list[UploadedFile]
     fields: list[FoundField]
     proposal: Proposal
+    draft: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -46,7 +46,17 @@ def list_columns(sources: Sources) -> list[Column]:
     return [column for source in sources.items for column in _columns(source)]
 
 
-def write_proposal(sources: Sources, aircraft: str, flight: int, known: Mapping[str, Role]) -> str:
+REMEMBERED = "# remembered from an earlier import"
+"""Comment of a proposed channel that is not as its column is recognised."""
+
+
+def write_proposal(
+    sources: Sources,
+    aircraft: str,
+    flight: int,
+    known: Mapping[str, Role],
+    remembered: Mapping[str, Meaning] | None = None,
+) -> str:
     """Return a mapping proposed from the recognised names.
 
     Parameters
@@ -59,6 +69,8 @@ def write_proposal(sources: Sources, aircraft: str, flight: int, known: Mapping[
         Number of the flight.
     known
         Names of surfaces and sensors of that aircraft, with their roles.
+    remembered
+        Columns by their meaning in earlier imports for that aircraft.
 
     Returns
     -------
@@ -75,6 +87,13 @@ def write_proposal(sources: Sources, aircraft: str, flight: int, known: Mapping[
         and not _is_time(column)
         and (meaning := _meaning(column, known)) is not None
     ]
+    known_before = remembered or {}
+    recalled = {
+        column.field: meaning
+        for column, recognised in selected
+        if (meaning := _recall(recognised, known_before.get(column.field))) is not recognised
+    }
+    selected = [(column, recalled.get(column.field, meaning)) for column, meaning in selected]
     parts = [
         f"[aircraft]\nname = {_text(aircraft)}\n{_guessed('name')}",
         f"[flight]\nnumber = {flight}\n{_guessed('number')}",
@@ -87,6 +106,8 @@ def write_proposal(sources: Sources, aircraft: str, flight: int, known: Mapping[
     first = next(iter(time.values()), None)
     for column, meaning in selected:
         text = _channel(column, meaning, seen)
+        if column.field in recalled:
+            text = text.replace("\n", f"\n{REMEMBERED}\n", 1)
         if time.get(column.file, first) != first:
             text += f"clock = {_text(column.file)}\n"
         parts.append(text)
@@ -168,6 +189,19 @@ def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
         if bare == name or meaning.name == name:
             return replace(meaning, name=name, role=role, known=True)
     return meaning
+
+
+def _recall(recognised: Meaning, remembered: Meaning | None) -> Meaning:
+    """Return the meaning of a column in an earlier import, with the unit that the file states."""
+    if remembered is None:
+        return recognised
+    unit = recognised.unit if recognised.sure else remembered.unit
+    recalled = replace(remembered, unit=unit, sure=recognised.sure, known=False)
+    is_same = (recalled.name, recalled.unit, recalled.role) == (
+        *(recognised.name, recognised.unit),
+        recognised.role,
+    )
+    return recognised if is_same else recalled
 
 
 def _guessed(*keys: str) -> str:

@@ -72,6 +72,7 @@ from flexsid.workflow.global_model.estimates import (
 )
 from flexsid.workflow.importing.flight_import import store_upload
 from flexsid.workflow.importing.parsed_files import ParsedUpload
+from flexsid.workflow.importing.remembered_columns import IMPORT_KIND
 from flexsid.workflow.importing.uploads import ImportRequest, compute_import, prepare_import
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
@@ -488,7 +489,7 @@ PREDICTION = Kind(
     save=_save_prediction,
 )
 IMPORT = Kind(
-    name="import",
+    name=IMPORT_KIND,
     label="Import",
     request=ImportRequest,
     prepare=lambda store, job, request: prepare_import(store, request),

@@ -13,12 +13,11 @@ import {
 import { useDebouncedValue } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
-import { useState } from "react";
-import { useSaveMapping } from "../api/commands";
+import { useEffect, useRef, useState } from "react";
+import { useSaveDraft, useSaveMapping } from "../api/commands";
 import { aircraftQuery, mappingCheckQuery, mappingsQuery } from "../api/queries";
 import type { CheckedMapping, UnitWarning, UploadDetail } from "../api/types";
 import { readKey, setKey } from "../lib/mappingText";
-import { useDraft } from "../lib/useDraft";
 import { useUndo } from "../lib/useUndo";
 import { IMPORT_FORMS } from "../views";
 import { FoundFields } from "./FoundFields";
@@ -38,18 +37,10 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
   const { form = "table", channels = [] } = route.useSearch();
   const navigate = route.useNavigate();
   const id = found.upload.id;
-  const { draft, setDraft, discard } = useDraft(`import-${id}`, { text: found.proposal.text });
-  const { text } = draft;
-  const {
-    set: setText,
-    undo,
-    redo,
-    canUndo,
-    canRedo,
-  } = useUndo(text, (changed) => {
-    setDraft({ text: changed });
-  });
+  const [text, store] = useState(found.draft ?? found.proposal.text);
+  const { set: setText, undo, redo, canUndo, canRedo } = useUndo(text, store);
   const [settled] = useDebouncedValue(text, 300);
+  const saving = useStoredDraft(id, settled, found.draft ?? found.proposal.text);
   const check = useQuery(mappingCheckQuery(id, settled));
   const checked = check.data;
   const current = settled === text && !check.isPlaceholderData;
@@ -64,7 +55,7 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
       <FoundFields found={found} />
       <Section
         title="Mapping"
-        note={`Proposed from ${found.proposal.origin}. It assigns each column; edits are stored in this tab.`}
+        note={`Proposed from ${found.proposal.origin}. It assigns each column; ${saving.isPending ? "edits are being stored" : "edits are stored on the server"}.`}
         actions={
           <Group gap="xs">
             <Button size="xs" variant="default" disabled={!canUndo} onClick={undo}>
@@ -128,6 +119,7 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
               />
             )
           )}
+          {saving.isError && <ProblemAlert error={saving.error} />}
           {check.isError && <ProblemAlert error={check.error} />}
           {checked !== undefined && <Remarks checked={checked} text={text} onChange={setText} />}
           {checked !== undefined && checked.guesses.length > 0 && (
@@ -140,10 +132,23 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
       )}
       <Group justify="space-between" align="end">
         <SaveMapping text={text} usable={current && checked?.problem === null} />
-        <ImportProgress id={id} text={text} ready={fine} onImported={discard} />
+        <ImportProgress id={id} text={text} ready={fine} />
       </Group>
     </Stack>
   );
+}
+
+/** Stores the mapping on the server after each change, for a reload and other browsers. */
+function useStoredDraft(id: string, text: string, known: string) {
+  const save = useSaveDraft();
+  const { mutate } = save;
+  const stored = useRef(known);
+  useEffect(() => {
+    if (text === stored.current) return;
+    stored.current = text;
+    mutate({ id, mapping: text });
+  }, [id, text, mutate]);
+  return save;
 }
 
 interface Edit {

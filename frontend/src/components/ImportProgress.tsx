@@ -14,11 +14,10 @@ interface Props {
   text: string;
   /** The mapping is valid and has no open warnings. */
   ready: boolean;
-  onImported: () => void;
 }
 
 /** Starts an import, shows its job, and links to the result. */
-export function ImportProgress({ id, text, ready, onImported }: Props) {
+export function ImportProgress({ id, text, ready }: Props) {
   const found = useQuery(importJobQuery(id));
   const begin = useImportUpload(id);
   const cache = useQueryClient();
@@ -35,7 +34,7 @@ export function ImportProgress({ id, text, ready, onImported }: Props) {
     });
     if (!begun.current || ended.state !== "succeeded") return;
     begun.current = false;
-    onImported();
+    void cache.invalidateQueries({ queryKey: ["uploads"] });
     void cache.invalidateQueries({ queryKey: ["maneuvers"] });
     void cache.invalidateQueries({ queryKey: ["flights"] });
     const { maneuverId } = imported(ended);

@@ -40,6 +40,7 @@ export function MappingGuesses({ guesses, text, onChange }: Props) {
                 {own.map((guess) => (
                   <Text key={guess.key} size="sm">
                     {named(guess.key, text)} <b>{guess.value}</b>: {guess.consequence}
+                    {isRemembered(guess.key, text) && " Remembered from an earlier import."}
                   </Text>
                 ))}
                 {rate !== undefined && (
@@ -82,6 +83,14 @@ function named(key: string, text: string): string {
   const own = text.split(/^\[\[channels\]\].*$/m)[Number(number)] ?? "";
   const name = /^name\s*=\s*"([^"]*)"/m.exec(own) ?? /^column\s*=\s*"([^"]*)"/m.exec(own);
   return `${name?.[1] ?? key}, ${part}`;
+}
+
+/** Whether the channel of a key was mapped so in an earlier import. */
+function isRemembered(key: string, text: string): boolean {
+  const [, number] = /^channels\[(\d+)\]\./.exec(key) ?? [];
+  if (number === undefined) return false;
+  const own = text.split(/^\[\[channels\]\].*$/m)[Number(number)] ?? "";
+  return own.includes("# remembered from an earlier import");
 }
 
 function withRate(text: string, rate: number): string {

@@ -2,14 +2,16 @@ import { Button, Group, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useRef, useState, type DragEvent } from "react";
-import { useUploadFiles } from "../api/commands";
-import { uploadQuery } from "../api/queries";
+import { useDeleteUpload, useSaveDraft, useUploadFiles } from "../api/commands";
+import { draftsQuery, uploadQuery } from "../api/queries";
 import { ButtonLink } from "../components/ButtonLink";
+import { DataTable } from "../components/DataTable";
 import { ImportMapping } from "../components/ImportMapping";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
+import { dateTime } from "../lib/format";
 
 const route = getRouteApi("/import");
 
@@ -33,7 +35,14 @@ export function ImportPage() {
           )
         }
       />
-      {upload === undefined ? <DropFiles /> : <Uploaded key={upload} id={upload} />}
+      {upload === undefined ? (
+        <Stack gap="md">
+          <DropFiles />
+          <UnfinishedImports />
+        </Stack>
+      ) : (
+        <Uploaded key={upload} id={upload} />
+      )}
     </>
   );
 }
@@ -47,9 +56,69 @@ function Uploaded({ id }: { id: string }) {
   );
 }
 
+/** Own uploads whose mapping was edited, to go on in any browser. */
+function UnfinishedImports() {
+  const drafts = useQuery(draftsQuery);
+  const remove = useDeleteUpload();
+  return (
+    <Section
+      title="Unfinished imports"
+      note="Own uploads with an edited mapping, stored for 7 days"
+    >
+      <Loaded query={drafts} rows={2}>
+        {(found) =>
+          found.length === 0 ? (
+            <Text size="sm" className="quiet">
+              None.
+            </Text>
+          ) : (
+            <DataTable
+              label="Unfinished imports"
+              columns={[
+                {
+                  key: "files",
+                  header: "Files",
+                  yields: true,
+                  render: (one) => (
+                    <Link to="/import" search={{ upload: one.id }} className="link">
+                      {one.files.join(", ")}
+                    </Link>
+                  ),
+                },
+                { key: "changed", header: "Changed", render: (one) => dateTime(one.changed_at) },
+                {
+                  key: "delete",
+                  header: "",
+                  render: (one) => (
+                    <Button
+                      variant="subtle"
+                      size="compact-xs"
+                      aria-label={`Delete the upload of ${one.files.join(", ")}`}
+                      loading={remove.isPending && remove.variables === one.id}
+                      onClick={() => {
+                        remove.mutate(one.id);
+                      }}
+                    >
+                      Delete
+                    </Button>
+                  ),
+                },
+              ]}
+              rows={found}
+              rowKey={(one) => one.id}
+            />
+          )
+        }
+      </Loaded>
+      {remove.isError && <ProblemAlert error={remove.error} />}
+    </Section>
+  );
+}
+
 function DropFiles() {
   const navigate = route.useNavigate();
   const send = useUploadFiles();
+  const saveDraft = useSaveDraft();
   const chooser = useRef<HTMLInputElement>(null);
   const [over, setOver] = useState(false);
 
@@ -60,10 +129,9 @@ function DropFiles() {
     const text = await mapping?.text();
     send.mutate(files, {
       onSuccess: ({ upload }) => {
-        if (text !== undefined) {
-          sessionStorage.setItem(`import-${upload.id}`, JSON.stringify({ text }));
-        }
-        void navigate({ search: { upload: upload.id } });
+        const open = () => void navigate({ search: { upload: upload.id } });
+        if (text === undefined) open();
+        else saveDraft.mutate({ id: upload.id, mapping: text }, { onSuccess: open });
       },
     });
   };

@@ -10,7 +10,7 @@ from fastapi import APIRouter, File, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import PreviewRequest, UploadMappingRequest
+from flexsid.api.requests import DraftRequest, PreviewRequest, UploadMappingRequest
 from flexsid.api.responses import UploadDetail
 from flexsid.api.routes.figures import Figure
 from flexsid.api.serialization import Json, UploadId
@@ -18,9 +18,11 @@ from flexsid.api.submission import KnownJob, submit_job
 from flexsid.api.uploads import save_files
 from flexsid.figures.time_history import draw_time_history
 from flexsid.jobs.kinds import IMPORT
+from flexsid.records.run import RunState
 from flexsid.storage import job_list
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.job_list import JobItem
+from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
 from flexsid.text import join_names
 from flexsid.workflow.importing import preview, uploads
@@ -42,10 +44,29 @@ def upload_files(
     return Json(_describe_upload(store, upload.id), status.HTTP_201_CREATED, location)
 
 
+@router.get("", response_model=Items[uploads.DraftItem])
+def list_uploads(store: TheStore) -> Json:
+    """List the own uploads whose mapping was edited and that are not imported, newest first."""
+    drafts = uploads.list_drafts(store)
+    jobs = {one.id: job_list.find_newest(store, IMPORT.name, upload_id=one.id) for one in drafts}
+    return Json(Items(items=[one for one in drafts if not _is_imported(jobs[one.id])]))
+
+
+def _is_imported(job: JobItem | None) -> bool:
+    return job is not None and job.state is RunState.SUCCEEDED
+
+
 @router.get("/{upload_id}", response_model=UploadDetail)
 def get_upload(store: TheStore, upload_id: UploadId) -> Json:
     """Return the contents of the files of an upload, and the proposed mapping."""
     return Json(_describe_upload(store, upload_id))
+
+
+@router.put("/{upload_id}/draft", status_code=status.HTTP_204_NO_CONTENT)
+def save_upload_draft(store: TheStore, upload_id: UploadId, body: DraftRequest) -> Response:
+    """Store the mapping of an upload while it is edited; it need not be valid."""
+    uploads.write_draft(store, upload_id, body.mapping)
+    return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
 @router.post("/{upload_id}/check", response_model=preview.Checked)
@@ -96,4 +117,5 @@ def _describe_upload(store: Store, upload_id: str) -> UploadDetail:
         files=preview.describe_files(sources),
         fields=preview.describe_fields(sources),
         proposal=preview.propose_mapping(store, sources),
+        draft=uploads.read_draft(store, upload_id),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,17 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
+from flexsid.importers.column_names import Meaning
 from flexsid.importers.column_names import recognise_column as recognise_name
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
 from flexsid.importers.plausibility import UnitWarning
-from flexsid.importers.proposal import find_time, list_columns, mark_guessed, write_proposal
+from flexsid.importers.proposal import (
+    REMEMBERED,
+    find_time,
+    list_columns,
+    mark_guessed,
+    write_proposal,
+)
 from flexsid.importers.source import Sources
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
@@ -23,6 +30,7 @@ from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import find_unit_warnings
 from flexsid.workflow.importing.parsed_files import Guess, find_guesses, parse_upload
+from flexsid.workflow.importing.remembered_columns import read_remembered_columns
 
 MOST_FIELDS = 500
 MOST_DRAWN = 12
@@ -148,13 +156,17 @@ def propose_mapping(store: Store, sources: Sources) -> Proposal:
         origin = f"the saved mapping '{fitting[-1].name}'"
         return Proposal(text=text, origin=origin, fitting=names)
     name, number, roles = "?", 1, {}
-    selected = _find_likely_aircraft(store, sources)
+    remembered = read_remembered_columns(store)
+    selected = _find_likely_aircraft(store, sources, remembered)
     if selected is not None:
         flights = store.flights.find(aircraft_id=selected.id)
         name, roles = selected.name, _list_names(selected)
         number = max((flight.number for flight in flights), default=0) + 1
-    text = write_proposal(sources, name, number, roles)
-    return Proposal(text=text, origin="the names of the columns", fitting=names)
+    text = write_proposal(sources, name, number, roles, remembered.get(name))
+    origin = "the names of the columns"
+    if REMEMBERED in text:
+        origin += " and earlier imports"
+    return Proposal(text=text, origin=origin, fitting=names)
 
 
 def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
@@ -237,14 +249,18 @@ def _fits(text: str, sources: Sources) -> bool:
     return True
 
 
-def _find_likely_aircraft(store: Store, sources: Sources) -> Aircraft | None:
-    """Find the aircraft with most surfaces and sensors in the files; None without any."""
+def _find_likely_aircraft(
+    store: Store, sources: Sources, remembered: Mapping[str, Mapping[str, Meaning]]
+) -> Aircraft | None:
+    """Find the aircraft with most surfaces, sensors and known columns; None without any."""
     columns = list_columns(sources)
+    fields = {column.field for column in columns}
     named = {column.field.rpartition(".")[2] for column in columns}
     named |= {recognise_name(column.field, column.unit).name for column in columns}
     best, most = None, 0
     for aircraft in store.aircraft.find():
         shared = len(named & _list_names(aircraft).keys())
+        shared += len(fields & remembered.get(aircraft.name, {}).keys())
         if shared >= max(most, 1):
             best, most = aircraft, shared
     return best

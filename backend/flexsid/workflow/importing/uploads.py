@@ -15,6 +15,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.errors import UnknownRecord
@@ -30,6 +31,8 @@ from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, 
 
 RETENTION_DAYS = 7
 _UPLOADER = "account"
+_DRAFT = "draft.toml"
+_LISTED = 50  # newest drafts
 _NAME = re.compile(r"u[0-9a-f]{16}")
 
 
@@ -38,6 +41,15 @@ class Upload:
     """Files that were uploaded together."""
 
     id: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DraftItem:
+    """An upload whose mapping is being edited."""
+
+    id: str
+    files: tuple[str, ...]
+    changed_at: datetime
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,6 +116,38 @@ def find_folder(store: Store, upload_id: str) -> Path:
             f"There is no upload '{upload_id[:40]}'; uploads are stored for {RETENTION_DAYS} days."
         )
     return folder
+
+
+def write_draft(store: Store, upload_id: str, text: str) -> None:
+    """Store the mapping of an upload while it is edited; raises as ``open_upload``."""
+    file = find_folder(store, upload_id) / _DRAFT
+    new = file.with_name(f"{_DRAFT}.{secrets.token_hex(4)}")
+    new.write_text(text, encoding="utf-8")
+    new.replace(file)
+
+
+def read_draft(store: Store, upload_id: str) -> str | None:
+    """Read the draft of a mapping; None without one. Raises as ``open_upload``."""
+    file = find_folder(store, upload_id) / _DRAFT
+    return file.read_text(encoding="utf-8") if file.is_file() else None
+
+
+def list_drafts(store: Store) -> list[DraftItem]:
+    """List the own uploads with a draft of a mapping, most recently changed first."""
+    found: list[tuple[float, Path]] = []
+    for file in locate_uploads(store).glob(f"*/{_DRAFT}"):
+        with suppress(UnknownRecord, FileNotFoundError):  # of another account, or just deleted
+            find_folder(store, file.parent.name)
+            found.append((file.stat().st_mtime, file.parent))
+    newest = sorted(found, reverse=True)[:_LISTED]
+    return [
+        DraftItem(
+            id=folder.name,
+            files=tuple(source.name for source in sandbox.load(folder).items),
+            changed_at=datetime.fromtimestamp(changed, UTC),
+        )
+        for changed, folder in newest
+    ]
 
 
 def delete_upload(store: Store, upload_id: str) -> None:

@@ -1,7 +1,7 @@
 /** Sends files and takes them in. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body, json } from "../client";
-import { importJobQuery } from "../queries";
+import { draftsQuery, importJobQuery, uploadQuery } from "../queries";
 import type { UploadDetail } from "../types";
 
 export function useUploadFiles() {
@@ -11,6 +11,35 @@ export function useUploadFiles() {
       for (const file of files) form.append("files", file);
       return json("/api/v1/uploads", { method: "POST", body: form }) as Promise<UploadDetail>;
     },
+  });
+}
+
+export function useSaveDraft() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: ({ id, mapping }: { id: string; mapping: string }) =>
+      body(
+        api.PUT("/api/v1/uploads/{upload_id}/draft", {
+          params: { path: { upload_id: id } },
+          body: { mapping },
+        }),
+      ),
+    onSuccess: (_, { id, mapping }) => {
+      cache.setQueryData(
+        uploadQuery(id).queryKey,
+        (found) => found && { ...found, draft: mapping },
+      );
+      void cache.invalidateQueries({ queryKey: draftsQuery.queryKey });
+    },
+  });
+}
+
+export function useDeleteUpload() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: string) =>
+      body(api.DELETE("/api/v1/uploads/{upload_id}", { params: { path: { upload_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: draftsQuery.queryKey }),
   });
 }
 

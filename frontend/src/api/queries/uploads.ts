@@ -11,6 +11,12 @@ export const uploadQuery = (id: string) =>
     staleTime: Infinity,
   });
 
+/** Own uploads whose mapping was edited and that are not imported. */
+export const draftsQuery = queryOptions({
+  queryKey: ["uploads", "drafts"],
+  queryFn: ({ signal }) => items(api.GET("/api/v1/uploads", { signal })),
+});
+
 /** The newest job that imports an upload. */
 export const importJobQuery = (id: string) =>
   queryOptions({
