@@ -98,6 +98,7 @@ def test_time_history_has_own_units_per_row_and_retains_peaks(drawable, numbers,
     assert "[deg]" in spec["layout"]["yaxis"]["title"]["text"]
     assert "[g]" in spec["layout"]["yaxis2"]["title"]["text"]
     assert spec["layout"]["xaxis"]["title"]["text"] == "Time [s]"
+    assert spec["layout"]["xaxis"]["exponentformat"] == "none", "plain seconds on any clock"
     assert "xaxis2" not in spec["layout"], "all rows share one time axis"
 
 

@@ -14,6 +14,7 @@ from flexsid.figures.spec import (
     scatter,
     stack,
     stems,
+    time_axis,
     title,
     vertical_mark,
 )
@@ -39,7 +40,7 @@ def draw_design_history(value: DesignedExcitation) -> Spec:
     axes = [title(f"{label} [deg]") for label in labels]
     return {
         "data": data,
-        "layout": stack(title("Time [s]"), axes, showlegend=False, hovermode="x"),
+        "layout": stack(time_axis(), axes, showlegend=False, hovermode="x"),
     }
 
 

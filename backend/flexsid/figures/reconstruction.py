@@ -16,6 +16,7 @@ from flexsid.figures.spec import (
     scatter,
     select_samples,
     stack,
+    time_axis,
     title,
 )
 from flexsid.records.views import ReconstructedTrace, Reconstruction
@@ -42,7 +43,7 @@ def _draw_histories(value: Reconstruction) -> Spec:
         quantity = quantities.of_channel(trace.name, trace.unit)
         titles.append(title(quantity.label if quantity.unit == "1" else quantity.title))
         data += _draw_history(value.time_s, trace, quantity, row)
-    layout = stack(title("Time [s]"), titles, legend=_LEGEND, hovermode="x")
+    layout = stack(time_axis(), titles, legend=_LEGEND, hovermode="x")
     return {"data": data, "layout": layout | {"meta": _describe(value, len(titles))}}
 
 

@@ -167,6 +167,11 @@ def title(text: str) -> Spec:
     return {"title": {"text": text}}
 
 
+def time_axis() -> Spec:
+    """Return an axis of time in plain seconds: 51240, not 51.24 times a power of ten."""
+    return {**title("Time [s]"), "exponentformat": "none"}
+
+
 def line_at(value: float, letter: str = "x", *, line: Spec = BOUNDARY, **more: Any) -> Spec:
     """Return a line across the figure at a value of an axis; a stability boundary by default."""
     return {**_across(value, value, letter), "type": "line", "line": line, **more}

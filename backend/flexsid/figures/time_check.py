@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, column, empty, scatter, select_samples, stack, title
+from flexsid.figures.spec import (
+    Spec,
+    column,
+    empty,
+    scatter,
+    select_samples,
+    stack,
+    time_axis,
+    title,
+)
 from flexsid.records.views import TimeCheck
 
 
@@ -36,5 +45,5 @@ def draw_time_check(value: TimeCheck) -> Spec:
     legend = {"orientation": "h", "y": 1.02, "yanchor": "bottom"}
     return {
         "data": data,
-        "layout": stack(title("Time [s]"), headings, legend=legend, hovermode="x"),
+        "layout": stack(time_axis(), headings, legend=legend, hovermode="x"),
     }

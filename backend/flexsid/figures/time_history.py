@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import quantities, style
-from flexsid.figures.spec import Spec, band, column, empty, scatter, select_samples, stack, title
+from flexsid.figures.spec import (
+    Spec,
+    band,
+    column,
+    empty,
+    scatter,
+    select_samples,
+    stack,
+    time_axis,
+    title,
+)
 from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 
@@ -24,7 +34,7 @@ def draw_time_history(value: ChannelHistories) -> Spec:
         return empty("No samples in this window")
     shown = [quantities.of_channel(trace.name, trace.unit) for trace in value.traces]
     layout = stack(
-        {**title("Time [s]"), "range": [float(np.min(ends)), float(np.max(ends))]},
+        {**time_axis(), "range": [float(np.min(ends)), float(np.max(ends))]},
         [title(quantity.title) for quantity in shown],
         showlegend=False,
         hovermode="x",

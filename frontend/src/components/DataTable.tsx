@@ -1,4 +1,5 @@
-import type { ReactNode } from "react";
+import { useRef, useState, type ReactNode, type RefObject } from "react";
+import { copyText, tableText } from "../lib/tableText";
 import { SymbolTooltip } from "./SymbolTooltip";
 
 export interface Column<Row> {
@@ -52,38 +53,70 @@ function nextSort(current: string | undefined, column: string): string {
 export function DataTable<Row>(props: Props<Row>) {
   const { rows, rowKey, label, testId, rowTestId, isSelected, sort, onSort } = props;
   const columns = props.columns.filter(({ onlyIf }) => onlyIf === undefined || rows.some(onlyIf));
+  const table = useRef<HTMLTableElement>(null);
   return (
-    <div
-      className="table-scroll"
-      style={{ maxHeight: props.maxHeight }}
-      role="region"
-      aria-label={label}
-      tabIndex={0}
-    >
-      <table className="data-table" aria-label={label} data-testid={testId}>
-        <thead>
-          <tr>
-            {columns.map((column) => (
-              <HeaderCell key={column.key} column={column} sort={sort} onSort={onSort} />
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map((row) => (
-            <tr
-              key={rowKey(row)}
-              data-testid={rowTestId?.(row)}
-              data-selected={isSelected?.(row) === true ? "true" : undefined}
-            >
+    <>
+      <div
+        className="table-scroll"
+        style={{ maxHeight: props.maxHeight }}
+        role="region"
+        aria-label={label}
+        tabIndex={0}
+      >
+        <table ref={table} className="data-table" aria-label={label} data-testid={testId}>
+          <thead>
+            <tr>
               {columns.map((column) => (
-                <td key={column.key} className={classOf(column)}>
-                  {column.render(row)}
-                </td>
+                <HeaderCell key={column.key} column={column} sort={sort} onSort={onSort} />
               ))}
             </tr>
-          ))}
-        </tbody>
-      </table>
+          </thead>
+          <tbody>
+            {rows.map((row) => (
+              <tr
+                key={rowKey(row)}
+                data-testid={rowTestId?.(row)}
+                data-selected={isSelected?.(row) === true ? "true" : undefined}
+              >
+                {columns.map((column) => (
+                  <td key={column.key} className={classOf(column)}>
+                    {column.render(row)}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      {rows.length > 0 && <CopyTable table={table} label={label} />}
+    </>
+  );
+}
+
+/** Copies the rows that are shown, tab-separated. */
+function CopyTable({ table, label }: { table: RefObject<HTMLTableElement | null>; label: string }) {
+  const [state, setState] = useState<"" | "copied" | "failed">("");
+  const words = { "": "Copy table", copied: "Copied", failed: "The browser refused to copy" };
+  return (
+    <div className="table-copy">
+      <button
+        type="button"
+        aria-label={`Copy table: ${label}`}
+        title="Copy as tab-separated values"
+        onClick={() => {
+          if (table.current === null) return;
+          copyText(tableText(table.current)).then(
+            () => {
+              setState("copied");
+            },
+            () => {
+              setState("failed");
+            },
+          );
+        }}
+      >
+        {words[state]}
+      </button>
     </div>
   );
 }

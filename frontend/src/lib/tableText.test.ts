@@ -1,0 +1,15 @@
+import { expect, test } from "vitest";
+import { tableText } from "./tableText";
+
+test("a table is copied as a spreadsheet reads it", () => {
+  document.body.innerHTML = `
+    <table>
+      <thead><tr><th>Derivative</th><th><button>Value <span aria-hidden="true">↑</span></button></th></tr></thead>
+      <tbody>
+        <tr><td><span role="img" aria-label="CZ_alpha">C<sub>Zα</sub></span> [1/rad]</td><td>\u22124.6</td></tr>
+        <tr><td>delay</td><td>\u2013</td></tr>
+      </tbody>
+    </table>`;
+  const table = document.querySelector("table");
+  expect(table && tableText(table)).toBe("Derivative\tValue\nCZ_alpha [1/rad]\t-4.6\ndelay\t\n");
+});
