@@ -41,6 +41,7 @@ from flexsid.records.live import (
 )
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
 from flexsid.records.modal_data import FlutterSummary, MeasuredResponses
+from flexsid.records.note import NoteRevision, NoteSubject
 from flexsid.records.run import Batch
 from flexsid.records.saved_view import SavedView
 from flexsid.settings import Mode
@@ -103,6 +104,11 @@ def _fill(client: TestClient, store: Store) -> None:
         store.batches.add(Batch(name="b", author=""))
         store.frozen_figures.add(
             FrozenFigure(kind="poles", query="", title="t", array=array, author="")
+        )
+        store.notes.add(
+            NoteRevision(
+                aircraft_id=1, subject=NoteSubject.RUN, key="1", text="t", author="Ann Analyst"
+            )
         )
         store.controllers.add(
             Controller(aircraft_id=1, name="c", reads=("q",), drives=("bfs",), laws=(), delay_s=0.0)

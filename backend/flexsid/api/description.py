@@ -561,6 +561,15 @@ _NOT_RECORDED: dict[str, Any] = {
             }
         ],
     },
+    "list_uploads": {
+        "items": [
+            {
+                "id": "u5b0c2a9e41d7f360",
+                "files": ["flight12.csv"],
+                "changed_at": "2026-05-12T09:41:07Z",
+            }
+        ]
+    },
     "request_optimal_design": _OPTIMAL_DESIGN_JOB,
     "get_optimal_design_job": {"job": _OPTIMAL_DESIGN_JOB},
     "get_optimal_design": {
