@@ -10,8 +10,10 @@ import pytest
 from file_imports import import_maneuver
 from scipy.interpolate import CubicSpline
 
-from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS
+from flexsid.demo.flights import fly
+from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
@@ -208,3 +210,28 @@ def test_held_out_frequencies_decide_between_aerodynamic_models(
         assert steady.flutter_m_s is None or steady.flutter_m_s > 1.05 * flutter
     if band_hz is not None:
         assert "the data reach k = 0.14" in found.sentence
+
+
+def test_a_wrong_shape_without_roots_to_follow_is_decided_against(store: Store, own_lattice):
+    """Fitted to quasi-steady forces, a shaped model may have no root that oscillates."""
+    shape, start = own_lattice
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=0.92, fta=503, seed=103, modes_in_truth=2)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    settings = RunSettings(out_of_band_modes=OutOfBandModes.OMITTED)
+    task = prepare(
+        store,
+        EstimationRun(
+            maneuver_id=maneuver.id or 0,
+            method=Method.OE,
+            structure=Structure(modes=MODES, fixed={}),
+            settings=settings,
+        ),
+    )
+    found = compare_tasks(
+        task, shape_task(task, shape, start), "the lattice", lambda progress: None
+    )
+    assert found.verdict is AerodynamicsVerdict.QUASI_STEADY
+    assert found.fits[1].flutter_m_s is None
+    assert "No root oscillates" in found.fits[1].flutter

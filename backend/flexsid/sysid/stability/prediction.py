@@ -162,6 +162,11 @@ def predict_flutter(
     locus = track_roots(found.aircraft, np.linspace(low, high, _POINTS), density)
     growing = locus.unstable
     crossing, remark, refusal = _compare_crossings(found, locus, flown, names)
+    if not locus.names:
+        refusal = (
+            f"No root oscillates over half of the airspeeds from {low:.1f} to {high:.1f} m/s: the"
+            " model does not describe the aircraft."
+        )
     already = ""
     if growing:
         name = names[locus.names[growing[0]]]
