@@ -168,6 +168,23 @@ def test_other_estimators_find_the_factors(store: Store, own_lattice, method: Me
     assert np.median(errors) < 0.02
 
 
+def test_equation_error_in_turbulence(store: Store, own_lattice):
+    """Motion by gusts is an error of the regressors: as a response it gave V_f 9.6 % too low."""
+    shape, start = own_lattice
+    name = "080Vf_n2_fta506_gust"
+    record = np.load(DATA / "records" / f"{name}.npz")
+    task = shape_task(load_task(store, name, Method.EE), shape, start)
+    found = compute_run(task, lambda progress: None)
+    factors = found.estimate.values / start.values.ravel()
+    errors = found.estimate.std_errors / np.abs(start.values.ravel())
+    within = np.abs(factors - record["true_factors"].ravel()) < 2.0 * errors
+    assert within.mean() >= 0.9
+    flutter = float(record["true_flutter_speed_ft_s"]) * 0.3048
+    speed, std = predict(task, found)
+    assert speed == pytest.approx(flutter, rel=0.04)
+    assert abs(speed - flutter) < 2.0 * std
+
+
 def test_a_quasi_steady_model_of_these_records_is_suspect(store: Store):
     found = compute_run(load_task(store, "065Vf_n2_fta506", Method.OE), lambda progress: None)
     assert found.adequacy.state is AdequacyState.SUSPECT

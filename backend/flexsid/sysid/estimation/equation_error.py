@@ -11,6 +11,11 @@ from flexsid.errors import BadInput
 from flexsid.sysid.estimation.error_components import ErrorComponents
 from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, Outcome
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.process_noise import (
+    AssignedCommands,
+    ProcessNoise,
+    estimate_process_noise,
+)
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.estimation.regression import ErrorsInVariables, Regression, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -54,6 +59,7 @@ def equation_error(
     parameters: Parameters,
     *,
     input_noise: Float[np.ndarray, "n_omega n_u"] | None = None,
+    commands: AssignedCommands | None = None,
     compensate: bool = True,
 ) -> Estimate:
     """Estimate the free derivatives, one linear regression per coefficient.
@@ -70,6 +76,8 @@ def equation_error(
         The free derivatives; the others contribute with their fixed value.
     input_noise
         Variance of the spectra of the deflections; none by default. [(rad s)^2]
+    commands
+        Of every harmonic, by which motion due to turbulence is recognised; none by default.
     compensate
         Weight the frequencies by the uncertainty of the reconstructed motion and of the inputs,
         and remove the bias due to their noise from the normal equations; without it, the plain
@@ -89,7 +97,15 @@ def equation_error(
     towards zero with standard errors that are too small.
     """
     rows = range(len(model.coefficients))
-    noise = MotionNoise(model, motion.with_coloured_errors(), input_noise) if compensate else None
+    coloured = motion.with_coloured_errors()
+    noise = MotionNoise(model, coloured, input_noise) if compensate else None
+    if noise is not None and commands is not None:
+        u = inputs.pick(model.inputs).values
+        turbulent = estimate_process_noise(
+            motion.omega, motion.values, coloured.covariance, u, commands
+        )
+        if turbulent is not None:
+            noise = MotionNoise(model, coloured, np.zeros(u.shape), process_noise=turbulent)
     return equation_error_rows(model, motion, inputs, parameters, rows, noise)[0]
 
 
@@ -190,6 +206,8 @@ class MotionNoise:
         Variance of the spectra of the deflections; None: no error. [(rad s)^2]
     motion_per_input
         Error of the motion per error of the inputs, where it was reconstructed with them.
+    process_noise
+        Covariance of motion and inputs instead of those of their measurement.
     """
 
     def __init__(
@@ -198,6 +216,7 @@ class MotionNoise:
         motion: ReconstructedMotion,
         input_noise: Float[np.ndarray, "n_omega n_u"] | None = None,
         motion_per_input: Complex[np.ndarray, "n_omega n_r n_u"] | None = None,
+        process_noise: ProcessNoise | None = None,
     ) -> None:
         s = 1j * motion.omega
         self.regressor = build_variable_matrix(model, s) * model.column_factors()[:, None]
@@ -208,6 +227,9 @@ class MotionNoise:
         self.relative_std = motion.relative_std
         if input_noise is not None:
             self._add_inputs(input_noise, motion_per_input)
+        if process_noise is not None:
+            self.covariance = process_noise.covariance
+            self.relative_std = process_noise.relative_std
         self.spread = self.regressor @ self.covariance
         self.regressors = np.real(self.spread @ self.regressor.conj().transpose(0, 2, 1))
 

@@ -134,8 +134,8 @@ def split_residuals(
             picked = own[residuals.indices]
             omega.append(one.omega[picked])
             samples.append(scale * residuals.values * one.command[picked, None])
-    noise = _smooth(np.concatenate(omega), np.concatenate(samples))
-    every = _smooth(
+    noise = smooth_spectrum(np.concatenate(omega), np.concatenate(samples))
+    every = smooth_spectrum(
         np.concatenate([one.omega for one in maneuvers]),
         np.concatenate([one.values / np.sqrt(one.record_s) for one in maneuvers]),
     )
@@ -174,15 +174,16 @@ def estimate_noise_spectrum(maneuvers: Sequence[RecordResiduals], n_theta: int) 
     """Estimate the density of all residuals from neighbouring frequencies."""
     n_data = 2 * sum(one.values.size for one in maneuvers)
     inflation = np.sqrt(n_data / max(n_data - n_theta, 1))
-    return _smooth(
+    return smooth_spectrum(
         np.concatenate([one.omega for one in maneuvers]),
         np.concatenate([inflation * one.values / np.sqrt(one.record_s) for one in maneuvers]),
     )
 
 
-def _smooth(
+def smooth_spectrum(
     omega: Float[np.ndarray, " n_omega"], values: Complex[np.ndarray, "n_omega n_y"]
 ) -> Response:
+    """Smooth the density of values over frequency, to be evaluated at any frequency."""
     order = np.argsort(omega, kind="stable")
     smooth = smooth_density(values[order], np.zeros(omega.size, dtype=int), 1)
     centres = np.array([omega[order][block].mean() for block in smooth.block_slices()])

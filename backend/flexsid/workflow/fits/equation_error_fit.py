@@ -13,6 +13,7 @@ from flexsid.sysid.estimation.fusion import fuse_estimates
 from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
@@ -50,6 +51,7 @@ def fit_equation_error(
                     spectra.inputs,
                     parameters,
                     input_noise=spectra.input_noise,
+                    commands=_assign_commands(spectra),
                 )
             )
         fused = fuse_estimates(estimates, labels)
@@ -76,6 +78,15 @@ def fit_equation_error(
         estimates.append(estimate)
     fused = replace(fuse_estimates(estimates, labels), nuisance=frozenset(task.nuisance_names))
     return EquationErrorFit(fused, (), tuple(warnings))
+
+
+def _assign_commands(spectra: MeasuredSpectra) -> AssignedCommands | None:
+    """Return the command of every harmonic; None where some are not recorded."""
+    excited = spectra.excited
+    if excited.commands is None or (excited.assigned_input < 0).any():
+        return None
+    own = np.take_along_axis(excited.commands.values, excited.assigned_input[:, None], axis=1)
+    return AssignedCommands(excited.assigned_input, own[:, 0])
 
 
 def reconstruct_with_out_of_band_modes(
