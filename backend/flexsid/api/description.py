@@ -52,6 +52,7 @@ _EXAMPLES: dict[str, Any] = {
     "level": 1,
     "upload_id": "5b0c2a",
     "version": 1,
+    "revision": 1,
     "step_id": 1,
     "index": 0,
     "group": "CZ",
