@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
 from fastapi.testclient import TestClient
 from waiting import wait_until
 
+from flexsid.storage.live_history import find_newest_state
 from flexsid.storage.store import Store
 from flexsid.workflow.live.live_task import prepare_live_task
 from flexsid.workflow.live.packets import encode_frame
@@ -57,11 +59,18 @@ def test_a_stream_is_read_while_it_runs(client: TestClient) -> None:
     assert client.get(stream).json()["acknowledgements"] == [done.json()]
     history = wait_until(lambda: client.get(f"{stream}/history").json()["states"])
     assert history[0]["state"]["alarms"] == [alarm]
+    assert client.get(stream).json()["alarms"] == [alarm]
 
     short = client.post(f"{stream}/frames", content=packets[:-3], headers=binary)
     assert short.json()["code"] == "bad-packet"
     assert client.delete(stream).json()["code"] == "stream-running"
     assert client.post(f"{stream}/stop").json()["status"] == "stopped"
+    # The next maneuver has states of its own; the alarm remains.
+    known = find_newest_state(store, int(stream.rpartition("/")[2]))
+    assert known is not None
+    quiet = replace(known.state, alarms=())
+    store.live_states.add(replace(known, id=None, time_s=known.time_s + 60.0, state=quiet))
+    assert client.get(stream).json()["alarms"] == [alarm]
     late = client.post(f"{stream}/frames", content=packets, headers=binary)
     assert late.json()["code"] == "not-running"
     assert client.delete(stream).status_code == 204

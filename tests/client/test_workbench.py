@@ -121,7 +121,7 @@ def test_models_are_python_control_objects(workbench: Workbench, tmp_path) -> No
     assert read["delays_s"].shape == (len(model.output_labels),)
     workbench.save_model(1, tmp_path / "model.json")
     assert json.loads((tmp_path / "model.json").read_text())["A"] == exported["A"]
-    with pytest.raises(BadInput, match=r"expected \.mat or \.json"):
+    with pytest.raises(BadInput, match=r"expected \.mat, \.json or \.fmu"):
         workbench.save_model(1, tmp_path / "model.xls")
 
 

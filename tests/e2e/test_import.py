@@ -42,10 +42,10 @@ def mapping(tmp_path: Path) -> Path:
     return path
 
 
-def _record(path: Path, bad: str = "0.5") -> Path:
+def _record(path: Path, bad: str = "0.5", surface: str = "flap") -> Path:
     rows = [f"{k / 50:.2f},{k % 7},{k % 5}" for k in range(200)]
     rows[41] = f"0.82,{bad},1"
-    path.write_text("t_s,flap,q\n" + "\n".join(rows) + "\n")
+    path.write_text(f"t_s,{surface},q\n" + "\n".join(rows) + "\n")
     return path
 
 
@@ -66,12 +66,13 @@ def test_a_record_becomes_a_maneuver(page: Page, tmp_path: Path, mapping: Path):
 
 
 def test_a_proposal_is_corrected_and_survives_a_reload(page: Page, tmp_path: Path):
-    _upload(page, _record(tmp_path / "record.csv"))
-    expect(page.get_by_test_id("found-fields")).to_contain_text("flap")
-    unit = page.get_by_role("textbox", name="Unit of flap")
+    # Another column than that of the other tests, whose meaning is remembered.
+    _upload(page, _record(tmp_path / "record.csv", surface="tab"))
+    expect(page.get_by_test_id("found-fields")).to_contain_text("tab")
+    unit = page.get_by_role("textbox", name="Unit of tab")
     unit.fill("rad")
-    page.get_by_role("combobox", name="Role of flap").select_option("input")
-    expect(page.get_by_test_id("mapping-query")).to_contain_text("Check the unit of flap: rad")
+    page.get_by_role("combobox", name="Role of tab").select_option("input")
+    expect(page.get_by_test_id("mapping-query")).to_contain_text("Check the unit of tab: rad")
     page.reload()
     expect(page.get_by_test_id("mapping-query")).to_be_visible()
     expect(page.get_by_test_id("import-submit")).to_be_disabled()

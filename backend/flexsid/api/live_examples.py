@@ -142,6 +142,7 @@ RESPONSES: dict[str, Any] = {
             "estimate_age_s": 0.4,
         },
         "test_points": [_POINT],
+        "alarms": _STATE["alarms"],
         "acknowledgements": [_ACKNOWLEDGEMENT],
         "expected_std_errors": {"Cm_alpha": 0.0011},
     },

@@ -7,6 +7,7 @@ from typing import Any
 
 from flexsid.records.live import (
     Acknowledgement,
+    LiveAlarm,
     LiveSnapshot,
     LiveStream,
     LiveTestPoint,
@@ -37,10 +38,11 @@ class ReceiverItem:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StreamDetail:
-    """A stream: its channels, what is known at present, test points, acknowledged alarms.
+    """A stream: its channels, what is known at present, test points and alarms.
 
     ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of
-    a frame. ``expected_std_errors`` are those of the run whose settings the stream has.
+    a frame. ``alarms`` are those of all maneuvers. ``expected_std_errors`` are those of the run
+    whose settings the stream has.
     """
 
     stream: LiveStream
@@ -48,6 +50,7 @@ class StreamDetail:
     packet_bytes: int | None
     snapshot: LiveSnapshot | None
     test_points: tuple[LiveTestPoint, ...]
+    alarms: tuple[LiveAlarm, ...]
     acknowledgements: tuple[Acknowledgement, ...]
     expected_std_errors: dict[str, float | None]
 

@@ -30,7 +30,7 @@ from flexsid.records.live import (
     StreamStatus,
     StripChart,
 )
-from flexsid.storage.live_history import list_states
+from flexsid.storage.live_history import list_alarms, list_states
 from flexsid.storage.paging import Items
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.streams.receivers import Receiver, load_receivers
@@ -126,7 +126,7 @@ def start_stream(context: TheContext, body: StreamRequest, analyst: TheAnalyst) 
 
 @router.get("/streams/{stream_id}", response_model=StreamDetail)
 def get_stream(context: TheContext, stream_id: Identity) -> Json:
-    """Return a stream: channels, present state, test points and acknowledged alarms.
+    """Return a stream: channels, present state, test points and alarms.
 
     Every new state is also sent as the event `live` of `GET /events`.
     """
@@ -141,6 +141,7 @@ def get_stream(context: TheContext, stream_id: Identity) -> Json:
             packet_bytes=None if header is None else compute_packet_size(header),
             snapshot=context.streams.find_snapshot(stream_id),
             test_points=tuple(store.live_test_points.find(stream_id=stream_id)),
+            alarms=list_alarms(store, stream_id),
             acknowledgements=tuple(store.live_acknowledgements.find(stream_id=stream_id)),
             expected_std_errors={
                 one.name: one.std_error for one in (run.result.parameters if run.result else ())

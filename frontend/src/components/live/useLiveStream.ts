@@ -85,8 +85,11 @@ export function useLiveStream(detail: LiveStreamDetail, channels: readonly strin
     });
   }, [cache, id, isRunning, names, samples]);
 
-  // Alarms of an earlier maneuver remain until they are acknowledged.
-  const alarms = useMemo(() => addAlarms(raised, states.at(-1)?.alarms ?? []), [raised, states]);
+  // Alarms of an earlier maneuver remain until they are acknowledged, in every browser.
+  const alarms = useMemo(
+    () => addAlarms(addAlarms(detail.alarms, raised), states.at(-1)?.alarms ?? []),
+    [detail.alarms, raised, states],
+  );
   return { samples, states, alarms, reception };
 }
 
