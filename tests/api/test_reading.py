@@ -44,6 +44,14 @@ def fill_address(path: str, parameters: list[dict[str, Any]]) -> str:
     return f"{path}?{'&'.join(query)}" if query else path
 
 
+def measure_work(client: TestClient, address: str) -> float:
+    """Processor time of a request in seconds."""
+    began = time.process_time()
+    response = client.get(address)
+    assert response.status_code < 500, address
+    return time.process_time() - began
+
+
 def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_url: str):
     begun = client.post("/api/v1/flutter/results?run_ids=1")
     assert ended(client, begun.headers["location"])["state"] == "succeeded"
@@ -65,11 +73,9 @@ def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_u
     assert len(addresses) > 80
     before, costly = count_rows(flown_url), {}
     for address in addresses:
-        began = time.process_time()
-        response = client.get(address)
-        spent = time.process_time() - began
-        assert response.status_code < 500, address
-        if spent > _MOST_S:
-            costly[address] = spent
+        work = measure_work(client, address)
+        # The first request may import packages; what computes does so at each request.
+        if work > _MOST_S and (again := measure_work(client, address)) > _MOST_S:
+            costly[address] = again
     assert costly == {}
     assert count_rows(flown_url) == before

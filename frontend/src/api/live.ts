@@ -1,7 +1,8 @@
 /** News of jobs as they happen: one stream per page, which puts what it hears into the cache. */
 import { useQueryClient, type QueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
-import type { Job } from "./types";
+import { renew } from "./renew";
+import { isOver, type Job } from "./types";
 
 /** Read again, together and not more often than this, however much happens. */
 const REST_MS = 700;
@@ -16,22 +17,23 @@ export function useLive() {
   useEffect(() => {
     if (typeof EventSource === "undefined") return;
     const refresh = coalesce(() => {
-      for (const queryKey of LISTS) void cache.invalidateQueries({ queryKey });
-      void cache.invalidateQueries({ queryKey: ["designs"], exact: true });
-      void cache.invalidateQueries({
+      for (const queryKey of LISTS) void renew(cache, { queryKey });
+      void renew(cache, { queryKey: ["designs"], exact: true });
+      void renew(cache, {
         predicate: ({ queryKey }) => queryKey[2] === "preflight_simulations",
       });
     });
     const stream = new EventSource("/api/v1/events");
-    stream.onopen = () => {
-      // What happened before the stream was there, or while it was lost.
-      for (const queryKey of [["job"], ["run"]]) void cache.invalidateQueries({ queryKey });
+    const refreshAll = () => {
+      for (const queryKey of [["job"], ["run"]]) void renew(cache, { queryKey });
       refresh();
     };
-    stream.addEventListener("missed", refresh);
+    // What happened before the stream was there, or while it was lost.
+    stream.onopen = refreshAll;
+    stream.addEventListener("missed", refreshAll);
     stream.addEventListener("job", (event: MessageEvent<string>) => {
       const { job_id } = JSON.parse(event.data) as { job_id: number };
-      void cache.invalidateQueries({ queryKey: ["job", job_id] });
+      void renew(cache, { queryKey: ["job", job_id] });
       refresh();
     });
     stream.addEventListener("running", (event: MessageEvent<string>) => {
@@ -46,12 +48,12 @@ export function useLive() {
 /** Progress of jobs goes straight to where it is shown. */
 function show(cache: QueryClient, running: Job[]) {
   const byId = new Map(running.map((job) => [job.id, job]));
-  for (const job of running) {
-    if (cache.getQueryData(["job", job.id]) !== undefined) cache.setQueryData(["job", job.id], job);
+  // Progress that was sent before the end of a job may arrive after it.
+  const update = (known: Job): Job => (isOver(known.state) ? known : (byId.get(known.id) ?? known));
+  for (const { id } of running) {
+    cache.setQueryData<Job>(["job", id], (known) => known && update(known));
   }
-  cache.setQueriesData<Job[]>({ queryKey: ["jobs"] }, (jobs) =>
-    jobs?.map((job) => byId.get(job.id) ?? job),
-  );
+  cache.setQueriesData<Job[]>({ queryKey: ["jobs"] }, (jobs) => jobs?.map(update));
 }
 
 /** Calls at once, then at most once per rest. */

@@ -107,6 +107,7 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
               <MappingTable
                 checked={checked}
                 text={text}
+                current={current}
                 onChange={setText}
                 shown={channels}
                 onShow={(names) =>

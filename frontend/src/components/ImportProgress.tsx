@@ -1,7 +1,7 @@
 import { Alert, Button, Group, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
-import { useRef } from "react";
+import { useEffect, useEffectEvent, useRef } from "react";
 import { useImportUpload } from "../api/commands";
 import { importJobQuery } from "../api/queries";
 import { isOver, type Job } from "../api/types";
@@ -26,19 +26,26 @@ export function ImportProgress({ id, text, ready }: Props) {
   const job = found.data?.job ?? null;
   const goesOn = job !== null && !isOver(job.state);
 
+  // The end is seen by the wait for the job, or by reading the import again: whichever is first.
+  const open = useEffectEvent((ended: Job) => {
+    if (!begun.current) return;
+    begun.current = false;
+    for (const key of ["uploads", "maneuvers", "flights"]) {
+      void cache.invalidateQueries({ queryKey: [key] });
+    }
+    const { maneuverId } = imported(ended);
+    if (maneuverId !== null) void navigate({ to: "/maneuvers/$id", params: { id: maneuverId } });
+  });
+  useEffect(() => {
+    if (job?.state === "succeeded") open(job);
+  }, [job]);
+
   const finish = (ended: Job) => {
     const { queryKey } = importJobQuery(id);
     // A response that is under way may show the job before its end, and would remain.
     void cache.cancelQueries({ queryKey }).then(() => {
       cache.setQueryData(queryKey, { job: ended });
     });
-    if (!begun.current || ended.state !== "succeeded") return;
-    begun.current = false;
-    void cache.invalidateQueries({ queryKey: ["uploads"] });
-    void cache.invalidateQueries({ queryKey: ["maneuvers"] });
-    void cache.invalidateQueries({ queryKey: ["flights"] });
-    const { maneuverId } = imported(ended);
-    if (maneuverId !== null) void navigate({ to: "/maneuvers/$id", params: { id: maneuverId } });
   };
 
   return (
@@ -60,11 +67,8 @@ export function ImportProgress({ id, text, ready }: Props) {
             loading={begin.isPending}
             data-testid="import-submit"
             onClick={() => {
-              begin.mutate(text, {
-                onSuccess: () => {
-                  begun.current = true;
-                },
-              });
+              begun.current = true;
+              begin.mutate(text);
             }}
           >
             Import

@@ -1,11 +1,13 @@
-import { ActionIcon, Checkbox, NativeSelect, TextInput } from "@mantine/core";
+import { ActionIcon, Box, Checkbox, NativeSelect, TextInput } from "@mantine/core";
 import type { CheckedMapping } from "../api/types";
-import { guessedKeys, removeTable, setKey } from "../lib/mappingText";
+import { countTables, guessedKeys, readKey, removeTable, setKey } from "../lib/mappingText";
 import { DataTable, numeric, type Column } from "./DataTable";
 
 interface Props {
   checked: CheckedMapping;
   text: string;
+  /** The text is the one that was checked. */
+  current: boolean;
   onChange: (text: string) => void;
   /** Channels that are drawn. */
   shown: string[];
@@ -20,10 +22,13 @@ const word = (value: unknown) =>
   typeof value === "string" || typeof value === "number" ? String(value) : "";
 
 /** The channels of a mapping, one row each. */
-export function MappingTable({ checked, text, onChange, shown, onShow }: Props) {
+export function MappingTable({ checked, text, current, onChange, shown, onShow }: Props) {
   const rows: Row[] = checked.rules.map((rule, nth) => ({ nth, rule }));
   const flagged = new Set(checked.queries.map((one) => one.channel));
   const name = ({ rule }: Row) => word(rule["name"]) || word(rule["column"]);
+  // While it is typed, a value is ahead of its check.
+  const read = ({ nth, rule }: Row, key: string) =>
+    current ? rule[key] : readKey(text, "channels", key, nth);
   const made = (row: Row) => checked.channels.find((channel) => channel.name === name(row));
   const guessed = (row: Row, key: string) =>
     guessedKeys(text, "channels", row.nth).includes(key) ? "guessed" : undefined;
@@ -63,7 +68,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
         <TextInput
           size="xs"
           aria-label={`Name of ${word(row.rule["column"])}`}
-          value={word(row.rule["name"]) || word(row.rule["column"])}
+          value={word(read(row, "name") ?? row.rule["column"])}
           onChange={(event) => {
             set(row, "name", event.currentTarget.value);
           }}
@@ -84,7 +89,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
             error={flagged.has(name(row))}
             description={guessed(row, "unit")}
             inputWrapperOrder={["input", "description"]}
-            value={word(row.rule["unit"])}
+            value={word(read(row, "unit"))}
             onChange={(event) => {
               set(row, "unit", event.currentTarget.value);
             }}
@@ -101,7 +106,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
           data={ROLES}
           description={guessed(row, "role")}
           inputWrapperOrder={["input", "description"]}
-          value={word(row.rule["role"])}
+          value={word(read(row, "role"))}
           onChange={(event) => {
             set(row, "role", event.currentTarget.value);
           }}
@@ -119,7 +124,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
             { value: "1", label: "+" },
             { value: "-1", label: "−" },
           ]}
-          value={row.rule["sign"] === -1 ? "-1" : "1"}
+          value={word(read(row, "sign")) === "-1" ? "-1" : "1"}
           onChange={(event) => {
             set(row, "sign", event.currentTarget.value === "-1" ? -1 : undefined);
           }}
@@ -134,7 +139,7 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
           size="xs"
           w={100}
           aria-label={`Sensor of ${name(row)}`}
-          value={word(row.rule["sensor"])}
+          value={word(read(row, "sensor"))}
           onChange={(event) => {
             set(row, "sensor", event.currentTarget.value || undefined);
           }}
@@ -172,13 +177,22 @@ export function MappingTable({ checked, text, onChange, shown, onShow }: Props) 
     },
   ];
   return (
-    <DataTable
-      columns={columns}
-      rows={rows}
-      rowKey={(row) => row.nth}
-      label="Channels of the mapping"
-      testId="mapping-table"
-      maxHeight={460}
-    />
+    // After a channel was taken out, rows and tables correspond again once checked.
+    <Box
+      component="fieldset"
+      m={0}
+      p={0}
+      bd={0}
+      disabled={countTables(text, "channels") !== rows.length}
+    >
+      <DataTable
+        columns={columns}
+        rows={rows}
+        rowKey={(row) => row.nth}
+        label="Channels of the mapping"
+        testId="mapping-table"
+        maxHeight={460}
+      />
+    </Box>
   );
 }

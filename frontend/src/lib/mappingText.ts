@@ -104,10 +104,15 @@ export function removeTable(text: string, table: string, nth: number): string {
   return lines.join("\n");
 }
 
-/** Value of a key of a table written on one line, as text. */
-export function readKey(text: string, table: string, key: string): string | undefined {
+/** Number of tables of a name. */
+export function countTables(text: string, table: string): number {
+  return text.split("\n").filter((line) => bare(line) === `[[${table}]]`).length;
+}
+
+/** Value of a key of the nth table of a name, written on one line, as text. */
+export function readKey(text: string, table: string, key: string, nth = 0): string | undefined {
   const lines = text.split("\n");
-  const found = block(lines, table, 0);
+  const found = block(lines, table, nth);
   const line = found === null ? undefined : lines.slice(...found).find((own) => isKey(own, key));
   const value = line === undefined ? undefined : /=\s*(?:"([^"]*)"|([^#\s]+))/.exec(line);
   return value?.[1] ?? value?.[2];

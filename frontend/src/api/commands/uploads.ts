@@ -53,8 +53,11 @@ export function useImportUpload(id: string) {
           body: { mapping, confirmed: false },
         }),
       ),
-    onSuccess: (job) => {
-      cache.setQueryData(importJobQuery(id).queryKey, { job });
+    onSuccess: async (job) => {
+      const { queryKey } = importJobQuery(id);
+      // A response that is under way shows no job yet, and would remain.
+      await cache.cancelQueries({ queryKey });
+      cache.setQueryData(queryKey, { job });
     },
   });
 }
