@@ -189,13 +189,13 @@ _Points = Annotated[int, Field(ge=100, le=20_000)]
 _Text = str | None
 
 
-class Parameters(BaseModel):
+class FigureParameters(BaseModel):
     """Parameters of a figure, as in a query of the API; lists are separated by commas there."""
 
     model_config = ConfigDict(frozen=True, validate_default=True)
 
 
-class TrendParameters(Parameters):
+class TrendParameters(FigureParameters):
     """One derivative of runs and predictions, and the flight condition of its trend."""
 
     run_ids: _RunIds = Field(description="Ids of runs, separated by commas.")
@@ -205,7 +205,7 @@ class TrendParameters(Parameters):
     degree: int = Field(1, ge=0, le=3, description="Degree of the weighted polynomial.")
 
 
-class FlutterParameters(Parameters):
+class FlutterParameters(FigureParameters):
     """Runs and conditions of a flutter prediction."""
 
     run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
@@ -238,7 +238,7 @@ class FlutterParameters(Parameters):
     )
 
 
-class GlobalModelParameters(Parameters):
+class GlobalModelParameters(FigureParameters):
     """Runs, variables and prediction of a global aerodynamic model."""
 
     run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
@@ -252,7 +252,7 @@ class GlobalModelParameters(Parameters):
     )
 
 
-class PredictedFlutterParameters(Parameters):
+class PredictedFlutterParameters(FigureParameters):
     """A prediction, its loading and the airspeeds of its flutter analysis."""
 
     prediction_id: _Id
@@ -270,7 +270,7 @@ class PredictedFlutterParameters(Parameters):
     )
 
 
-class CrossPredictionParameters(Parameters):
+class CrossPredictionParameters(FigureParameters):
     """Runs and maneuvers of a matrix of cross-predictions."""
 
     run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
@@ -279,7 +279,7 @@ class CrossPredictionParameters(Parameters):
     )
 
 
-class CrossValidationParameters(Parameters):
+class CrossValidationParameters(FigureParameters):
     """A run and the data that are held out from its refits."""
 
     run_id: _Id
@@ -292,7 +292,7 @@ class CrossValidationParameters(Parameters):
     )
 
 
-class OrderParameters(Parameters):
+class OrderParameters(FigureParameters):
     """Aircraft, flight condition and band of an order study."""
 
     aircraft_id: _Id
@@ -305,7 +305,7 @@ class OrderParameters(Parameters):
     high_hz: float = Field(BAND_HZ[1], gt=0.01, le=1000.0)
 
 
-class ModeSearchParameters(Parameters):
+class ModeSearchParameters(FigureParameters):
     """Band and highest model order of a search for modes."""
 
     low_hz: float | None = Field(None, gt=0.0, le=100_000.0)
@@ -317,10 +317,10 @@ _FILTERS: dict[str, Any] = {
     name: (hint, None)
     for name, hint in get_type_hints(ManeuverFilters, include_extras=True).items()
 }
-_Filters: type[Parameters] = create_model("_Filters", __base__=Parameters, **_FILTERS)
+_Filters: type[FigureParameters] = create_model("_Filters", __base__=FigureParameters, **_FILTERS)
 
 
-class _Maneuver(Parameters):
+class _Maneuver(FigureParameters):
     maneuver_id: _Id
 
 
@@ -334,7 +334,7 @@ class _TimeHistory(_Channels):
     points: int = POINTS
 
 
-class _Flight(Parameters):
+class _Flight(FigureParameters):
     flight_id: _Id
 
 
@@ -386,7 +386,7 @@ class _Reconstruction(_Maneuver):
     domain: Domain = "time"
 
 
-class _Run(Parameters):
+class _Run(FigureParameters):
     run_id: _Id
 
 
@@ -394,11 +394,11 @@ class _Block(_Run):
     block: _Text = Field(None, description="Set of data points; by default the first of the run.")
 
 
-class _Fit(_Block):
+class _FitParameters(_Block):
     outputs: _Names = Field(None, alias="output")
 
 
-class _Poles(Parameters):
+class _Poles(FigureParameters):
     run_ids: Annotated[str, _RUN_ID] = Field(
         alias="run_id", description="Ids of runs, separated by commas."
     )
@@ -426,19 +426,19 @@ class _HeldOutFit(_HeldOutResiduals):
     outputs: _Names = None
 
 
-class _Derivatives(Parameters):
+class _Derivatives(FigureParameters):
     run_ids: _RunIds
     prediction_ids: _Ids = None
     coefficient: _Text = Field(None, description="CZ, Cm, CQ7 ...")
 
 
-class _Forest(Parameters):
+class _Forest(FigureParameters):
     run_ids: _RunIds
     name: _Derivative
     prediction_ids: _Ids = None
 
 
-class _Roots(FlutterParameters):
+class _RootsParameters(FlutterParameters):
     along: Along = Field(Along.AIRSPEED, description="Variable over which the roots are tracked.")
     prediction_id: _Reference = Field(
         None, description="Prediction whose flutter analysis at this loading is drawn beside."
@@ -461,14 +461,14 @@ class _GlobalSlice(GlobalModelParameters):
     )
 
 
-class _Search(Parameters):
+class _Search(FigureParameters):
     search_id: _Id
     name: _Text = Field(
         None, alias="group", description="Coefficient (EE) or method; by default the first."
     )
 
 
-class _Design(Parameters):
+class _Design(FigureParameters):
     design_id: _Id
     level: int = Field(0, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
 
@@ -477,11 +477,11 @@ class _DesignForRun(_Design):
     run_id: _Id
 
 
-class _Frozen(Parameters):
+class _Frozen(FigureParameters):
     figure_id: _Id
 
 
-class _ModalTable(Parameters):
+class _ModalTable(FigureParameters):
     modal_table_id: _Id
 
 
@@ -520,7 +520,7 @@ class FigureKind:
     """
 
     name: str
-    parameters: type[Parameters]
+    parameters: type[FigureParameters]
     numbers: Callable[..., Any]
     draw: Callable[..., Spec]
     description: str
@@ -665,7 +665,7 @@ _KINDS = (
         "Draw the measured loop gain of each surface, with its stability margins."),
     FigureKind("ground-test", _Flight, read_ground_spectra, draw_ground_test,
         "Draw mini-GVT spectra before and after a flight."),
-    FigureKind("fit", _Fit, read_fit, draw_fit,
+    FigureKind("fit", _FitParameters, read_fit, draw_fit,
         "Draw the fitted model and the measured data points."),
     FigureKind("residual", _Block, compute_residuals, draw_residual,
         "Draw the residuals by output and frequency."),
@@ -701,9 +701,9 @@ _KINDS = (
         drawing=("name",)),
     FigureKind("trend", TrendParameters, fit_derivative_trend, draw_trend,
         "Draw one derivative over the flight conditions, with weighted fits."),
-    FigureKind("v-omega-zeta", _Roots, _get_roots, draw_v_omega_zeta,
+    FigureKind("v-omega-zeta", _RootsParameters, _get_roots, draw_v_omega_zeta,
         "Draw frequency and damping of the identified roots with ±2 standard errors."),
-    FigureKind("root-locus", _Roots, _get_roots, draw_root_locus,
+    FigureKind("root-locus", _RootsParameters, _get_roots, draw_root_locus,
         "Draw the identified roots in the s-plane."),
     FigureKind("predicted-v-omega-zeta", PredictedFlutterParameters, _get_predicted_roots,
         draw_v_omega_zeta,

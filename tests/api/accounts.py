@@ -7,7 +7,7 @@ from typing import Any
 
 from fastapi.testclient import TestClient
 
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts import accounts, sessions
 
@@ -38,7 +38,11 @@ class Member:
 
 
 def add_member(
-    client: TestClient, store: Store, name: str, role: Role | None, aircraft_id: int | None = 1
+    client: TestClient,
+    store: Store,
+    name: str,
+    role: AccountRole | None,
+    aircraft_id: int | None = 1,
 ) -> Member:
     """Add an account with a role, and begin its session."""
     account, _ = accounts.add_account(store, name)

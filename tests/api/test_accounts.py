@@ -18,7 +18,7 @@ from tests.api.accounts import API, PASSWORD, SAME_ORIGIN, Member, add_member
 from tests.api.conftest import Serve
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.settings import Mode, Settings, read_settings
 from flexsid.storage.store import Store
 from flexsid.storage.tables import api_tokens, login_failures, login_sessions
@@ -52,7 +52,7 @@ def accounts_store(team: TestClient, app) -> Store:
 
 @pytest.fixture
 def ann(team: TestClient, accounts_store: Store) -> Member:
-    return add_member(team, accounts_store, "Ann", Role.ANALYST)
+    return add_member(team, accounts_store, "Ann", AccountRole.ANALYST)
 
 
 def _set_password(client: TestClient, store: Store, name: str = "Bo") -> None:
@@ -268,7 +268,7 @@ def test_expired_forged_and_foreign_tokens_are_refused(ann: Member, accounts_sto
     for forged in ("", secret[:-1], secret[8:], "flexsid_" + "0" * 43, ann.secret):
         headers = {"Authorization": f"Bearer {forged}"}
         assert ann.client.get(f"{API}/aircraft", headers=headers).status_code == 401
-    bo = add_member(ann.client, accounts_store, "Bo", Role.ADMIN)
+    bo = add_member(ann.client, accounts_store, "Bo", AccountRole.ADMIN)
     assert bo.request("delete", f"tokens/{made['id']}").status_code == 404
     with accounts_store.database.transaction() as connection:
         past = datetime.now(UTC) - timedelta(seconds=1)

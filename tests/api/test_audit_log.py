@@ -14,7 +14,7 @@ from tests.api.team import proposal
 from waiting import wait_until
 
 from flexsid.errors import BadInput
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.settings import Mode
 from flexsid.storage.access import Access, using_access
 from flexsid.storage.audit_log import read_events
@@ -38,7 +38,7 @@ def store(team: TestClient, app) -> Store:
 
 @pytest.fixture
 def ann(team: TestClient, store: Store) -> Member:
-    return add_member(team, store, "Ann", Role.ADMIN)
+    return add_member(team, store, "Ann", AccountRole.ADMIN)
 
 
 def test_every_change_is_logged_and_reading_is_not(ann: Member, store: Store) -> None:
@@ -102,8 +102,8 @@ def test_results_of_jobs_are_changes_by_their_authors(ann: Member, store: Store)
 
 
 def test_votes_and_rules_are_those_of_accounts(ann: Member, team: TestClient, store: Store) -> None:
-    bo = add_member(team, store, "Bo", Role.REVIEWER)
-    cy = add_member(team, store, "Cy", Role.ANALYST)
+    bo = add_member(team, store, "Bo", AccountRole.REVIEWER)
+    cy = add_member(team, store, "Cy", AccountRole.ANALYST)
     structure = {"aircraft_id": 1, "name": "SP", "structure": {"modes": [7, 9]}}
     assert cy.post("model-structures", structure).status_code == 201
     made = cy.post("decisions", proposal())
@@ -128,5 +128,5 @@ def test_log_is_read_by_administrators_of_the_campaign(
     ann: Member, team: TestClient, store: Store
 ) -> None:
     ann.request("delete", "runs/1")
-    reviewer = add_member(team, store, "Bo", Role.REVIEWER)
+    reviewer = add_member(team, store, "Bo", AccountRole.REVIEWER)
     assert reviewer.get("audit-events").status_code == 403

@@ -72,9 +72,9 @@ def test_changes_are_listed_in_order_of_entry(
 
 
 def test_changes_are_merged_by_time_within_their_order() -> None:
-    def change(subject: str, number: int, hour: int) -> tuple[int, notifications.Change]:
+    def change(subject: str, number: int, hour: int) -> tuple[int, notifications.TeamChange]:
         at = datetime(2026, 1, 1, hour, tzinfo=UTC)
-        return number, notifications.Change(
+        return number, notifications.TeamChange(
             subject=subject, id=1, title="", what="", author="", text="", number=number, at=at
         )
 

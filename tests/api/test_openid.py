@@ -22,7 +22,7 @@ from tests.api.conftest import Serve
 from waiting import wait_until
 
 from flexsid.errors import BadInput
-from flexsid.records.account import OpenIdProvider, Role
+from flexsid.records.account import AccountRole, OpenIdProvider
 from flexsid.settings import Mode, read_settings
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts import accounts
@@ -76,7 +76,7 @@ def store(organisation: TestClient, app) -> Store:
 
 @pytest.fixture
 def ann(organisation: TestClient, store: Store) -> Member:
-    return add_member(organisation, store, "Ann", Role.ANALYST)
+    return add_member(organisation, store, "Ann", AccountRole.ANALYST)
 
 
 def _begin(client: TestClient) -> str:

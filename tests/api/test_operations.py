@@ -14,7 +14,7 @@ from tests.api.conftest import Serve
 
 from flexsid.api.request_log import LARGEST_HEADERS, JsonFormatter
 from flexsid.jobs.health import PartHealth, PartState, QueueHealth
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.settings import Mode
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
@@ -40,7 +40,7 @@ def test_without_workers_the_server_lives_but_is_not_ready(
 
 
 def test_metrics_count_requests_by_route(team: TestClient, app) -> None:
-    ann = add_member(team, app.state.context.store, "Ann", Role.VIEWER)
+    ann = add_member(team, app.state.context.store, "Ann", AccountRole.VIEWER)
     assert ann.get("runs/1").status_code == 200
     text = ann.get("/metrics").text
     assert 'flexsid_requests_total{method="GET",route="/runs/{run_id}",status="200"}' in text
@@ -58,7 +58,7 @@ def test_oversized_headers_are_refused(team: TestClient) -> None:
 def test_log_names_the_account_and_no_secret(
     team: TestClient, app, caplog: pytest.LogCaptureFixture
 ) -> None:
-    ann = add_member(team, app.state.context.store, "Ann", Role.VIEWER)
+    ann = add_member(team, app.state.context.store, "Ann", AccountRole.VIEWER)
     with caplog.at_level(logging.INFO, "flexsid.requests"):
         response = ann.get("runs/1", params={"x": PASSWORD})
         sent = {"name": "Ann", "password": PASSWORD}

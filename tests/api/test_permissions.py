@@ -28,7 +28,7 @@ from flexsid.api.permissions import PERMISSIONS, Permission, find_refusal
 from flexsid.api.routes.events import _select_visible
 from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.jobs.kinds import QUALITY
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.records.decision import FrozenFigure
 from flexsid.records.flutter import Controller
 from flexsid.records.global_model import GlobalModelVersion
@@ -252,10 +252,10 @@ def test_every_route_decides_as_the_table_states(
         (role, own): add_member(
             team, store, f"{role.value} {'abc' if own else 'xyz'}", role, 1 if own else 2
         )
-        for role in Role
+        for role in AccountRole
         for own in (True, False)
     }
-    everywhere = add_member(team, store, "Everywhere", Role.ADMIN, None)
+    everywhere = add_member(team, store, "Everywhere", AccountRole.ADMIN, None)
     outside = add_member(team, store, "Outside", None)
     wrong: list[str] = []
 
@@ -302,8 +302,8 @@ def test_reading_never_shows_records_of_other_campaigns(
     team: TestClient, store: Store, app
 ) -> None:
     """Requests that name no record respond with the campaigns of the account only."""
-    other = add_member(team, store, "Other", Role.ADMIN, 2)
-    own = add_member(team, store, "Own", Role.ADMIN, 1)
+    other = add_member(team, store, "Other", AccountRole.ADMIN, 2)
+    own = add_member(team, store, "Own", AccountRole.ADMIN, 1)
     for operation in _operations(app):
         method, path, described = operation
         skipped = described["operationId"] in ("stream_events", "list_nomenclature", "list_axes")
@@ -322,7 +322,7 @@ def test_reading_never_shows_records_of_other_campaigns(
 
 
 def test_an_open_event_stream_follows_the_membership(team: TestClient, store: Store, app) -> None:
-    ann = add_member(team, store, "Ann", Role.VIEWER, 1)
+    ann = add_member(team, store, "Ann", AccountRole.VIEWER, 1)
     cookie = (b"cookie", f"flexsid={ann.secret}".encode())
     request = Request({"type": "http", "app": app, "headers": [cookie], "client": None})
     begun = access.Access(
@@ -344,7 +344,7 @@ def test_an_open_event_stream_follows_the_membership(team: TestClient, store: St
 
 
 def test_deeply_nested_bodies_are_refused_without_an_error(team: TestClient, store: Store) -> None:
-    ann = add_member(team, store, "Ann", Role.ANALYST, 1)
+    ann = add_member(team, store, "Ann", AccountRole.ANALYST, 1)
     content = b"[" * 900 + b"]" * 900
     headers = {**_headers(ann), "Content-Type": "application/json"}
     assert team.post(f"{API}/runs", content=content, headers=headers).status_code == 422
@@ -358,8 +358,8 @@ def test_records_are_stored_in_the_campaign_of_those_that_are_named(
     team: TestClient, store: Store
 ) -> None:
     """Pages send the selected campaign always, also with records of another one."""
-    both = add_member(team, store, "Both", Role.ANALYST, 1)
-    accounts.grant_role(store, "Both", 2, Role.ANALYST)
+    both = add_member(team, store, "Both", AccountRole.ANALYST, 1)
+    accounts.grant_role(store, "Both", 2, AccountRole.ANALYST)
     selected = {"X-Flexsid-Campaign": "2"}
     batch = {"name": "b", "maneuver_ids": [1], "methods": ["EE"]}
     batch |= {"structures": [{"structure": {"modes": [7]}}]}

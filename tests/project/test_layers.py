@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -61,3 +63,12 @@ def _modules(folder: Path) -> list[str]:
         for path in sorted(folder.rglob("*.py"))
         if path.name not in ("__init__.py", "__main__.py")
     ]
+
+
+def test_no_two_classes_have_the_same_name():
+    names = Counter(
+        name
+        for file in PACKAGE.rglob("*.py")
+        for name in re.findall(r"^class (\w+)", file.read_text(), re.MULTILINE)
+    )
+    assert [name for name, count in names.items() if count > 1] == []

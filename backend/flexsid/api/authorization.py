@@ -21,7 +21,7 @@ from starlette.requests import HTTPConnection
 from flexsid.api.analyst import HEADER
 from flexsid.api.permissions import PERMISSIONS, Permission
 from flexsid.errors import BadInput, UnknownRecord
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import Access, Forbidden, find_campaigns, set_access
 from flexsid.storage.repository import LARGEST_ID
@@ -193,7 +193,7 @@ def _find_access(
     request.state.identity = identity
     account, roles = identity.account, identity.roles
     common |= {"account_id": account.id, "author": account.name}
-    readable = list_campaigns(roles, Role.VIEWER)
+    readable = list_campaigns(roles, AccountRole.VIEWER)
     needed = permission.role
     if needed is None:
         return Access(readable=readable, writable=readable, **common)
@@ -222,7 +222,7 @@ def _find_access(
                 f"this needs the role {needed.value} in the campaign; yours is "
                 f"{'none' if role is None else role.value}"
             )
-    if not is_named and needed is not Role.VIEWER:
+    if not is_named and needed is not AccountRole.VIEWER:
         if not roles or writable == frozenset():
             raise Forbidden(f"this needs the role {needed.value} in a campaign")
         # Nothing is named: lists and bulk changes concern the campaigns of this role only.
@@ -232,7 +232,9 @@ def _find_access(
     return Access(readable=readable, writable=writable, campaign=selected, **common)
 
 
-def list_campaigns(roles: Mapping[int | None, Role], least: Role) -> frozenset[int] | None:
+def list_campaigns(
+    roles: Mapping[int | None, AccountRole], least: AccountRole
+) -> frozenset[int] | None:
     """Return the campaigns with at least this role; None for every campaign."""
     found = [key for key, role in roles.items() if role.rank >= least.rank]
     return None if None in found else frozenset(cast("list[int]", found))

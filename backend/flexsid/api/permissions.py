@@ -12,7 +12,7 @@ from enum import StrEnum
 from typing import Any
 
 from flexsid.figure_table import FIGURES
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 
 
 class Permission(StrEnum):
@@ -26,9 +26,9 @@ class Permission(StrEnum):
     ADMIN = "admin"
 
     @property
-    def role(self) -> Role | None:
+    def role(self) -> AccountRole | None:
         """The role that is needed; None if the route concerns no campaign."""
-        return None if self in (Permission.PUBLIC, Permission.ACCOUNT) else Role(self.value)
+        return None if self in (Permission.PUBLIC, Permission.ACCOUNT) else AccountRole(self.value)
 
 
 _ROUTES: dict[Permission, tuple[str, ...]] = {
@@ -129,7 +129,9 @@ PERMISSIONS: dict[str, Permission] = {
 """Permission by the name of the route."""
 
 
-def find_refusal(permission: Permission, role: Role | None, *, is_own: bool = True) -> int | None:
+def find_refusal(
+    permission: Permission, role: AccountRole | None, *, is_own: bool = True
+) -> int | None:
     """Return the HTTP status by which a route refuses an account; None if it responds.
 
     Parameters
@@ -147,13 +149,13 @@ def find_refusal(permission: Permission, role: Role | None, *, is_own: bool = Tr
     if not is_own:
         return 404
     if role is None:
-        return None if needed is Role.VIEWER else 403
+        return None if needed is AccountRole.VIEWER else 403
     return None if role.rank >= needed.rank else 403
 
 
 def write_permissions(paths: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the table of all routes as Markdown, from the paths of the OpenAPI description."""
-    columns = ("nobody", *Role, "member of other campaigns")
+    columns = ("nobody", *AccountRole, "member of other campaigns")
     lines = [
         "# Permissions",
         "",
@@ -171,7 +173,7 @@ def write_permissions(paths: Mapping[str, Mapping[str, Any]]) -> str:
             permission = PERMISSIONS[operation["operationId"]]
             found = [
                 None if permission is Permission.PUBLIC else 401,
-                *(find_refusal(permission, role) for role in Role),
+                *(find_refusal(permission, role) for role in AccountRole),
                 find_refusal(permission, None, is_own=False),
             ]
             cells = " | ".join("✓" if status is None else str(status) for status in found)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_result
 from flexsid.errors import BadInput, UnknownRecord
-from flexsid.records.account import Account, Role
+from flexsid.records.account import Account, AccountRole
 from flexsid.settings import Settings
 from flexsid.storage.campaigns import adopt_records
 from flexsid.storage.store import Store
@@ -110,7 +110,10 @@ _ACTIONS = {
 
 def _set_role(store: Store, given: _Arguments, name: str) -> str:
     accounts.grant_role(
-        store, name, _find_aircraft(store, given.campaign), Role(given.role or Role.VIEWER)
+        store,
+        name,
+        _find_aircraft(store, given.campaign),
+        AccountRole(given.role or AccountRole.VIEWER),
     )
     return given.campaign
 

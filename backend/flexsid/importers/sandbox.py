@@ -123,7 +123,7 @@ def _array(entry: dict[str, Any], raw: bytes | mmap.mmap) -> np.ndarray:
     return np.frombuffer(raw, dtype, count, entry["at"]).reshape(shape[::-1]).T
 
 
-class _Reader:
+class _ReaderProcess:
     """One reader process."""
 
     def __init__(self) -> None:
@@ -200,21 +200,21 @@ class _Reader:
             pipe.close()
 
 
-_idle: list[_Reader] = []
+_idle: list[_ReaderProcess] = []
 _lock = threading.Lock()
 
 
-def _acquire_reader() -> _Reader:
+def _acquire_reader() -> _ReaderProcess:
     with _lock:
         while _idle:
             reader = _idle.pop()
             if reader.is_alive():
                 return reader
             reader.stop()
-    return _Reader()
+    return _ReaderProcess()
 
 
-def _release_reader(reader: _Reader) -> None:
+def _release_reader(reader: _ReaderProcess) -> None:
     with _lock:
         if not _idle:
             _idle.append(reader)

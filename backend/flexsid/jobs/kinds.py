@@ -124,12 +124,12 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RunRequest:
+class EstimationRequest:
     """Empty: the request of an estimation is its run, which has the id of the job."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SearchRequest:
+class StructureSearchRequest:
     """The search, which is stored with its result."""
 
     search_id: int
@@ -290,7 +290,7 @@ def _save_import(store: Store, job: Job, outcome: ParsedUpload, worker: str) -> 
 RUN = Kind(
     name=ESTIMATION,
     label="Estimation",
-    request=RunRequest,
+    request=EstimationRequest,
     prepare=lambda store, job, request: estimation.prepare(store, store.runs.get(_id(job))),
     compute=estimation.compute_run,
     save=lambda store, job, outcome, worker: estimation.store_result(
@@ -300,7 +300,7 @@ RUN = Kind(
 SEARCH = Kind(
     name=queue.SEARCH,
     label="Model structure search",
-    request=SearchRequest,
+    request=StructureSearchRequest,
     prepare=lambda store, job, request: searches.prepare_search(
         store, store.searches.get(request.search_id)
     ),

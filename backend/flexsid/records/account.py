@@ -10,7 +10,7 @@ NAME_CLAIM = "preferred_username"
 """Usual claim of a provider with the name of the account."""
 
 
-class Role(StrEnum):
+class AccountRole(StrEnum):
     """What an account may do in a campaign; each role includes the ones before it."""
 
     VIEWER = "viewer"
@@ -21,7 +21,7 @@ class Role(StrEnum):
     @property
     def rank(self) -> int:
         """Position in the order of roles."""
-        return list(Role).index(self)
+        return list(AccountRole).index(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +50,7 @@ class Membership:
 
     account_id: int
     aircraft_id: int | None
-    role: Role
+    role: AccountRole
     id: int | None = None
 
 
@@ -77,7 +77,7 @@ class ApiToken:
     account_id: int
     name: str
     secret_hash: str
-    role: Role
+    role: AccountRole
     aircraft_id: int | None
     expires_at: datetime
     used_at: datetime | None = None

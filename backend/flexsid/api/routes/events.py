@@ -16,7 +16,7 @@ from flexsid.api.authorization import identify, list_campaigns
 from flexsid.api.context import TheContext
 from flexsid.api.live_events import JobUpdate
 from flexsid.api.serialization import Reference, dump_json
-from flexsid.records.account import Role
+from flexsid.records.account import AccountRole
 from flexsid.storage.access import Access, get_access, using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
@@ -113,7 +113,7 @@ def _select_visible(
         identity = identify(store, request.app.state.settings, request)
     if identity is None:
         return None
-    present = replace(access, readable=list_campaigns(identity.roles, Role.VIEWER))
+    present = replace(access, readable=list_campaigns(identity.roles, AccountRole.VIEWER))
     named = {event.job_id for event in update.events} | {job.id for job in update.running or ()}
     visible: set[int] = set()
     if named:

@@ -23,7 +23,7 @@ from flexsid.api.requests import Id, Title
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
 from flexsid.errors import Conflict, UnknownRecord
-from flexsid.records.account import ApiToken, OpenIdProvider, Role
+from flexsid.records.account import AccountRole, ApiToken, OpenIdProvider
 from flexsid.settings import Mode, Settings
 from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
@@ -56,7 +56,7 @@ class TokenRequest(requests.Request):
     """Name, highest role, validity and campaign (all if omitted) of a token."""
 
     name: Title
-    role: Role = Role.VIEWER
+    role: AccountRole = AccountRole.VIEWER
     days: Annotated[int, Field(strict=True, ge=1, le=sessions.LONGEST_TOKEN_DAYS)] = 90
     aircraft_id: Id | None = None
 
@@ -66,7 +66,7 @@ class CampaignRole:
     """Role in the campaign of an aircraft; in every campaign if it is null."""
 
     aircraft_id: int | None
-    role: Role
+    role: AccountRole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +89,7 @@ class TokenItem:
 
     id: int
     name: str
-    role: Role
+    role: AccountRole
     aircraft_id: int | None
     created_at: datetime | None
     expires_at: datetime

@@ -22,7 +22,7 @@ RECTANGULAR, CYLINDRICAL, SPHERICAL = 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class CoordinateSystem:
     """One coordinate system: rows of ``axes`` are its unit vectors in the basic one."""
 
     kind: int
@@ -72,7 +72,7 @@ def list_geometry(grids: Grids, frames: DefinedFrames) -> Iterator[Field]:
                 yield Field(f"{group}/{name}", np.array([known[n][column] for n in numbers]))
 
 
-BASIC = Frame(RECTANGULAR, np.zeros(3), np.eye(3))
+BASIC = CoordinateSystem(RECTANGULAR, np.zeros(3), np.eye(3))
 
 
 class Frames:
@@ -91,7 +91,7 @@ class Frames:
             )
         for number, kind, *nodes in frames.get("by_grid", ()):
             self._by_grid[int(number)] = (int(kind), tuple(int(node) for node in nodes))
-        self._known: dict[int, Frame] = {0: BASIC}
+        self._known: dict[int, CoordinateSystem] = {0: BASIC}
         self._open: set[object] = set()
 
     def places(self) -> Float[np.ndarray, "n_nodes 3"]:
@@ -127,7 +127,7 @@ class Frames:
         row = self._row[node]
         return self.place_of(int(self._grids["cp"][row]), self._grids["xyz"][row])
 
-    def _frame(self, number: int) -> Frame:
+    def _frame(self, number: int) -> CoordinateSystem:
         if number in self._known:
             return self._known[number]
         if number in self._open:
@@ -156,6 +156,6 @@ class Frames:
                 frame=number,
             )
         z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
-        self._known[number] = Frame(kind, a, np.array([np.cross(y, z), y, z]))
+        self._known[number] = CoordinateSystem(kind, a, np.array([np.cross(y, z), y, z]))
         self._open.discard(number)
         return self._known[number]

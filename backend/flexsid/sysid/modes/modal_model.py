@@ -87,7 +87,7 @@ def propagate_covariance(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Problem:
+class _ModalProblem:
     s: np.ndarray
     lift: np.ndarray
     responses: np.ndarray
@@ -148,7 +148,7 @@ def fit_modal_model(
     retained where it lowers the cost, by the chi-squared test with ``_FALSE_MODES``.
     """
     s = 1j * omega
-    problem = _Problem(s, s ** POWERS[quantity], responses)
+    problem = _ModalProblem(s, s ** POWERS[quantity], responses)
     poles, part = poles.astype(complex), _scale(participation.astype(complex))
     weights = _start_weights(responses)
     poles, part, weights = _refine(problem, poles, part, weights)
@@ -186,7 +186,7 @@ def _start_weights(responses: np.ndarray) -> _Weights:
     return _Weights(np.where(deviation > 0, deviation, 1.0), np.ones(responses.shape[0]))
 
 
-def _columns(problem: _Problem, poles: np.ndarray) -> tuple[np.ndarray, ...]:
+def _columns(problem: _ModalProblem, poles: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the terms outside of the band, and first and second powers of each mode."""
     s, lift = problem.s, problem.lift
     size = np.sqrt(np.abs(s[0] * s[-1]))
@@ -203,7 +203,7 @@ def _stack(values: np.ndarray) -> np.ndarray:
     return np.concatenate([np.real(values), np.imag(values)])
 
 
-def _reduce(problem: _Problem, poles: np.ndarray, weights: _Weights) -> _Reduced:
+def _reduce(problem: _ModalProblem, poles: np.ndarray, weights: _Weights) -> _Reduced:
     """Factor the basis; project the data."""
     n_omega, n = problem.s.size, poles.size
     outside, first, second = _columns(problem, poles)
@@ -314,7 +314,7 @@ def _solve_step(triangle: np.ndarray) -> np.ndarray:
 
 
 def _minimise(
-    problem: _Problem, poles: np.ndarray, part: np.ndarray, weights: _Weights, effort: _Effort
+    problem: _ModalProblem, poles: np.ndarray, part: np.ndarray, weights: _Weights, effort: _Effort
 ) -> tuple[np.ndarray, np.ndarray]:
     n, n_in = part.shape
     reduced = _reduce(problem, poles, weights)
@@ -350,7 +350,7 @@ def _minimise(
 
 
 def _fit_responses(
-    problem: _Problem, poles: np.ndarray, part: np.ndarray, weights: _Weights
+    problem: _ModalProblem, poles: np.ndarray, part: np.ndarray, weights: _Weights
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shapes, and responses fitted with the terms outside of the band."""
     n_omega, n_out, n_in = problem.responses.shape
@@ -368,7 +368,7 @@ def _fit_responses(
     return shapes, (modal + outside @ (found / norm[:, None])).reshape(n_omega, n_out, n_in)
 
 
-def _estimate_weights(problem: _Problem, fitted: np.ndarray, n: int) -> _Weights:
+def _estimate_weights(problem: _ModalProblem, fitted: np.ndarray, n: int) -> _Weights:
     """Noise variances from residuals, corrected for the fitted parameters.
 
     Medians over frequencies do not count a mode that is not in the model as noise.
@@ -395,7 +395,7 @@ def _estimate_weights(problem: _Problem, fitted: np.ndarray, n: int) -> _Weights
 
 
 def _refine(
-    problem: _Problem,
+    problem: _ModalProblem,
     poles: np.ndarray,
     part: np.ndarray,
     weights: _Weights,
@@ -411,7 +411,7 @@ def _refine(
 
 
 def _remove_insignificant(
-    problem: _Problem, poles: np.ndarray, part: np.ndarray, weights: _Weights
+    problem: _ModalProblem, poles: np.ndarray, part: np.ndarray, weights: _Weights
 ) -> tuple[np.ndarray, np.ndarray, _Weights]:
     """Remove the least significant mode, and fit again, until all are significant."""
     n_out, n_in = problem.responses.shape[1:]
@@ -450,7 +450,7 @@ def _compute_gains(
 
 
 def _scan_residuals(
-    problem: _Problem,
+    problem: _ModalProblem,
     poles: np.ndarray,
     part: np.ndarray,
     weights: _Weights,
@@ -507,7 +507,7 @@ def _compute_covariance(
 
 
 def _finish(
-    problem: _Problem, poles: np.ndarray, part: np.ndarray, weights: _Weights
+    problem: _ModalProblem, poles: np.ndarray, part: np.ndarray, weights: _Weights
 ) -> ModalModel:
     n = poles.size
     shapes, fitted = _fit_responses(problem, poles, part, weights)

@@ -14,7 +14,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.records.account import Account, Membership, Role
+from flexsid.records.account import Account, AccountRole, Membership
 from flexsid.storage.store import Store
 from flexsid.text import check_line
 
@@ -160,7 +160,7 @@ def accept_invitation(store: Store, code: str, password: str) -> Account:
         )
 
 
-def grant_role(store: Store, name: str, aircraft_id: int | None, role: Role | None) -> None:
+def grant_role(store: Store, name: str, aircraft_id: int | None, role: AccountRole | None) -> None:
     """Set the role of an account in a campaign, or in all; None ends the membership."""
     with store.transaction():
         account = find_account(store, name)
@@ -174,13 +174,13 @@ def grant_role(store: Store, name: str, aircraft_id: int | None, role: Role | No
             )
 
 
-def list_roles(store: Store, account: Account) -> dict[int | None, Role]:
+def list_roles(store: Store, account: Account) -> dict[int | None, AccountRole]:
     """Return the role of an account by campaign; None is every campaign."""
     found = store.memberships.find(account_id=account.id)
     return {membership.aircraft_id: membership.role for membership in found}
 
 
-def find_role(roles: Mapping[int | None, Role], aircraft_id: int) -> Role | None:
+def find_role(roles: Mapping[int | None, AccountRole], aircraft_id: int) -> AccountRole | None:
     """Return the highest role in one campaign; None without membership."""
     found = [roles[key] for key in (aircraft_id, None) if key in roles]
     return max(found, key=lambda role: role.rank, default=None)

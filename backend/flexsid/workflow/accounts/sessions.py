@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 import sqlalchemy as sa
 
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
-from flexsid.records.account import Account, ApiToken, LoginSession, Role
+from flexsid.records.account import Account, AccountRole, ApiToken, LoginSession
 from flexsid.storage.store import Store
 from flexsid.storage.tables import accounts, login_failures, login_sessions, memberships
 from flexsid.workflow.accounts.accounts import (
@@ -55,7 +55,7 @@ class Identity:
     """Who is logged in, and the role in each campaign (None: in every campaign)."""
 
     account: Account
-    roles: dict[int | None, Role]
+    roles: dict[int | None, AccountRole]
     expires_at: datetime | None = None
     is_token: bool = False
 
@@ -132,7 +132,7 @@ def find_session(store: Store, secret: str) -> Identity | None:
     if not rows:
         return None
     account = Account(id=rows[0].id, name=rows[0].name, skeleton=rows[0].skeleton)
-    roles = {row.aircraft_id: Role(row.role) for row in rows if row.role is not None}
+    roles = {row.aircraft_id: AccountRole(row.role) for row in rows if row.role is not None}
     return Identity(account, roles, rows[0].expires_at)
 
 
@@ -151,7 +151,7 @@ def add_token(
     store: Store,
     identity: Identity,
     name: str,
-    role: Role,
+    role: AccountRole,
     days: int,
     aircraft_id: int | None = None,
 ) -> tuple[ApiToken, str]:
@@ -192,7 +192,7 @@ def find_token(store: Store, secret: str) -> Identity | None:
         return None
     if token.used_at is None or now - token.used_at > timedelta(hours=1):
         store.api_tokens.replace(replace(token, used_at=now))
-    roles: dict[int | None, Role] = list_roles(store, account)
+    roles: dict[int | None, AccountRole] = list_roles(store, account)
     if token.aircraft_id is not None:
         own = find_role(roles, token.aircraft_id)
         roles = {} if own is None else {token.aircraft_id: own}

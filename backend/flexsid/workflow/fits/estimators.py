@@ -71,7 +71,7 @@ _MODEL_ERROR = {
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class EstimatorFit:
     """Estimate of all parameters by one estimator.
 
     Attributes
@@ -105,7 +105,7 @@ class Estimator:
     """
 
     title: str
-    fit: Callable[[EstimationTask, Report], Fit]
+    fit: Callable[[EstimationTask, Report], EstimatorFit]
     package: str = ""
 
 
@@ -149,7 +149,7 @@ def load_estimators() -> Mapping[str, Estimator]:
     return estimators
 
 
-def fit_regressions(task: EstimationTask, report: Report) -> Fit:
+def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
     """Estimate by equation error."""
     report(Progress(message="Reconstructing motion from the sensors"))
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
@@ -173,10 +173,10 @@ def fit_regressions(task: EstimationTask, report: Report) -> Fit:
         for experiment in build_experiments(task, Method.OE)
     ]
     adequacy, symmetry = assess_model_adequacy(task, experiments, parameters, estimate, spread)
-    return Fit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
+    return EstimatorFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
 
 
-def fit_likelihood(task: EstimationTask, report: Report) -> Fit:
+def fit_likelihood(task: EstimationTask, report: Report) -> EstimatorFit:
     """Estimate by output error or frequency-response error."""
     experiments = build_experiments(task)
     parameters, start, estimate = maximize_from_starts(task, experiments, report)
@@ -190,7 +190,7 @@ def complete_likelihood_fit(
     estimate: Estimate,
     start: str,
     report: Report,
-) -> Fit:
+) -> EstimatorFit:
     """Complete a fit of output error or frequency-response error from its optimum.
 
     The spread of the nuisance prior, leakage, weights from the noise spectrum, and the tests for
@@ -248,7 +248,7 @@ def complete_likelihood_fit(
         warnings = (*warnings, reason)
         if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
-    return Fit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
+    return EstimatorFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
 
 
 def _warn_of_input_noise(

@@ -26,7 +26,7 @@ class Waiting:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
+class TeamChange:
     """A change by another analyst; ``subject`` is a decision or a model structure."""
 
     subject: str
@@ -44,7 +44,7 @@ class Notifications:
     """Decisions awaiting an analyst, and the latest changes (at most 100), newest first."""
 
     waiting: list[Waiting]
-    changes: list[Change]
+    changes: list[TeamChange]
 
 
 def list_notifications(store: Store, analyst: str) -> Notifications:
@@ -61,13 +61,13 @@ def list_notifications(store: Store, analyst: str) -> Notifications:
     )
 
 
-def _merge(*kinds: list[tuple[int, Change]]) -> list[Change]:
+def _merge(*kinds: list[tuple[int, TeamChange]]) -> list[TeamChange]:
     """Merge changes of several kinds, each in the order in which it was written.
 
     Times only order the kinds: a clock may have been set back, so the time of each change is at
     least that of the changes written before it.
     """
-    placed: list[tuple[datetime, int, Change]] = []
+    placed: list[tuple[datetime, int, TeamChange]] = []
     for changes in kinds:
         latest = _LONG_AGO
         for number, change in sorted(changes, key=lambda one: one[0]):
@@ -121,8 +121,8 @@ def _find_waiting(store: Store, decision: Decision, analyst: str) -> Waiting | N
 
 def _list_decision_changes(
     store: Store, decisions: list[Decision], analyst: str, seen: dict[str, int]
-) -> list[tuple[int, Change]]:
-    changes: list[tuple[int, Change]] = []
+) -> list[tuple[int, TeamChange]]:
+    changes: list[tuple[int, TeamChange]] = []
     for decision in decisions:
         assert decision.id is not None
         last = seen.get(f"decision {decision.id}", 0)
@@ -131,7 +131,7 @@ def _list_decision_changes(
         changes += [
             (
                 event.id or 0,
-                Change(
+                TeamChange(
                     subject="decision",
                     id=decision.id,
                     title=decision.proposal.title,
@@ -150,10 +150,10 @@ def _list_decision_changes(
 
 def _list_structure_changes(
     store: Store, analyst: str, seen: dict[str, int]
-) -> list[tuple[int, Change]]:
+) -> list[tuple[int, TeamChange]]:
     """List versions by others after those saved or seen by this analyst."""
     me = analyst.casefold()
-    changes: list[tuple[int, Change]] = []
+    changes: list[tuple[int, TeamChange]] = []
     for structure in store.model_structures.find():
         assert structure.id is not None
         if structure.version == 1:
@@ -164,7 +164,7 @@ def _list_structure_changes(
         changes += [
             (
                 one.id or 0,
-                Change(
+                TeamChange(
                     subject="structure",
                     id=structure.id,
                     title=one.name,

@@ -82,7 +82,7 @@ class TermChange:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DerivativeChange:
+class DerivativeDifference:
     """A derivative that differs from that of the reference structure on the same maneuver.
 
     ``difference_sigma`` is the difference over its standard error, in view of the noise that
@@ -124,7 +124,7 @@ class ReferenceComparison:
     structure: StructureReference
     terms: tuple[TermChange, ...]
     n_derivatives: int
-    derivatives: tuple[DerivativeChange, ...]
+    derivatives: tuple[DerivativeDifference, ...]
     flutter: FlutterEvidence
     flutter_change_m_s: float | None
 
@@ -352,20 +352,20 @@ def _list_terms(store: Store, before: StructureVersion, after: Structure) -> tup
 
 def _compare_pair(
     store: Store, run_id: int, baseline_run_id: int
-) -> tuple[int, list[DerivativeChange]]:
+) -> tuple[int, list[DerivativeDifference]]:
     """Compare two runs of one maneuver; return how many derivatives were judged, and changes."""
     rows = [
         row
         for row in compare(store, (run_id, baseline_run_id), ()).rows
         if row.max_difference_sigma is not None
     ]
-    changes: list[DerivativeChange] = []
+    changes: list[DerivativeDifference] = []
     for row in rows:
         one, other, *_ = row.values
         if row.consistent is False and one is not None and other is not None:
             assert row.max_difference_sigma is not None
             changes.append(
-                DerivativeChange(
+                DerivativeDifference(
                     name=row.name,
                     run_id=run_id,
                     baseline_run_id=baseline_run_id,
