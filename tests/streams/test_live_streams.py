@@ -9,6 +9,7 @@ import socket
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ from flexsid.streams.receivers import find_receiver, load_receivers
 from flexsid.streams.strip_chart import StripChartMemory
 from flexsid.workflow.importing.maneuver_cutting import cut_maneuver, find_maneuvers
 from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import LiveTask, prepare_live_task
+from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.packets import encode_frame
 from flexsid.workflow.live.replay import read_replay
 
@@ -132,7 +133,8 @@ def test_a_replay_is_stored_as_an_import_of_the_same_samples(store, streams):
     # What was known when: as one process knows it, bit by bit.
     states, more = list_states(store, stream.id, None, 1000)
     assert not more
-    processor = LiveProcessor(read_task(store))
+    adjust = partial(adjust_live_task, store, store.runs.get(1))
+    processor = LiveProcessor(read_task(store), adjust)
     same = [s for f in read_frames_of_flight(store, 0, 180) for s in processor.push(f)]
     same = [s for s in same if s.phase is not LivePhase.TRIM]
     assert len(same) >= 6

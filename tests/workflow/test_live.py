@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,16 +14,16 @@ from speed_ramp import find_doubling_s, fly_speed_ramp
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.errors import BadInput
-from flexsid.records.live import AlarmKind, Frame, LivePhase, LiveState
-from flexsid.records.maneuver import Flight
+from flexsid.records.live import AlarmKind, Frame, LiveCondition, LivePhase, LiveState
+from flexsid.records.maneuver import Flight, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.flutter import track_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
-from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import LiveTask, prepare_live_task
+from flexsid.workflow.live.live_estimator import Adjust, LiveProcessor
+from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.packets import decode_frames, encode_frame
 from flexsid.workflow.live.replay import pace, read_replay
 
@@ -37,6 +38,7 @@ class Stream:
     task: LiveTask
     frames: tuple[Frame, ...]
     flown: FlownManeuver
+    adjust: Adjust
 
     def find_flutter(self) -> float:
         """True flutter speed of the two modes that fly. [m/s]"""
@@ -68,8 +70,7 @@ def build_stream_of(folder, flown: FlownManeuver) -> Stream:
     next_speed = 1.05 * maneuver.condition.airspeed_m_s
     task = prepare_live_task(store, run, next_speed)
     frames = tuple(read_replay(store, run.maneuver_id, task.header).frames())
-    store.close()
-    return Stream(task, frames, flown)
+    return Stream(task, frames, flown, partial(adjust_live_task, store, run))
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +78,10 @@ def stream(tmp_path_factory) -> Stream:
     return build_stream(tmp_path_factory.mktemp("slow"), 0.8)
 
 
-def process(task: LiveTask, frames: Iterable[Frame]) -> list[LiveState]:
-    processor = LiveProcessor(task)
+def process(
+    task: LiveTask, frames: Iterable[Frame], adjust: Adjust | None = None
+) -> list[LiveState]:
+    processor = LiveProcessor(task, adjust)
     states = [state for frame in frames for state in processor.push(frame)]
     return states + processor.finish()
 
@@ -120,6 +123,38 @@ def test_the_flutter_speed_is_known_within_its_interval_after_a_few_seconds(stre
     assert compute_deviation(stream, clean[-1]) < 1.7
     assert not clean[-1].alarms
     assert not clean[-1].health
+
+
+def blank_condition(stream: Stream, frame: Frame) -> Frame:
+    """The frame without samples of its condition channels."""
+    samples = [own.copy() for own in frame.samples]
+    for own, group in zip(samples, stream.task.header.groups, strict=True):
+        own[:, [c.role is Role.CONDITION for c in group]] = np.nan
+    return replace(frame, samples=tuple(samples))
+
+
+def get_condition(state: LiveState) -> LiveCondition:
+    assert state.estimate is not None
+    assert state.estimate.condition is not None
+    return state.estimate.condition
+
+
+def test_a_stream_is_identified_at_the_condition_that_it_measures(stream, tmp_path):
+    faster = build_stream(tmp_path, 0.95)
+    states = process(stream.task, faster.frames[:240], stream.adjust)
+    late = [s for s in states if s.estimate is not None and s.maneuver_s >= 8.0]
+    flown = faster.task.condition
+    for measured in map(get_condition, late):
+        assert measured.is_measured
+        assert measured.airspeed_m_s == pytest.approx(flown.airspeed_m_s, rel=0.005)
+        assert measured.density_kg_m3 == pytest.approx(flown.density_kg_m3, rel=0.005)
+    check_flutter_speeds(faster, late)
+    assert compute_deviation(faster, states[-1]) < 1.7
+    # Without its condition channels the condition of the run is assumed, and the state says so.
+    blank = [blank_condition(faster, frame) for frame in faster.frames[:110]]
+    assumed = get_condition(process(stream.task, blank, stream.adjust)[-1])
+    assert assumed == stream.task.condition
+    assert not assumed.is_measured
 
 
 def test_a_replay_has_bit_equal_results_at_any_speed(stream, clean):

@@ -99,6 +99,16 @@ class LiveMode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LiveCondition:
+    """Flight condition of an estimate; that of the run of the stream where it is not measured."""
+
+    airspeed_m_s: float
+    density_kg_m3: float
+    fuel_fraction: float
+    is_measured: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LiveEstimate:
     """Identified airframe from the record so far.
 
@@ -121,6 +131,7 @@ class LiveEstimate:
     flutter_std_m_s: float | None
     next_point_probability: float | None
     excluded: tuple[str, ...]
+    condition: LiveCondition | None = None  # states of earlier versions have none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import time
+from functools import partial
 from multiprocessing.connection import Connection, wait
 
 from flexsid.errors import FlexsidError
@@ -22,6 +23,7 @@ from flexsid.streams.messages import (
     UpdateMessage,
 )
 from flexsid.workflow.live.live_estimator import LiveEstimator
+from flexsid.workflow.live.live_task import adjust_live_task
 from flexsid.workflow.live.maneuver_storage import store_test_point
 
 _log = logging.getLogger(__name__)
@@ -38,7 +40,8 @@ class _Recorder:
         assert order.stream.id is not None
         self._store = store
         self._stream_id = order.stream.id
-        self._estimator = LiveEstimator(order.task)
+        run = store.runs.get(order.stream.run_id)
+        self._estimator = LiveEstimator(order.task, partial(adjust_live_task, store, run))
         self._known = find_newest_state(store, self._stream_id)
         self._last = None if self._known is None else self._known.state
 

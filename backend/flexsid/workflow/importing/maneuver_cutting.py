@@ -319,12 +319,14 @@ def _average_condition(
     pieces: Sequence[tuple[FlightChannel, np.ndarray]], aircraft: Aircraft
 ) -> dict[str, float]:
     """Average the recorded condition channels, in SI."""
-    measured: dict[str, float] = {}
-    engines = () if aircraft.thrust is None else aircraft.thrust.engines
-    for channel, samples in pieces:
-        if channel.role is Role.CONDITION and channel.name in (*_MEASURED, *engines):
-            key = "alpha" if channel.name == "alpha_trim" else channel.name
-            measured[key] = float(np.mean(to_si(samples, channel.unit), dtype=np.float64))
+    measured = select_condition_values(
+        {
+            channel.name: float(np.mean(to_si(samples, channel.unit), dtype=np.float64))
+            for channel, samples in pieces
+            if channel.role is Role.CONDITION
+        },
+        aircraft,
+    )
     for keys in (("airspeed",), ("density", "altitude")):
         if not any(key in measured for key in keys):
             names = "' or '".join(keys)
@@ -334,6 +336,16 @@ def _average_condition(
                 code="bad-condition",
             )
     return measured
+
+
+def select_condition_values(means: Mapping[str, float], aircraft: Aircraft) -> dict[str, float]:
+    """Select what defines the flight condition from condition channels, in SI."""
+    engines = () if aircraft.thrust is None else aircraft.thrust.engines
+    return {
+        "alpha" if name == "alpha_trim" else name: value
+        for name, value in means.items()
+        if name in (*_MEASURED, *engines)
+    }
 
 
 def _list_fields(channel: FlightChannel) -> dict[str, Any]:

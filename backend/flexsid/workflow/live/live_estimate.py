@@ -48,6 +48,18 @@ class LiveFit:
     def __init__(self, task: LiveTask) -> None:
         self._task = task
         self._parameters = task.parameters
+        self._prepare(task)
+
+    def change(self, task: LiveTask) -> None:
+        """Continue at another flight condition, from the present values."""
+        if task is self._task:
+            return
+        self._task = task
+        self._parameters = replace(task.parameters, start=self._parameters.start)
+        self._prepare(task)
+
+    def _prepare(self, task: LiveTask) -> None:
+        """Compute the responses of the instruments."""
         omega, aircraft = task.omega, task.aircraft
         corrections = [compute_input_correction(aircraft, n, omega) for n in task.inputs]
         self._corrections = np.stack(corrections, axis=1)
@@ -132,6 +144,7 @@ class LiveFit:
             flutter_std_m_s=None if crossing is None else finite_or_none(std),
             next_point_probability=beyond,
             excluded=tuple(sorted(excluded)),
+            condition=task.condition,
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,9 @@ from flexsid.workflow.live.processing import EstimateRequest, StreamProcessor, S
 _WATCHED = 0.05  # damping ratio below which the recent motion is fitted too: it may change soon
 _UNSTABLE = 0.9  # probability of negative damping that raises an alarm
 _BEYOND = 0.05  # probability of a flutter speed below the next point that raises an alarm
+
+Adjust = Callable[[LiveTask, Mapping[str, float]], LiveTask]
+
 _CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
 
 
@@ -25,10 +29,14 @@ class LiveEstimator:
     ----------
     task
         Model, channels and settings.
+    adjust
+        Prepares a task again for measured values of the condition channels
+        (see ``adjust_live_task``); by default the condition of the run is assumed.
     """
 
-    def __init__(self, task: LiveTask) -> None:
+    def __init__(self, task: LiveTask, adjust: Adjust | None = None) -> None:
         self._task = task
+        self._adjust = adjust
         self._begin(0)
 
     def _begin(self, maneuver: int) -> None:
@@ -64,6 +72,10 @@ class LiveEstimator:
     def _update_estimate(self, time_s: float, request: EstimateRequest) -> None:
         """Estimate from the record so far, and compare the result with the alarms."""
         try:
+            if self._adjust is not None:
+                self._task = self._adjust(self._task, request.condition)
+            self._fit.change(self._task)
+            self._recent_fit.change(self._task)
             estimate = self._fit.estimate(request.spectra, request.trim, request.excluded, time_s)
         except (FlexsidError, np.linalg.LinAlgError) as error:
             self._reason = f"no estimate: {error}"
@@ -118,11 +130,13 @@ class LiveProcessor:
     ----------
     task
         Model, channels and settings.
+    adjust
+        As of ``LiveEstimator``.
     """
 
-    def __init__(self, task: LiveTask) -> None:
+    def __init__(self, task: LiveTask, adjust: Adjust | None = None) -> None:
         self._stream = StreamProcessor(task)
-        self._estimator = LiveEstimator(task)
+        self._estimator = LiveEstimator(task, adjust)
 
     def push(self, frame: Frame) -> list[LiveState]:
         """Process the next frame that arrived; return the states that it completes."""

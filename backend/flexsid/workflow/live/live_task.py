@@ -9,8 +9,8 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.live import StreamChannel, StreamHeader
-from flexsid.records.maneuver import Role
+from flexsid.records.live import LiveCondition, StreamChannel, StreamHeader
+from flexsid.records.maneuver import Condition, Role
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
@@ -18,11 +18,13 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.stability.prediction import StiffnessError
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
+from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.importing.maneuver_cutting import select_condition_values
 from flexsid.workflow.measurements.recording import list_command_names
 from flexsid.workflow.modal_data.modal_tables import load_modes_of_model
 from flexsid.workflow.runs.estimation import prepare
@@ -31,18 +33,26 @@ FRAME_S = 0.05
 """Length of a frame: transforms are updated as often. [s]"""
 
 
+_SAME_CONDITION = 2e-4
+"""Change of airspeed, density (relative) or fuel fraction for which a model is not built again:
+.04 % of dynamic pressure, below the standard errors of derivatives (an airspeed .15 % off moved
+them by 2)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveTask:
     """Model, start and priors of a fit, and the stream that it is fitted to.
 
     ``processed`` are the channels that take part in the identification, of those of the stream;
     ``commands`` those of the excitation.
+    ``condition`` is that of the model and of the aircraft.
     ``limits`` are the lowest and highest value of channels in their native unit;
     ``next_airspeed_m_s`` is that of the next test point, None if there is none.
     """
 
     header: StreamHeader
     processed: frozenset[str]
+    condition: LiveCondition
     model: AeroelasticModel
     aircraft: Aircraft
     inputs: tuple[str, ...]
@@ -62,6 +72,7 @@ def prepare_live_task(
     run: EstimationRun,
     next_airspeed_m_s: float | None = None,
     limits: Mapping[str, tuple[float, float]] | None = None,
+    condition: Condition | None = None,
 ) -> LiveTask:
     """Prepare the processing of a stream like one maneuver, by the settings of a run of it.
 
@@ -75,6 +86,8 @@ def prepare_live_task(
         Airspeed of the next test point. [m/s]
     limits
         Limits of channels.
+    condition
+        Flight condition; that of the maneuver of the run by default.
 
     Returns
     -------
@@ -87,7 +100,7 @@ def prepare_live_task(
         As ``prepare`` of a run; if the excitation was not recorded, or a limit is of an unknown
         channel.
     """
-    task = prepare(store, run)
+    task = prepare(store, run, condition)
     measurement = task.maneuver_tasks[0].measurement
     if not measurement.has_commands:
         raise BadInput(
@@ -118,7 +131,14 @@ def prepare_live_task(
                 code="bad-limits",
                 channel=name,
             )
+    flown = condition or store.maneuvers.get(run.maneuver_id).condition
     live = LiveTask(
+        condition=LiveCondition(
+            airspeed_m_s=flown.airspeed_m_s,
+            density_kg_m3=flown.density_kg_m3,
+            fuel_fraction=flown.fuel_fraction,
+            is_measured=condition is not None,
+        ),
         header=StreamHeader(channels=channels, frame_s=FRAME_S),
         processed=frozenset(used & recorded),
         model=task.model,
@@ -136,6 +156,47 @@ def prepare_live_task(
     )
     check_header(live.header)
     return live
+
+
+def adjust_live_task(
+    store: Store, run: EstimationRun, task: LiveTask, measured: Mapping[str, float]
+) -> LiveTask:
+    """Prepare a task again for the flight condition that the stream measures.
+
+    Parameters
+    ----------
+    store
+        The campaign.
+    run
+        Run of the stream.
+    task
+        The present task.
+    measured
+        Values of the condition channels by name, in SI units.
+
+    Returns
+    -------
+    LiveTask
+        The same task where the condition is not measured, or is that of the task.
+
+    Raises
+    ------
+    BadInput
+        As ``prepare_live_task``; if the measured condition is impossible.
+    """
+    values = select_condition_values(measured, task.aircraft)
+    if "airspeed" not in values or not {"density", "altitude"} & values.keys():
+        return task
+    present = task.condition
+    # Fuel burns slowly: where it is not measured, that of the run is the better guess.
+    values = {"fuel_fraction": present.fuel_fraction} | values
+    condition = complete_condition(task.aircraft, values)
+    airspeed = condition.airspeed_m_s / present.airspeed_m_s - 1.0
+    density = condition.density_kg_m3 / present.density_kg_m3 - 1.0
+    fuel = condition.fuel_fraction - present.fuel_fraction
+    if present.is_measured and max(abs(airspeed), abs(density), abs(fuel)) < _SAME_CONDITION:
+        return task
+    return prepare_live_task(store, run, task.next_airspeed_m_s, task.limits, condition)
 
 
 def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask) -> StiffnessError:

@@ -8,7 +8,7 @@ Estimates are computed elsewhere (``live_estimator``), so that they do not delay
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,7 @@ _LONGEST_GAP = (
 )
 _COMMANDED = 1e-4  # rad; a smaller excitation is none
 _TRIM_S = 2.0  # before the excitation, over which trim values are averaged [s]
+_CONDITION_S = 60.0  # longest record of the flight condition, which may change slowly [s]
 _LEAD_S = 0.5  # of trim that belongs to the record [s]
 _QUIET_S = 3.0  # without excitation, after which a maneuver has ended [s]
 _FIRST_ESTIMATE_S = 3.0  # of a record: less than a period of the lowest modes is not enough [s]
@@ -53,13 +54,15 @@ class EstimateRequest:
 
     ``recent`` are those of the last three to six seconds; None while the record is not longer.
     ``trim`` is the trim value of every channel, ``excluded`` are the channels that do not take
-    part.
+    part. ``condition`` are the medians of the condition channels by name, in SI units, from the
+    trim on.
     """
 
     spectra: GrowingSpectra
     recent: GrowingSpectra | None
     trim: np.ndarray
     excluded: frozenset[str]
+    condition: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +114,14 @@ class StreamProcessor:
             np.array([task.limits.get(c.name, (-np.inf, np.inf)) for c in group]).T
             for group in self._all
         ]
+        self._conditions = [
+            (k, column, channel)
+            for k, group in enumerate(self._all)
+            for column, channel in enumerate(group)
+            if channel.role is Role.CONDITION
+        ]
+        rows = round(_CONDITION_S / self._frame_s)
+        self._measured = np.full((rows, len(self._conditions)), np.nan)  # newest last
         self._lost = self._late = 0
         self._restart()
         self._phase = LivePhase.TRIM
@@ -219,6 +230,7 @@ class StreamProcessor:
         if frame is not None:
             for group, samples, limits in zip(self._all, frame.samples, self._limits, strict=True):
                 self._check_limits(time_s, group, samples, limits)
+            self._measure_condition(frame)
         for check, group, shape, (k, own) in zip(
             self._checks, self._groups, self._shapes, self._columns, strict=True
         ):
@@ -232,6 +244,21 @@ class StreamProcessor:
             yield self._describe(time_s + self._frame_s)
         while all(c.ready >= n for c, (n, _) in zip(self._checks, self._shapes, strict=True)):
             yield from self._process()
+
+    def _measure_condition(self, frame: Frame) -> None:
+        """Add the condition channels of a frame."""
+        self._measured[:-1] = self._measured[1:]
+        self._measured[-1] = [
+            np.median(frame.samples[k][:, column]) for k, column, _ in self._conditions
+        ]
+
+    def _compute_condition(self) -> dict[str, float]:
+        """Medians of the condition channels that were received, which single spikes do not move."""
+        return {
+            channel.name: float(to_si(np.nanmedian(own), channel.unit))
+            for (_, _, channel), own in zip(self._conditions, self._measured.T, strict=True)
+            if np.isfinite(own).any()
+        }
 
     def _process(self) -> Iterator[StreamUpdate]:
         """Process one frame of checked samples."""
@@ -264,6 +291,7 @@ class StreamProcessor:
         """Begin a maneuver: trim values, and a record from shortly before the excitation on."""
         self._reset()
         self._phase, self._begun_s = LivePhase.EXCITED, time_s
+        self._measured[: -len(self._trim_blocks)] = np.nan
         self._maneuvers += 1
         # Limits are checked when frames arrive, the excitation is found a little later.
         self._alarms = [a for a in self._alarms if a.time_s >= time_s]
@@ -333,6 +361,7 @@ class StreamProcessor:
             recent=recent if is_longer and is_enough else None,
             trim=self._trim,
             excluded=frozenset(excluded),
+            condition=self._compute_condition(),
         )
 
     def _check_limits(

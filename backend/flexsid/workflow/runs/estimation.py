@@ -14,7 +14,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
-from flexsid.records.maneuver import COMBINED, Maneuver, Role
+from flexsid.records.maneuver import COMBINED, Condition, Maneuver, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     Aerodynamics,
@@ -98,8 +98,18 @@ from flexsid.workflow.runs.starts import (
 __all__ = ["compute_run", "prepare", "store_result"]
 
 
-def prepare(store: Store, run: EstimationRun) -> EstimationTask:
+def prepare(store: Store, run: EstimationRun, condition: Condition | None = None) -> EstimationTask:
     """Read everything that a run needs.
+
+    Parameters
+    ----------
+    store
+        The campaign.
+    run
+        Maneuvers, model structure and settings.
+    condition
+        Flight condition for which model, start and priors are built; those of the maneuvers
+        by default.
 
     Raises
     ------
@@ -108,13 +118,15 @@ def prepare(store: Store, run: EstimationRun) -> EstimationTask:
         outputs, a band without frequencies, a sensor without mode shape.
     """
     with store.reading():
-        return _prepare(store, run)
+        return _prepare(store, run, condition)
 
 
-def _prepare(store: Store, run: EstimationRun) -> EstimationTask:
+def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> EstimationTask:
     settings = run.settings
     ids = tuple(dict.fromkeys((run.maneuver_id, *settings.additional_maneuver_ids)))
     maneuvers = [store.maneuvers.get(number) for number in ids]
+    if condition is not None:
+        maneuvers = [replace(maneuver, condition=condition) for maneuver in maneuvers]
     first = maneuvers[0]
     body = find_body(run.structure.axis)
     require_axis(body, maneuvers)

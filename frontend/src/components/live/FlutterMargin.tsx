@@ -12,6 +12,7 @@ interface Props {
 export function FlutterMargin({ estimate, next_m_s }: Props) {
   const flutter = estimate?.flutter_m_s ?? null;
   const std = estimate?.flutter_std_m_s ?? null;
+  const condition = estimate?.condition ?? null;
   const margin = flutter === null || next_m_s === null ? null : flutter / next_m_s - 1;
   return (
     <Section title="Flutter" note="Predicted from this maneuver, ± 2 standard errors">
@@ -30,6 +31,20 @@ export function FlutterMargin({ estimate, next_m_s }: Props) {
             )}
           </dd>
         </div>
+        {condition !== null && (
+          <div data-testid="live-condition">
+            <dt>
+              Present airspeed <span className="unit">[m/s]</span>
+            </dt>
+            <dd className="live-digits">{fixed(condition.airspeed_m_s, 1)}</dd>
+            <dd className={condition.is_measured ? "quiet" : "live-assumed"}>
+              {fixed(condition.density_kg_m3, 3)} kg/m³, fuel {percent(condition.fuel_fraction, 0)} %
+              {condition.is_measured
+                ? ", measured"
+                : ": NOT MEASURED, assumed as in the run of the stream"}
+            </dd>
+          </div>
+        )}
         <div>
           <dt>
             Next test point <span className="unit">[m/s]</span>
