@@ -27,6 +27,7 @@ from flexsid.figures.forest import draw_forest
 from flexsid.figures.global_model import draw_coverage, draw_slice
 from flexsid.figures.ground_test import draw_ground_test
 from flexsid.figures.iterations import draw_iterations
+from flexsid.figures.live_history import draw_live_history
 from flexsid.figures.loops import draw_loops
 from flexsid.figures.modal_data import (
     draw_assurance,
@@ -88,6 +89,7 @@ from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, qu
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
+from flexsid.workflow.live.sortie import read_live_history
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.quality.ground_records import read_ground_spectra
@@ -481,6 +483,10 @@ class _Frozen(FigureParameters):
     figure_id: _Id
 
 
+class _Stream(FigureParameters):
+    stream_id: _Id
+
+
 class _ModalTable(FigureParameters):
     modal_table_id: _Id
 
@@ -717,6 +723,8 @@ _KINDS = (
         "Draw the predicted flutter speed by run, and by classical flutter prediction methods."),
     FigureKind("flutter-map", FlutterParameters, _get_flutter_map, draw_flutter_map,
         "Draw the flutter speed over fuel and altitude."),
+    FigureKind("live-history", _Stream, read_live_history, draw_live_history,
+        "Draw flutter speed and damping ratios as they were known during a stream."),
     FigureKind("global-slice", _GlobalSlice, _slice_global_model, draw_slice,
         "Draw one derivative of a global model along one variable with ±2 standard errors."),
     FigureKind("global-coverage", GlobalModelParameters, _compute_coverage, draw_coverage,

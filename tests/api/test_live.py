@@ -73,6 +73,11 @@ def test_a_stream_is_read_while_it_runs(client: TestClient) -> None:
     assert client.get(stream).json()["alarms"] == [alarm]
     late = client.post(f"{stream}/frames", content=packets, headers=binary)
     assert late.json()["code"] == "not-running"
+    number = stream.rpartition("/")[2]
+    report = client.get(f"/api/v1/reports/sortie/{number}")
+    assert f"flexsid-sortie-{number}.html" in report.headers["content-disposition"]
+    assert alarm["evidence"] in report.text
+    assert "Ann" in report.text
     assert client.delete(stream).status_code == 204
     assert client.get(stream).status_code == 404
 

@@ -34,6 +34,8 @@ from flexsid.records.live import (
 from flexsid.records.maneuver import Cut, Flight, FlightChannel
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.reports.content import Drawing, ReportTable, Words
+from flexsid.reports.sortie import sortie_report
 from flexsid.storage.channels import read_channels
 from flexsid.storage.live_history import list_states
 from flexsid.storage.migrate import upgrade
@@ -209,6 +211,21 @@ def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypat
     repairs = store.conditioning.find(maneuver_id=point.maneuver_id)
     assert {r.correction.basis for r in repairs} == {"not received"}
     assert {r.channel for r in repairs} == {c.name for c in read_task(store).header.channels}
+    # The report of the sortie says so, too.
+    parts = {section.title: section.parts for section in sortie_report(store, stream.id).sections}
+    table, reason = parts["Test points"]
+    assert isinstance(table, ReportTable)
+    flown = store.maneuvers.get(1).condition.airspeed_m_s
+    assert float(table.rows[0][3]) == pytest.approx(flown, rel=0.005)
+    assert reason == Words(f"{point.start_s:.1f} s: {point.message}", warns=True)
+    figure, known = parts["What was known when"]
+    assert isinstance(figure, Drawing)
+    assert isinstance(known, ReportTable)
+    assert known.rows
+    assert parts["Alarms"] == (Words("No alarm was raised."),)
+    (defects,) = parts["Data"]
+    assert isinstance(defects, ReportTable)
+    assert {row[1] for row in defects.rows} == {"0.50"}
     assert store.live_streams.get(stream.id).status is StreamStatus.STOPPED
 
 

@@ -63,6 +63,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_batches", "get_batch", "get_comparison", "get_trend", "report_run"),
         *("report_comparison", "report_decision", "report_campaign", "list_designs", "get_design"),
         *("report_run_card", "report_global_model", "report_flutter", "report_closed_loop"),
+        "report_sortie",
         *(
             "check_design",
             "get_target_modes",

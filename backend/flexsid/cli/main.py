@@ -246,9 +246,9 @@ def _add_search_options(command: argparse.ArgumentParser) -> None:
 
 def _add_report_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
-    kinds = ("run", "comparison", "flutter", "closed-loop", "decision", "global-model", "campaign")
-    option("kind", choices=(*kinds, "template"))
-    meaning = "ids of runs, or id of a decision or of a version of a global model"
+    kinds = ("run", "comparison", "flutter", "closed-loop", "decision", "global-model", "sortie")
+    option("kind", choices=(*kinds, "campaign", "template"))
+    meaning = "ids of runs, or id of a decision, of a version of a global model or of a stream"
     option("ids", nargs="?", metavar="ID,ID", help=meaning)
     meaning = "ids of predictions in the comparison"
     option("--predictions", default="", metavar="ID,ID", help=meaning)

@@ -61,6 +61,7 @@ def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:
         "run": reports.run_report,
         "decision": reports.decision_report,
         "global-model": reports.global_model_report,
+        "sortie": reports.sortie_report,
     }
     return documents[arguments.kind](store, ids[0])
 

@@ -117,6 +117,8 @@ class LiveEstimate:
     is predicted; ``next_point_probability`` is that of a flutter speed below the next test point.
     ``recent_modes`` are the poles from the last seconds of the record only, where a mode is lightly
     damped; ``excluded`` are channels without data over the whole record.
+    ``change_by_noise_weights`` is the largest of a result in standard errors, which then
+    include it; None where it is not significant.
     """
 
     time_s: float
@@ -132,6 +134,7 @@ class LiveEstimate:
     next_point_probability: float | None
     excluded: tuple[str, ...]
     condition: LiveCondition | None = None  # states of earlier versions have none
+    change_by_noise_weights: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -285,6 +288,21 @@ class LiveSnapshot:
     silent_s: float | None
     delay_s: float | None
     estimate_age_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveHistory:
+    """Estimates of a stream over time, by the recorder [s]; None where a value is unknown.
+
+    ``damping`` has the damping ratio of every mode, with its standard error.
+    """
+
+    time_s: tuple[float, ...]
+    airspeed_m_s: tuple[float | None, ...]
+    flutter_m_s: tuple[float | None, ...]
+    flutter_std_m_s: tuple[float | None, ...]
+    damping: dict[str, tuple[float | None, ...]]
+    damping_std: dict[str, tuple[float | None, ...]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,6 +10,7 @@ from flexsid.reports.layout import built_in_template, read_template, to_html
 from flexsid.reports.printing import to_pdf
 from flexsid.reports.run import run_report
 from flexsid.reports.run_card import run_card
+from flexsid.reports.sortie import sortie_report
 
 __all__ = [
     "Report",
@@ -23,6 +24,7 @@ __all__ = [
     "read_template",
     "run_card",
     "run_report",
+    "sortie_report",
     "to_html",
     "to_pdf",
 ]

@@ -1,4 +1,4 @@
-import { Alert, Button } from "@mantine/core";
+import { Alert, Button, Group } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useMemo } from "react";
@@ -13,6 +13,7 @@ import { useLiveStream } from "../components/live/useLiveStream";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { firstLook } from "../lib/channels";
 import { useDarkByDefault } from "../lib/colorScheme";
@@ -51,18 +52,21 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
           </Link>,
         ]}
         actions={
-          !hasEnded && (
-            <Button
-              variant="default"
-              loading={stop.isPending}
-              data-testid="stop-stream"
-              onClick={() => {
-                stop.mutate();
-              }}
-            >
-              Stop stream
-            </Button>
-          )
+          <Group gap="xs">
+            <ReportMenu of={`sortie/${stream.id}`} />
+            {!hasEnded && (
+              <Button
+                variant="default"
+                loading={stop.isPending}
+                data-testid="stop-stream"
+                onClick={() => {
+                  stop.mutate();
+                }}
+              >
+                Stop stream
+              </Button>
+            )}
+          </Group>
         }
       />
       <LiveAlarms

@@ -1,4 +1,4 @@
-"""Reports of runs, comparisons, decisions, campaigns, models and stability, as HTML or PDF."""
+"""Reports of runs, comparisons, decisions, campaigns, models, stability and sorties."""
 
 from __future__ import annotations
 
@@ -68,6 +68,12 @@ def report_global_model(
     """Return the report of a version of a global model: derivatives, score, credibility."""
     report = reports.global_model_report(context.store, global_model_id)
     return _respond_with_report(context, report, form)
+
+
+@router.get("/sortie/{stream_id}", response_class=Response)
+def report_sortie(context: TheContext, stream_id: Identity, form: Form = "html") -> Response:
+    """Return the report of a stream: test points, what was known when, alarms, lost data."""
+    return _respond_with_report(context, reports.sortie_report(context.store, stream_id), form)
 
 
 @router.get("/campaign", response_class=Response)

@@ -1,0 +1,248 @@
+"""Report of a sortie: test points of a stream, what was known when, alarms, lost data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from flexsid.records.live import (
+    LiveEstimate,
+    LiveMode,
+    LiveTestPoint,
+    RecordedState,
+    StreamStatus,
+)
+from flexsid.reports.content import (
+    Facts,
+    Part,
+    Report,
+    ReportTable,
+    Section,
+    Words,
+    draw,
+    estimate,
+    moment,
+    number,
+)
+from flexsid.storage.store import Store
+from flexsid.workflow.live.sortie import Sortie, read_sortie
+
+_STEP_S = 5.0  # between rows of what was known [s]
+_ADVICE = (
+    "Estimates in flight are advice. The runs of the stored maneuvers, with all tests of the model,"
+    " are the result."
+)
+
+
+def sortie_report(store: Store, stream_id: int) -> Report:
+    """Report a stream with its test points.
+
+    Raises
+    ------
+    UnknownRecord
+        If there is no stream of this id.
+    """
+    sortie = read_sortie(store, stream_id)
+    stream = sortie.stream
+    run = store.runs.get(stream.run_id)
+    return Report(
+        title=stream.title,
+        subtitle=f"Sortie of {store.aircraft.get(stream.aircraft_id).name}, stream {stream_id}",
+        name=f"flexsid-sortie-{stream_id}",
+        sections=(
+            Section("Summary", tuple(_summarise(sortie))),
+            Section("Test points", tuple(_report_test_points(store, sortie))),
+            Section(
+                "What was known when",
+                (
+                    draw(
+                        "Flutter speed and damping ratios as estimated in flight, ±2 standard"
+                        " errors",
+                        *(store, "live-history"),
+                        stream_id=stream_id,
+                    ),
+                    _tabulate_estimates(sortie),
+                ),
+            ),
+            Section("Alarms", (_tabulate_alarms(sortie),)),
+            Section("Data", (_tabulate_defects(sortie),)),
+        ),
+        provenance=(
+            ("Stream", f"{stream_id}, {moment(stream.created_at)}, {stream.author or 'unnamed'}"),
+            ("Run of the model", f"{run.id}, {run.method.value}"),
+            ("States", str(len(sortie.states))),
+        ),
+    )
+
+
+def _summarise(sortie: Sortie) -> Iterator[Part]:
+    stream = sortie.stream
+    if stream.status is StreamStatus.FAILED:
+        yield Words(f"The stream failed: {stream.message}", warns=True)
+    open_alarms = len(sortie.alarms) - len(_find_acknowledged(sortie))
+    if open_alarms:
+        yield Words(f"{open_alarms} of {len(sortie.alarms)} alarms not acknowledged.", warns=True)
+    if any(not _get_measured(one) for one in sortie.estimates):
+        yield Words(
+            "The flight condition was not measured; that of the run of the stream is assumed.",
+            warns=True,
+        )
+    yield Words(_ADVICE)
+    last = sortie.states[-1].state if sortie.states else None
+    yield Facts(
+        (
+            ("Receiver", stream.receiver.name),
+            ("Started", moment(stream.created_at)),
+            ("Stopped", moment(stream.stopped_at)),
+            ("Test points", str(len(sortie.test_points))),
+            ("Next test point", f"{number(stream.next_airspeed_m_s)} m/s"),
+            ("Alarms", str(len(sortie.alarms))),
+            ("Lost frames", "–" if last is None else str(last.lost_frames)),
+            ("Late frames", "–" if last is None else str(last.late_frames)),
+        )
+    )
+
+
+def _report_test_points(store: Store, sortie: Sortie) -> Iterator[Part]:
+    if not sortie.test_points:
+        yield Words("No maneuver was flown.")
+        return
+    rows = []
+    for point in sortie.test_points:
+        last = _find_last_estimate(sortie, point)
+        label = "–" if point.maneuver_id is None else store.maneuvers.get(point.maneuver_id).label
+        rows.append(
+            (
+                label,
+                point.status.value + (f" by {point.author}" if point.author else ""),
+                f"{point.start_s:.1f} … {point.stop_s:.1f}",
+                *_describe_estimate(last),
+                "–" if point.run_id is None else str(point.run_id),
+            )
+        )
+    yield ReportTable(
+        ("maneuver", "status", "time [s]", *_ESTIMATE_HEAD, "run"),
+        tuple(rows),
+        "Test points with the last estimate of each, ± 2 standard errors",
+        numbers_from=2,
+    )
+    for point in sortie.test_points:
+        if point.message:
+            yield Words(f"{point.start_s:.1f} s: {point.message}", warns=True)
+
+
+_ESTIMATE_HEAD = ("V [m/s]", "V_f [m/s]", "least damped", "damping ratio", "P(unstable) [%]")
+
+
+def _describe_estimate(found: LiveEstimate | None) -> tuple[str, ...]:
+    """Format airspeed, flutter speed and the least damped mode of an estimate."""
+    if found is None:
+        return ("–",) * len(_ESTIMATE_HEAD)
+    mode = _find_least_damped(found)
+    return (
+        "–" if found.condition is None else f"{found.condition.airspeed_m_s:.1f}",
+        _format_interval(found.flutter_m_s, found.flutter_std_m_s),
+        mode.name,
+        _format_interval(mode.damping, mode.damping_std),
+        "–"
+        if mode.instability_probability is None
+        else f"{100.0 * mode.instability_probability:.1f}",
+    )
+
+
+def _find_least_damped(found: LiveEstimate) -> LiveMode:
+    return min(found.modes, key=lambda mode: mode.damping)
+
+
+def _format_interval(value: float | None, std: float | None) -> str:
+    if value is None:
+        return "none"
+    written, error = estimate(value, None if std is None else 2.0 * std)
+    return f"{written} ± {error}"
+
+
+def _find_last_estimate(sortie: Sortie, point: LiveTestPoint) -> LiveEstimate | None:
+    """Return the last estimate of a maneuver, which may end after the excitation."""
+    following = [p.start_s for p in sortie.test_points if p.start_s > point.start_s]
+    end_s = min(following, default=float("inf"))
+    own = [one.state.estimate for one in sortie.estimates if point.start_s < one.time_s <= end_s]
+    return own[-1] if own else None
+
+
+def _tabulate_estimates(sortie: Sortie) -> Part:
+    """Tabulate what was known every five seconds of each maneuver."""
+    rows, last_s = [], -_STEP_S
+    for one in sortie.estimates:
+        if 0.0 <= one.time_s - last_s < _STEP_S:
+            continue
+        last_s = one.time_s
+        rows.append(
+            (
+                f"{one.time_s:.1f}",
+                f"{one.state.maneuver_s:.1f}",
+                *_describe_estimate(one.state.estimate),
+                f"{one.delay_s:.2f}",
+            )
+        )
+    return ReportTable(
+        ("time [s]", "of maneuver [s]", *_ESTIMATE_HEAD, "delay [s]"),
+        tuple(rows),
+        f"Estimates every {_STEP_S:g} s; the delay is that from the last sample to the estimate",
+        numbers_from=0,
+    )
+
+
+def _get_measured(one: RecordedState) -> bool:
+    found = one.state.estimate
+    return found is not None and found.condition is not None and found.condition.is_measured
+
+
+def _find_acknowledged(sortie: Sortie) -> dict[tuple[str, str, float], str]:
+    """Return by whom each alarm was acknowledged."""
+    return {
+        (one.kind.value, one.subject, one.time_s): f"{one.author}: {one.note}".rstrip(": ")
+        for one in sortie.acknowledgements
+    }
+
+
+def _tabulate_alarms(sortie: Sortie) -> Part:
+    if not sortie.alarms:
+        return Words("No alarm was raised.")
+    known = _find_acknowledged(sortie)
+    return ReportTable(
+        ("time [s]", "alarm", "of", "evidence", "acknowledged by"),
+        tuple(
+            (
+                f"{alarm.time_s:.2f}",
+                alarm.kind.value,
+                alarm.subject,
+                alarm.evidence,
+                known.get((alarm.kind.value, alarm.subject, alarm.time_s), "not acknowledged"),
+            )
+            for alarm in sortie.alarms
+        ),
+        "Alarms in the order of time",
+        numbers_from=5,
+    )
+
+
+def _tabulate_defects(sortie: Sortie) -> Part:
+    """Tabulate the largest defects of every channel in any maneuver."""
+    worst: dict[str, tuple[float, int, bool]] = {}
+    for one in sortie.states:
+        for health in one.state.health:
+            missing_s, spikes, excluded = worst.get(health.name, (0.0, 0, False))
+            worst[health.name] = (
+                max(missing_s, health.missing_s),
+                max(spikes, health.spikes),
+                excluded or health.is_excluded,
+            )
+    if not worst:
+        return Words("No channel had gaps, spikes or frozen samples in a maneuver.")
+    return ReportTable(
+        ("channel", "without samples [s]", "spikes", "excluded"),
+        tuple(
+            (name, f"{missing_s:.2f}", str(spikes), "yes" if excluded else "no")
+            for name, (missing_s, spikes, excluded) in sorted(worst.items())
+        ),
+        "Channels with defects: most in one maneuver",
+    )
