@@ -28,6 +28,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import (
     ReconstructedMotion,
     SensorEquations,
+    complete_noise_guess,
     solve_sensor_equations,
 )
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -78,7 +79,8 @@ def marginal_equation_error(
     n_modes
         Number of modes in the band.
     guess
-        Prior of the sensors' noise, as of ``reconstruct_motion``. [output unit * s]
+        Prior of the sensors' noise, as of ``reconstruct_motion``, NaN or None where it is
+        unknown; see ``complete_noise_guess``. [output unit * s]
     input_noise
         Variance of the spectra of the deflections; none by default. [(rad s)^2]
 
@@ -110,7 +112,9 @@ def marginal_equation_error(
     check_signal(z, model.outputs)
     check_finite(inputs.pick(model.inputs).values, model.inputs)
     P = instruments[:, :, None] * model.sensors.response(outputs.omega)
-    problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, guess, input_noise)
+    # Of the record as such: without the known motion of out-of-band modes its signal is another.
+    sigma = complete_noise_guess(z, guess, inputs.pick(model.inputs).values)
+    problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, sigma, input_noise)
     solution = problem.solve(parameters.start)
     for _ in range(_ITERATIONS):
         if problem.is_small(solution):
@@ -156,7 +160,7 @@ class _MarginalProblem:
         parameters: Parameters,
         priors: Mapping[str, tuple[float, float]],
         n_modes: int,
-        guess: Float[np.ndarray, " n_y"] | None,
+        guess: Float[np.ndarray, " n_y"],
         input_noise: Float[np.ndarray, "n_omega n_u"] | None,
     ) -> None:
         self.input_noise = input_noise
@@ -215,7 +219,7 @@ class _MarginalProblem:
         equations = SensorEquations(
             self.omega, of_motion, self.z - known, self.model.outputs, names
         )
-        inner = solve_sensor_equations(equations, guess=self.guess)
+        inner = solve_sensor_equations(equations, self.guess)
         motion = _extend_motion(inner, around)
         held = self._hold_nuisance(theta)
         per_input = self._compute_motion_per_input(theta, inner, equations, around)

@@ -19,6 +19,7 @@ from flexsid.sysid.estimation.noise import smooth_density
 from flexsid.sysid.estimation.regression import estimate_excess_variance
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData, check_signal
+from flexsid.sysid.spectra.residual_spectrum import estimate_scatter
 
 _LARGEST_CONDITION = 1e8  # of the scaled sensor rows: motions are not observable above
 _ITERATIONS = 40
@@ -76,6 +77,7 @@ def reconstruct_motion(
     instruments: Complex[np.ndarray, "n_omega n_y"],
     noise: Float[np.ndarray, " n_y"] | None = None,
     guess: Float[np.ndarray, " n_y"] | None = None,
+    inputs: FrequencyData | None = None,
 ) -> ReconstructedMotion:
     """Estimate rigid and modal motion at every frequency.
 
@@ -92,7 +94,9 @@ def reconstruct_motion(
         redundancy of the sensors when not known. [output unit * s]
     guess
         Prior of the noise up to a common factor, and its starting value; NaN where it is
-        unknown, by default the same share of every sensor's signal. [output unit * s]
+        unknown. [output unit * s]
+    inputs
+        Deflections, to complete the guess; see ``complete_noise_guess``. [rad s]
 
     Raises
     ------
@@ -115,6 +119,9 @@ def reconstruct_motion(
     z = outputs.pick(model.outputs).values
     if noise is None:
         check_signal(z, model.outputs)  # a sensor without signal would also seem to have no noise
+        sigma = complete_noise_guess(z, guess, None if inputs is None else inputs.values)
+    else:
+        sigma = np.asarray(noise, dtype=float)
     rows = SensorEquations(
         outputs.omega,
         instruments[:, :, None] * model.sensors.response(outputs.omega),
@@ -122,7 +129,7 @@ def reconstruct_motion(
         model.outputs,
         model.motions,
     )
-    return solve_sensor_equations(rows, noise, guess)
+    return solve_sensor_equations(rows, sigma, is_known=noise is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +144,9 @@ class SensorEquations:
 
 
 def solve_sensor_equations(
-    equations: SensorEquations,
-    noise: Float[np.ndarray, " n_y"] | None = None,
-    guess: Float[np.ndarray, " n_y"] | None = None,
+    equations: SensorEquations, sigma: Float[np.ndarray, " n_y"], *, is_known: bool = False
 ) -> ReconstructedMotion:
-    """Solve for the motion; see ``reconstruct_motion``."""
+    """Solve for the motion with known noise, or the prior of it; see ``reconstruct_motion``."""
     omega, P, z = equations.omega, equations.P, equations.z
     n_y, n_r = P.shape[1:]
     if n_y < n_r:
@@ -151,9 +156,8 @@ def solve_sensor_equations(
             outputs=n_y,
             motions=n_r,
         )
-    sigma = _guess_noise(z, guess) if noise is None else np.asarray(noise, dtype=float)
     sensors = _Sensors(equations.motions, P, z, sigma)
-    if noise is not None:
+    if is_known:
         return ReconstructedMotion(omega, *sensors.solve(sigma), sigma)
     if n_y == n_r:
         motion = ReconstructedMotion(omega, *sensors.solve(sigma), sigma)
@@ -218,11 +222,27 @@ def compute_observability(
     return rank, np.where(rank == rows.shape[2], values[:, 0] / smallest, np.inf)
 
 
-def _guess_noise(
-    z: Complex[np.ndarray, "n_omega n_y"], guess: Float[np.ndarray, " n_y"] | None
+def complete_noise_guess(
+    z: Complex[np.ndarray, "n_omega n_y"],
+    guess: Float[np.ndarray, " n_y"] | None = None,
+    inputs: Complex[np.ndarray, "n_omega n_u"] | None = None,
 ) -> Float[np.ndarray, " n_y"]:
-    """Complete the guess: unknown noise takes the median noise-to-signal ratio of the known."""
-    level = _USUAL_LEVEL * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
+    """Complete the guess of the standard deviations of the outputs' spectral noise.
+
+    Parameters
+    ----------
+    z
+        Spectra as recorded. [output unit * s]
+    guess
+        NaN where it is unknown. [output unit * s]
+    inputs
+        Deflections. Noise is in the ratio of the scatter of the outputs about smooth responses
+        to them; without inputs, or where these share their frequencies, it is the same share of
+        every output's signal. [rad s]
+    """
+    level = None if inputs is None else estimate_scatter(inputs, z)
+    if level is None or not level.all():
+        level = _USUAL_LEVEL * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
     if guess is None:
         return level
     known = np.isfinite(guess) & (guess > 0.0)

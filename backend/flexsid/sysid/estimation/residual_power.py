@@ -14,12 +14,10 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import optimize, stats
 
-from flexsid.sysid.spectra.residual_spectrum import compute_local_weights
+from flexsid.sysid.spectra.residual_spectrum import build_local_fits
 
 _BANDS = 4  # with equal numbers of frequencies, so that each has the degrees of freedom of a test
 _LEAST_WINDOWS = 8  # local fits in a band; fewer do not measure its noise
-_ASSIGNED = 0.7  # least share of one input in the excitation of a frequency that it is assigned to
-
 _TAIL = 0.3  # probability below which two moments are not accurate
 _ROUNDING = 1e-12  # of the largest eigenvalue
 
@@ -77,7 +75,7 @@ def compute_band_powers(
     Source: Lugannani and Rice (1980), Saddle point approximation for the distribution of the sum
     of independent random variables.
     """
-    D, centre = _build_local_fits(inputs)
+    D, centre = build_local_fits(inputs)
     edges = np.round(np.linspace(0, omega.size, _BANDS + 1)).astype(int)
     for first, last in pairwise(edges.tolist()):
         own = D[(centre >= first) & (centre < last)]
@@ -108,27 +106,6 @@ def compute_band_powers(
                 rho / share,
                 p,
             )
-
-
-def _build_local_fits(
-    inputs: Complex[np.ndarray, "n_omega n_u"],
-) -> tuple[Complex[np.ndarray, "n_windows n_omega"], np.ndarray]:
-    """Build the local residuals of responses as rows of unit norm, and their frequencies."""
-    size = np.sqrt(np.mean(np.abs(inputs) ** 2, axis=0))
-    power = np.abs(inputs / np.where(size > 0.0, size, 1.0)) ** 2
-    assigned = power.argmax(axis=1)
-    share = power.max(axis=1) / np.maximum(power.sum(axis=1), np.finfo(float).tiny)
-    weights = compute_local_weights()
-    rows, centre = [np.zeros((0, len(inputs)), dtype=complex)], []
-    for number in range(inputs.shape[1]):
-        own = np.flatnonzero((assigned == number) & (share > _ASSIGNED))
-        for first in range(own.size - weights.size + 1):
-            at = own[first : first + weights.size]
-            row = np.zeros((1, len(inputs)), dtype=complex)
-            row[0, at] = weights / inputs[at, number]
-            rows.append(row / np.linalg.norm(row))
-            centre.append(at[weights.size // 2])
-    return np.concatenate(rows), np.array(centre, dtype=int)
 
 
 def _norm(matrix: np.ndarray) -> float:

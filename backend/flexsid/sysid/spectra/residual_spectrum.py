@@ -11,6 +11,8 @@ _WINDOW = 7  # data points in a local fit
 _DEGREE = 5  # of the polynomial of a local fit
 _NEIGHBOURS = 24  # residuals on either side that share one noise level
 _STRIDE = 4  # data points from one level to the next
+_LEAST_WINDOWS = 8  # local fits whose median is a noise level
+_ASSIGNED = 0.7  # least share of one input in the excitation of a frequency that it is assigned to
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,44 @@ def compute_local_weights() -> Float[np.ndarray, " n_window"]:
     weights = -hat[half]
     weights[half] += 1.0
     return weights / np.sqrt(1.0 - hat[half, half])
+
+
+def build_local_fits(
+    inputs: Complex[np.ndarray, "n_omega n_u"],
+) -> tuple[Complex[np.ndarray, "n_windows n_omega"], np.ndarray]:
+    """Build the local residuals of responses as rows of unit norm, and their frequencies.
+
+    Each frequency belongs to the input that excites it, if there is one.
+    """
+    size = np.sqrt(np.mean(np.abs(inputs) ** 2, axis=0))
+    power = np.abs(inputs / np.where(size > 0.0, size, 1.0)) ** 2
+    assigned = power.argmax(axis=1)
+    share = power.max(axis=1) / np.maximum(power.sum(axis=1), np.finfo(float).tiny)
+    weights = compute_local_weights()
+    rows, centre = [np.zeros((0, len(inputs)), dtype=complex)], []
+    for number in range(inputs.shape[1]):
+        own = np.flatnonzero((assigned == number) & (share > _ASSIGNED))
+        for first in range(own.size - weights.size + 1):
+            at = own[first : first + weights.size]
+            row = np.zeros((1, len(inputs)), dtype=complex)
+            row[0, at] = weights / inputs[at, number]
+            rows.append(row / np.linalg.norm(row))
+            centre.append(at[weights.size // 2])
+    return np.concatenate(rows), np.array(centre, dtype=int)
+
+
+def estimate_scatter(
+    inputs: Complex[np.ndarray, "n_omega n_u"], values: Complex[np.ndarray, "n_omega n_channels"]
+) -> Float[np.ndarray, " n_channels"] | None:
+    """Estimate the standard deviation of spectra about smooth responses to the inputs.
+
+    None where no input excites enough frequencies alone. The median, as in
+    ``estimate_noise_level``, since a quintic does not fit a sharp resonance.
+    """
+    fits, _ = build_local_fits(inputs)
+    if len(fits) < _LEAST_WINDOWS:
+        return None
+    return np.sqrt(np.median(np.abs(fits @ values) ** 2, axis=0) / np.log(2.0))
 
 
 def estimate_noise_level(

@@ -112,7 +112,11 @@ def reconstruct_with_out_of_band_modes(
 
 def _reconstruct(model: AeroelasticModel, spectra: MeasuredSpectra) -> ReconstructedMotion:
     return reconstruct_motion(
-        model, spectra.outputs, spectra.instruments, guess=spectra.output_noise
+        model,
+        spectra.outputs,
+        spectra.instruments,
+        guess=spectra.output_noise,
+        inputs=spectra.inputs,
     )
 
 
@@ -124,8 +128,8 @@ def warn_of_sensor_noise(data: ManeuverData, motion: ReconstructedMotion) -> lis
         source = (
             "in the ratio that the aircraft record gives"
             if known
-            else "as the same fraction of every sensor's signal, because the aircraft record does "
-            "not give it (noise_std)"
+            else "in the ratio of the scatter about smooth responses (of the signals where inputs "
+            "share their frequencies), because the aircraft record does not give it (noise_std)"
         )
         warnings.append(
             f"{data.label}: {len(motion.noise)} outputs are too few to estimate the noise of "
