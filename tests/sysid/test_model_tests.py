@@ -30,7 +30,11 @@ def excite() -> np.ndarray:
 
 
 def measure(
-    case: Case, seed: int, fitted: Case, change: Callable[[np.ndarray], None] | None = None
+    case: Case,
+    seed: int,
+    fitted: Case,
+    change: Callable[[np.ndarray], None] | None = None,
+    colour: float | np.ndarray = 1.0,
 ) -> Experiment:
     """Record the response of one aircraft with noise, to fit the model of another."""
     rng = np.random.default_rng(1000 + seed)
@@ -39,8 +43,8 @@ def measure(
     level = LEVEL * np.sqrt(np.mean(np.abs(z) ** 2, axis=0))
     if change is not None:
         change(z)
-    z = z + level * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape)) / np.sqrt(2.0)
-    return fitted.experiment(u, z, FREQUENCIES)
+    noise = (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape)) / np.sqrt(2.0)
+    return fitted.experiment(u, z + colour * level * noise, FREQUENCIES)
 
 
 def fit_and_test(
@@ -62,6 +66,22 @@ def test_a_correct_model_is_rejected_in_five_percent_of_fits(make_case, fits, lo
         fit_and_test(measure(case, seed, case), case.free())[0].rejects for seed in range(fits)
     ]
     assert low <= np.mean(rejected) <= high, f"{np.mean(rejected):.3f}"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["OE", "EE"])
+def test_a_correct_model_is_rejected_as_rarely_with_coloured_noise(make_case, method):
+    case = make_case(1, n_outputs=12)
+    colour = (0.3 + 3.0 * np.linspace(0.0, 1.0, FREQUENCIES.size) ** 2)[:, None]
+    rejected = []
+    for seed in range(400):
+        experiment = measure(case, seed, case, colour=colour)
+        if method == "OE":
+            tests = fit_and_test(experiment, case.free())
+        else:
+            tests = fit_equation_error_and_test(case, experiment)
+        rejected.append(tests[0].rejects)
+    assert 0.03 <= np.mean(rejected) <= 0.07, f"{np.mean(rejected):.3f}"
 
 
 def fit_equation_error_and_test(fitted: Case, experiment: Experiment) -> tuple[ModelTest, ...]:

@@ -46,10 +46,11 @@ FALSE_ALARM_RATE = 0.05
 """Probability that any test of a fit rejects a correct model."""
 
 _INDEPENDENT_SHARE = 2.0 / 3.0
-"""Independent tests over all tests, from Monte Carlo with correct models of FLEX-28.
+"""Independent tests over all tests but those of residual power, from Monte Carlo with FLEX-28.
 
 The smallest p times the number of tests is below 0.069 to 0.096 in 5 % of the fits, for white and
-coloured noise, noise on the surfaces, 1 to 3 modes, 10 to 20 outputs, 100 to 325 frequencies."""
+coloured noise, noise on the surfaces, 1 to 3 modes, 10 to 20 outputs, 100 to 325 frequencies.
+Residual powers are of the noise of one output in one band, independent of all others."""
 
 _INDEPENDENT_SYMMETRY_SHARE = 0.85
 """The same for tests of symmetry: of 600 flights of a symmetric aircraft, 5 % are below 0.059."""
@@ -670,14 +671,16 @@ def _compute_similarity(
 
 
 def _adjust_by_holm(tests: Sequence[ModelTest], share: float) -> tuple[ModelTest, ...]:
-    """Multiply p by the number of tests that are not yet rejected; smallest first.
+    """Multiply p by the number of independent tests not yet rejected; smallest first.
 
-    Only a share of the tests counts, since tests of one output depend on each other.
+    All tests of residual power count, but only a share of the others: tests of one output depend
+    on each other.
     """
     ordered = sorted(tests, key=lambda test: test.p)
+    shares = [1.0 if one.hypothesis is Hypothesis.RESIDUAL_POWER else share for one in ordered]
+    counts = np.cumsum(shares[::-1])[::-1]
     adjusted, last = [], 0.0
-    for rank, test in enumerate(ordered):
-        count = max(1.0, share * (len(ordered) - rank))
-        last = max(last, min(1.0, count * test.p))
+    for test, count in zip(ordered, counts.tolist(), strict=True):
+        last = max(last, min(1.0, max(1.0, count) * test.p))
         adjusted.append(replace(test, adjusted_p=last))
     return tuple(adjusted)
