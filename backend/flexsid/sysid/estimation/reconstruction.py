@@ -18,7 +18,7 @@ from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation.noise import smooth_density
 from flexsid.sysid.estimation.regression import estimate_excess_variance
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.signals import FrequencyData, check_signal
+from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
 from flexsid.sysid.spectra.residual_spectrum import estimate_scatter
 
 _LARGEST_CONDITION = 1e8  # of the scaled sensor rows: motions are not observable above
@@ -101,7 +101,7 @@ def reconstruct_motion(
     Raises
     ------
     BadInput
-        If the noise is not known and an output has no signal.
+        If the noise is not known and an output has no signal, or the inputs are not finite.
     NotIdentifiable
         If the motions are not observable with these sensors.
 
@@ -119,6 +119,8 @@ def reconstruct_motion(
     z = outputs.pick(model.outputs).values
     if noise is None:
         check_signal(z, model.outputs)  # a sensor without signal would also seem to have no noise
+        if inputs is not None:
+            check_finite(inputs.values, inputs.names)
         sigma = complete_noise_guess(z, guess, None if inputs is None else inputs.values)
     else:
         sigma = np.asarray(noise, dtype=float)
