@@ -117,8 +117,8 @@ class LiveEstimate:
     is predicted; ``next_point_probability`` is that of a flutter speed below the next test point.
     ``recent_modes`` are the poles from the last seconds of the record only, where a mode is lightly
     damped; ``excluded`` are channels without data over the whole record.
-    ``change_by_noise_weights`` is the largest of a result in standard errors, which then
-    include it; None where it is not significant.
+    ``change_by_noise_weights`` is that of the damping of the least damped mode, in standard errors
+    without the weights; what exceeds 1 is in the standard errors. None without a noise spectrum.
     """
 
     time_s: float

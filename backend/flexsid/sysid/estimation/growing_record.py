@@ -13,11 +13,16 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
+from flexsid.sysid.estimation.weighted_fit import (
+    weight_by_noise_spectrum,
+    widen_by_change,
+)
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
-_MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6, those that alternate between
-# numbers of directions gain nothing by more, and the next second must not wait for them
+_MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; near flutter in turbulence
+# many more, which the fits of the next seconds continue, since these must not wait
+_FIRST_ERRORS_S = 5.0  # of a record without noise spectrum, before which a bias by turbulence
+# cannot be noticed [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +31,29 @@ class GrowingFit:
 
     ``experiment`` has the spectra without the free motion from the end states: those of a whole
     maneuver with the same inputs, from which equation error estimates the same derivatives.
+    ``estimate`` is weighted with the noise spectrum, ``plain`` has one covariance of the noise;
+    both are the same where the record has too few frequencies for a spectrum.
     """
 
     estimate: Estimate
     experiment: Experiment
+    plain: Estimate
+
+    def widen(self, change: float) -> Estimate:
+        """Add the change by the weights that errors do not explain to the covariance.
+
+        Parameters
+        ----------
+        change
+            Of the quantity of interest, in standard errors of ``plain``.
+
+        Notes
+        -----
+        Without bias its variance is at most 1 (Hausman, see ``compute_weighting_change``): of the
+        square z**2, max(0, z**2 - 1) is that of a bias.
+        """
+        share = np.sqrt(max(0.0, 1.0 - 1.0 / max(change, 1e-9) ** 2))
+        return widen_by_change(self.estimate, share * (self.estimate.values - self.plain.values))
 
 
 def select_resolved_frequencies(
@@ -57,6 +81,7 @@ def fit_growing_record(
     parameters: Parameters,
     duration_s: float,
     priors: Mapping[str, tuple[float, float]] | None = None,
+    before: GrowingFit | None = None,
     max_iterations: int = 20,
 ) -> GrowingFit:
     """Estimate derivatives from a part of a maneuver that begins and ends in motion.
@@ -71,13 +96,16 @@ def fit_growing_record(
         Length of the record without its gaps. [s]
     priors
         Of derivatives: mean and standard deviation.
+    before
+        Fit of a shorter part of the record, from which this one continues.
     max_iterations
         Limit of the maximisation.
 
     Returns
     -------
     GrowingFit
-        The derivatives; the end states are marginalised.
+        The derivatives; the end states are marginalised. No standard errors where the fit has not
+        converged, or the record is too short to notice a bias by turbulence.
 
     Raises
     ------
@@ -87,31 +115,43 @@ def fit_growing_record(
     Notes
     -----
     A few iterations of maximum likelihood lead near the optimum. The fit weighted with the noise
-    spectrum follows from there, as after the flight: in turbulence the likelihood with one
-    covariance of the noise has an optimum that is many times less precise. Where the record
-    has too few frequencies for a noise spectrum, that optimum is the result.
+    spectrum follows from there, or from the one of the shorter record: in turbulence the likelihood
+    with one covariance of the noise has an optimum that is many times less precise and, near
+    flutter, biased: ``GrowingFit.widen``. Where the record has too few frequencies for a noise
+    spectrum, the optimum of the likelihood is the result.
 
     Frequencies closer than 1/T share noise: as after the flight, variances are multiplied by the
     number of frequencies per 1/T.
     """
     whole = add_end_states(parameters, experiment)
+    n_theta = len(parameters.names)
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
+    if before is not None:
+        whole = replace(whole, start=np.append(before.plain.values, whole.start[n_theta:]))
     near = maximize([experiment], whole, replace(settings, max_iterations=_APPROACH))
+    start = near.values
+    if before is not None and before.estimate is not before.plain:
+        start = np.append(before.estimate.values, near.values[n_theta:])
     found = weight_by_noise_spectrum(
         [experiment],
         whole,
         replace(near, outcome=Outcome.CONVERGED),
         settings,
         max_rounds=_MAX_ROUNDS,
+        start=start,
     )
-    if found.noise is None or not found.noise.converged or found.values is near.values:
+    is_weighted = found.values is not near.values
+    if not is_weighted:
         found = maximize([experiment], replace(whole, start=near.values), settings)
+    elif found.noise is not None and not found.noise.converged:
+        found = replace(found, outcome=Outcome.ITERATION_LIMIT)
     complete = remove_free_motion(experiment, replace(whole, start=found.values))
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)
-    if not estimate.outcome.is_optimum:
+    plain = near.select(parameters.names).scale_covariance(overlap) if is_weighted else estimate
+    if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
         estimate = estimate.without_std_errors()
-    return GrowingFit(estimate, complete)
+    return GrowingFit(estimate, complete, plain if is_weighted else estimate)
 
 
 def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:

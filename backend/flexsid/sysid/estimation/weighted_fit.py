@@ -36,6 +36,9 @@ _SMALL = 0.005  # change by a step, in standard errors, after which no other fol
 _CONVERGED = 0.05  # largest change by a round, in standard errors
 _SETTLED = 0.3  # the same after the last round: the number of directions may alternate
 _ROUNDING = 1e-6  # of a parameter
+MOST_CHANGE = 1.8
+"""Change of the results by the weights, in standard errors, above which one of both is biased; in
+Monte Carlo of still air up to 1.1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +82,7 @@ def weight_by_noise_spectrum(
     settings: FitSettings,
     report: Callable[[int], None] = lambda iteration: None,
     max_rounds: int = ROUNDS,
+    start: Float[np.ndarray, " n_theta"] | None = None,
 ) -> Estimate:
     """Estimate again with weights from the noise spectrum of each maneuver.
 
@@ -90,6 +94,8 @@ def weight_by_noise_spectrum(
         Called with the number of each noise spectrum, from 1; an exception ends the fit.
     max_rounds
         Largest number of noise spectra in sequence.
+    start
+        Where to start; by default at the estimate.
 
     Returns
     -------
@@ -117,7 +123,7 @@ def weight_by_noise_spectrum(
     maneuvers = [_prepare(e, parameters) for e in experiments]
     spectra: list[tuple[NoiseSpectrum, SpectralMatrix]] = []
     mean, prior = build_prior(parameters, settings.priors)
-    theta = estimate.values
+    theta = estimate.values if start is None else start
     for number in range(1, max_rounds + 1):
         report(number)
         try:

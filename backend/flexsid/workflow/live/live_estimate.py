@@ -12,6 +12,7 @@ from flexsid.errors import NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.live import LiveEstimate, LiveMode
 from flexsid.sysid.estimation.growing_record import (
+    GrowingFit,
     fit_growing_record,
     select_resolved_frequencies,
 )
@@ -47,7 +48,7 @@ class LiveFit:
 
     def __init__(self, task: LiveTask) -> None:
         self._task = task
-        self._parameters = task.parameters
+        self._before: GrowingFit | None = None
         self._prepare(task)
 
     def change(self, task: LiveTask) -> None:
@@ -55,7 +56,6 @@ class LiveFit:
         if task is self._task:
             return
         self._task = task
-        self._parameters = replace(task.parameters, start=self._parameters.start)
         self._prepare(task)
 
     def _prepare(self, task: LiveTask) -> None:
@@ -116,10 +116,12 @@ class LiveFit:
             self._instruments[picked][:, usable],
             edges_s=spectra.edges_s,
         )
-        fit = fit_growing_record(experiment, self._parameters, spectra.duration_s, task.priors)
-        found = fit.estimate
-        if found.outcome.is_optimum:
-            self._parameters = replace(self._parameters, start=found.values)
+        fit = fit_growing_record(
+            experiment, task.parameters, spectra.duration_s, task.priors, self._before
+        )
+        self._before = fit
+        change = self._compute_change(fit)
+        found = fit.estimate if change is None else fit.widen(change)
         poles = compute_named_poles(
             task.model,
             task.parameters,
@@ -145,7 +147,33 @@ class LiveFit:
             next_point_probability=beyond,
             excluded=tuple(sorted(excluded)),
             condition=task.condition,
+            change_by_noise_weights=change,
         )
+
+    def _compute_change(self, fit: GrowingFit) -> float | None:
+        """Compute the change of the lowest damping by the noise spectrum, in standard errors."""
+        if fit.plain is fit.estimate:
+            return None
+        task = self._task
+        plain, weighted = (
+            [
+                pole
+                for pole in compute_named_poles(
+                    task.model,
+                    task.parameters,
+                    one.values,
+                    one.corrected_covariance,
+                    task.mode_names,
+                )
+                if pole.value.imag > 0.0
+            ]
+            for one in (fit.plain, fit.estimate)
+        )
+        least = min(weighted, key=lambda pole: pole.damping)
+        before = next((pole for pole in plain if pole.name == least.name), None)
+        if before is None or not before.damping_std:
+            return None
+        return finite_or_none(abs(least.damping - before.damping) / before.damping_std)
 
 
 def _predict(task: LiveTask, values: np.ndarray, covariance: np.ndarray) -> FlutterPrediction:

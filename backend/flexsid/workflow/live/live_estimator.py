@@ -19,6 +19,7 @@ _BEYOND = 0.05  # probability of a flutter speed below the next point that raise
 
 Adjust = Callable[[LiveTask, Mapping[str, float]], LiveTask]
 
+_SIGNIFICANT = 2.0  # change by the noise spectrum, in standard errors
 _CONFIRMATIONS = 2  # estimates in a row that raise an alarm: single ones scatter
 
 
@@ -81,7 +82,7 @@ class LiveEstimator:
             self._reason = f"no estimate: {error}"
             return
         self._estimate = estimate = self._add_recent(time_s, request, estimate)
-        self._reason = "" if estimate.converged else "the estimate did not converge"
+        self._reason = _describe_doubt(estimate)
         self._raise_alarms(time_s, estimate)
 
     def _add_recent(
@@ -121,6 +122,18 @@ class LiveEstimator:
             for (kind, subject), count in self._evidence.items()
             if count >= _CONFIRMATIONS and (kind, subject) not in raised
         )
+
+
+def _describe_doubt(estimate: LiveEstimate) -> str:
+    """Describe why an estimate is less certain than others; empty where it is not."""
+    if not estimate.converged:
+        return "the estimate did not converge"
+    if (estimate.change_by_noise_weights or 0.0) > _SIGNIFICANT:
+        return (
+            "turbulence can bias the estimate: the noise spectrum moved the damping by "
+            f"{estimate.change_by_noise_weights:.2g} standard errors, which the intervals include"
+        )
+    return ""
 
 
 class LiveProcessor:
