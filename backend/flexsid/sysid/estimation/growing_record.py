@@ -26,6 +26,14 @@ _FIRST_ERRORS_S = 5.0  # of a record without noise spectrum, before which a bias
 
 
 @dataclass(frozen=True, slots=True)
+class GrowingStart:
+    """Values from which the fits of a longer record start; no weighted ones without a spectrum."""
+
+    plain: Float[np.ndarray, " n_theta"]
+    weighted: Float[np.ndarray, " n_theta"] | None
+
+
+@dataclass(frozen=True, slots=True)
 class GrowingFit:
     """Derivatives from a part of a maneuver.
 
@@ -38,6 +46,12 @@ class GrowingFit:
     estimate: Estimate
     experiment: Experiment
     plain: Estimate
+
+    @property
+    def next_start(self) -> GrowingStart:
+        """Where the fit of a longer record starts."""
+        is_weighted = self.estimate is not self.plain
+        return GrowingStart(self.plain.values, self.estimate.values if is_weighted else None)
 
     def widen(self, change: float) -> Estimate:
         """Add the change by the weights that errors do not explain to the covariance.
@@ -81,7 +95,7 @@ def fit_growing_record(
     parameters: Parameters,
     duration_s: float,
     priors: Mapping[str, tuple[float, float]] | None = None,
-    before: GrowingFit | None = None,
+    before: GrowingStart | None = None,
     max_iterations: int = 20,
 ) -> GrowingFit:
     """Estimate derivatives from a part of a maneuver that begins and ends in motion.
@@ -97,7 +111,7 @@ def fit_growing_record(
     priors
         Of derivatives: mean and standard deviation.
     before
-        Fit of a shorter part of the record, from which this one continues.
+        Values of a shorter part of the record, from which this fit continues.
     max_iterations
         Limit of the maximisation.
 
@@ -127,11 +141,11 @@ def fit_growing_record(
     n_theta = len(parameters.names)
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
     if before is not None:
-        whole = replace(whole, start=np.append(before.plain.values, whole.start[n_theta:]))
+        whole = replace(whole, start=np.append(before.plain, whole.start[n_theta:]))
     near = maximize([experiment], whole, replace(settings, max_iterations=_APPROACH))
     start = near.values
-    if before is not None and before.estimate is not before.plain:
-        start = np.append(before.estimate.values, near.values[n_theta:])
+    if before is not None and before.weighted is not None:
+        start = np.append(before.weighted, near.values[n_theta:])
     found = weight_by_noise_spectrum(
         [experiment],
         whole,

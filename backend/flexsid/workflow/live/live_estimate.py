@@ -13,6 +13,7 @@ from flexsid.records import finite_or_none
 from flexsid.records.live import LiveEstimate, LiveMode
 from flexsid.sysid.estimation.growing_record import (
     GrowingFit,
+    GrowingStart,
     fit_growing_record,
     select_resolved_frequencies,
 )
@@ -48,7 +49,7 @@ class LiveFit:
 
     def __init__(self, task: LiveTask) -> None:
         self._task = task
-        self._before: GrowingFit | None = None
+        self._before: GrowingStart | None = None
         self._prepare(task)
 
     def change(self, task: LiveTask) -> None:
@@ -119,7 +120,7 @@ class LiveFit:
         fit = fit_growing_record(
             experiment, task.parameters, spectra.duration_s, task.priors, self._before
         )
-        self._before = fit
+        self._before = fit.next_start
         change = self._compute_change(fit)
         found = fit.estimate if change is None else fit.widen(change)
         poles = compute_named_poles(
