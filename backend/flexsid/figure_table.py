@@ -483,7 +483,7 @@ class _Frozen(FigureParameters):
     figure_id: _Id
 
 
-class _Stream(FigureParameters):
+class _StreamParameters(FigureParameters):
     stream_id: _Id
 
 
@@ -723,7 +723,7 @@ _KINDS = (
         "Draw the predicted flutter speed by run, and by classical flutter prediction methods."),
     FigureKind("flutter-map", FlutterParameters, _get_flutter_map, draw_flutter_map,
         "Draw the flutter speed over fuel and altitude."),
-    FigureKind("live-history", _Stream, read_live_history, draw_live_history,
+    FigureKind("live-history", _StreamParameters, read_live_history, draw_live_history,
         "Draw flutter speed and damping ratios as they were known during a stream."),
     FigureKind("global-slice", _GlobalSlice, _slice_global_model, draw_slice,
         "Draw one derivative of a global model along one variable with ±2 standard errors."),

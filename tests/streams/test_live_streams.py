@@ -211,7 +211,7 @@ def test_a_killed_process_resumes_and_the_gap_is_named(store, streams, monkeypat
     repairs = store.conditioning.find(maneuver_id=point.maneuver_id)
     assert {r.correction.basis for r in repairs} == {"not received"}
     assert {r.channel for r in repairs} == {c.name for c in read_task(store).header.channels}
-    # The report of the sortie says so, too.
+    # The report of the sortie states it, too.
     parts = {section.title: section.parts for section in sortie_report(store, stream.id).sections}
     table, reason = parts["Test points"]
     assert isinstance(table, ReportTable)

@@ -150,7 +150,7 @@ def test_a_stream_is_identified_at_the_condition_that_it_measures(stream, tmp_pa
         assert measured.density_kg_m3 == pytest.approx(flown.density_kg_m3, rel=0.005)
     check_flutter_speeds(faster, late)
     assert compute_deviation(faster, states[-1]) < 1.7
-    # Without its condition channels the condition of the run is assumed, and the state says so.
+    # Without its condition channels the condition of the run is assumed, as the state reports.
     blank = [blank_condition(faster, frame) for frame in faster.frames[:110]]
     assumed = get_condition(process(stream.task, blank, stream.adjust)[-1])
     assert assumed == stream.task.condition

@@ -105,6 +105,10 @@ BODIES: dict[str, Any] = {
 }
 
 RESPONSES: dict[str, Any] = {
+    "draw_live_history": {
+        "data": [{"type": "scatter", "mode": "markers", "x": [3605.0], "y": [61.2]}],
+        "layout": {},
+    },
     "list_receivers": {
         "items": [
             {

@@ -24,7 +24,7 @@ from flexsid.reports.content import (
     number,
 )
 from flexsid.storage.store import Store
-from flexsid.workflow.live.sortie import Sortie, read_sortie
+from flexsid.workflow.live.sortie import FlownStream, read_sortie
 
 _STEP_S = 5.0  # between rows of what was known [s]
 _ADVICE = (
@@ -74,7 +74,7 @@ def sortie_report(store: Store, stream_id: int) -> Report:
     )
 
 
-def _summarise(sortie: Sortie) -> Iterator[Part]:
+def _summarise(sortie: FlownStream) -> Iterator[Part]:
     stream = sortie.stream
     if stream.status is StreamStatus.FAILED:
         yield Words(f"The stream failed: {stream.message}", warns=True)
@@ -102,7 +102,7 @@ def _summarise(sortie: Sortie) -> Iterator[Part]:
     )
 
 
-def _report_test_points(store: Store, sortie: Sortie) -> Iterator[Part]:
+def _report_test_points(store: Store, sortie: FlownStream) -> Iterator[Part]:
     if not sortie.test_points:
         yield Words("No maneuver was flown.")
         return
@@ -160,7 +160,7 @@ def _format_interval(value: float | None, std: float | None) -> str:
     return f"{written} ± {error}"
 
 
-def _find_last_estimate(sortie: Sortie, point: LiveTestPoint) -> LiveEstimate | None:
+def _find_last_estimate(sortie: FlownStream, point: LiveTestPoint) -> LiveEstimate | None:
     """Return the last estimate of a maneuver, which may end after the excitation."""
     following = [p.start_s for p in sortie.test_points if p.start_s > point.start_s]
     end_s = min(following, default=float("inf"))
@@ -168,7 +168,7 @@ def _find_last_estimate(sortie: Sortie, point: LiveTestPoint) -> LiveEstimate | 
     return own[-1] if own else None
 
 
-def _tabulate_estimates(sortie: Sortie) -> Part:
+def _tabulate_estimates(sortie: FlownStream) -> Part:
     """Tabulate what was known every five seconds of each maneuver."""
     rows, last_s = [], -_STEP_S
     for one in sortie.estimates:
@@ -196,7 +196,7 @@ def _get_measured(one: RecordedState) -> bool:
     return found is not None and found.condition is not None and found.condition.is_measured
 
 
-def _find_acknowledged(sortie: Sortie) -> dict[tuple[str, str, float], str]:
+def _find_acknowledged(sortie: FlownStream) -> dict[tuple[str, str, float], str]:
     """Return by whom each alarm was acknowledged."""
     return {
         (one.kind.value, one.subject, one.time_s): f"{one.author}: {one.note}".rstrip(": ")
@@ -204,7 +204,7 @@ def _find_acknowledged(sortie: Sortie) -> dict[tuple[str, str, float], str]:
     }
 
 
-def _tabulate_alarms(sortie: Sortie) -> Part:
+def _tabulate_alarms(sortie: FlownStream) -> Part:
     if not sortie.alarms:
         return Words("No alarm was raised.")
     known = _find_acknowledged(sortie)
@@ -225,7 +225,7 @@ def _tabulate_alarms(sortie: Sortie) -> Part:
     )
 
 
-def _tabulate_defects(sortie: Sortie) -> Part:
+def _tabulate_defects(sortie: FlownStream) -> Part:
     """Tabulate the largest defects of every channel in any maneuver."""
     worst: dict[str, tuple[float, int, bool]] = {}
     for one in sortie.states:

@@ -82,7 +82,7 @@ class LiveEstimator:
             self._reason = f"no estimate: {error}"
             return
         self._estimate = estimate = self._add_recent(time_s, request, estimate)
-        self._reason = _describe_doubt(estimate)
+        self._reason = _describe_reservation(estimate)
         self._raise_alarms(time_s, estimate)
 
     def _add_recent(
@@ -124,7 +124,7 @@ class LiveEstimator:
         )
 
 
-def _describe_doubt(estimate: LiveEstimate) -> str:
+def _describe_reservation(estimate: LiveEstimate) -> str:
     """Describe why an estimate is less certain than others; empty where it is not."""
     if not estimate.converged:
         return "the estimate did not converge"

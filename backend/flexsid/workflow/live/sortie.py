@@ -19,7 +19,7 @@ _MOST_STATES = 100_000  # more than a day, of one per second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sortie:
+class FlownStream:
     """All that was recorded of a stream, in the order of time.
 
     ``estimates`` are the states with an estimate of their own second.
@@ -33,7 +33,7 @@ class Sortie:
     acknowledgements: tuple[Acknowledgement, ...]
 
 
-def read_sortie(store: Store, stream_id: int) -> Sortie:
+def read_sortie(store: Store, stream_id: int) -> FlownStream:
     """Read what was recorded of a stream.
 
     Raises
@@ -44,7 +44,7 @@ def read_sortie(store: Store, stream_id: int) -> Sortie:
     stream = store.live_streams.get(stream_id)
     states, _ = list_states(store, stream_id, None, _MOST_STATES)
     points = store.live_test_points.find(stream_id=stream_id)
-    return Sortie(
+    return FlownStream(
         stream=stream,
         states=tuple(states),
         estimates=tuple(

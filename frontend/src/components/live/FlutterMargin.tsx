@@ -38,7 +38,8 @@ export function FlutterMargin({ estimate, next_m_s }: Props) {
             </dt>
             <dd className="live-digits">{fixed(condition.airspeed_m_s, 1)}</dd>
             <dd className={condition.is_measured ? "quiet" : "live-assumed"}>
-              {fixed(condition.density_kg_m3, 3)} kg/m³, fuel {percent(condition.fuel_fraction, 0)} %
+              {fixed(condition.density_kg_m3, 3)} kg/m³, fuel {percent(condition.fuel_fraction, 0)}{" "}
+              %
               {condition.is_measured
                 ? ", measured"
                 : ": NOT MEASURED, assumed as in the run of the stream"}
