@@ -166,7 +166,7 @@ def test_run_uses_requested_version(client: TestClient, stored: dict[str, Any]) 
 def test_known_delay_reduces_estimated_delay(client: TestClient) -> None:
     """Delaying the model of a sensor by 20 ms moves its estimated delay back by as much."""
     structure = SP | {"extra_parameters": ["delay_q"]}
-    payload = {"maneuver_id": 1, "method": "OE", "structure": structure}
+    payload = {"maneuver_id": 1, "method": "OE", "settings": {"out_of_band_modes": "omitted"}}
     found = []
     for delays in ({}, {"q": 0.02}):
         asked = client.post(

@@ -16,7 +16,9 @@ PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, deg
 
 
 # Near flutter the noise spectrum of the flight gains more than the prediction knows of.
-@pytest.mark.parametrize(("ratio", "most"), [(0.56, 1.25), (0.95, 1.5)])
+@pytest.mark.parametrize(
+    ("ratio", "most"), [(0.56, 1.25), pytest.param(0.95, 1.5, marks=pytest.mark.long)]
+)
 def test_expected_errors_are_those_of_the_flight(store: Store, ratio: float, most: float):
     """The flight includes feedback, actuators, input noise and unmodelled modes."""
     aircraft = add_aircraft(store)

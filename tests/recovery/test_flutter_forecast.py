@@ -329,6 +329,7 @@ def test_everything_is_drawn(estimated: Store, runs):
     assert draw_flutter_map(table)["data"][0]["type"] == "heatmap"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_a_drift_with_dynamic_pressure_helps_a_model_of_few_modes(store: Store):
     """Two modes hold what the six others do statically, which grows with dynamic pressure."""
