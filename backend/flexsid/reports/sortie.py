@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from flexsid.records.live import (
     LiveEstimate,
-    LiveMode,
     LiveTestPoint,
     RecordedState,
     StreamStatus,
@@ -137,20 +136,21 @@ def _describe_estimate(found: LiveEstimate | None) -> tuple[str, ...]:
     """Format airspeed, flutter speed and the least damped mode of an estimate."""
     if found is None:
         return ("–",) * len(_ESTIMATE_HEAD)
-    mode = _find_least_damped(found)
-    return (
+    speeds = (
         "–" if found.condition is None else f"{found.condition.airspeed_m_s:.1f}",
         _format_interval(found.flutter_m_s, found.flutter_std_m_s),
+    )
+    mode = min(found.modes, key=lambda mode: mode.damping, default=None)
+    if mode is None:
+        return (*speeds, "–", "–", "–")
+    return (
+        *speeds,
         mode.name,
         _format_interval(mode.damping, mode.damping_std),
         "–"
         if mode.instability_probability is None
         else f"{100.0 * mode.instability_probability:.1f}",
     )
-
-
-def _find_least_damped(found: LiveEstimate) -> LiveMode:
-    return min(found.modes, key=lambda mode: mode.damping)
 
 
 def _format_interval(value: float | None, std: float | None) -> str:

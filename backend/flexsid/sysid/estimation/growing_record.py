@@ -13,10 +13,7 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.weighted_fit import (
-    weight_by_noise_spectrum,
-    widen_by_change,
-)
+from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum, widen_by_change
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
 _MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; near flutter in turbulence
@@ -40,7 +37,7 @@ class GrowingFit:
     ``experiment`` has the spectra without the free motion from the end states: those of a whole
     maneuver with the same inputs, from which equation error estimates the same derivatives.
     ``estimate`` is weighted with the noise spectrum, ``plain`` has one covariance of the noise;
-    both are the same where the record has too few frequencies for a spectrum.
+    they are one value where the record has too few frequencies for a spectrum.
     """
 
     estimate: Estimate
@@ -162,10 +159,10 @@ def fit_growing_record(
     complete = remove_free_motion(experiment, replace(whole, start=found.values))
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)
-    plain = near.select(parameters.names).scale_covariance(overlap) if is_weighted else estimate
     if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
         estimate = estimate.without_std_errors()
-    return GrowingFit(estimate, complete, plain if is_weighted else estimate)
+    plain = near.select(parameters.names).scale_covariance(overlap) if is_weighted else estimate
+    return GrowingFit(estimate, complete, plain)
 
 
 def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:

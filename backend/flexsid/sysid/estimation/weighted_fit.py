@@ -36,9 +36,6 @@ _SMALL = 0.005  # change by a step, in standard errors, after which no other fol
 _CONVERGED = 0.05  # largest change by a round, in standard errors
 _SETTLED = 0.3  # the same after the last round: the number of directions may alternate
 _ROUNDING = 1e-6  # of a parameter
-MOST_CHANGE = 1.8
-"""Change of the results by the weights, in standard errors, above which one of both is biased; in
-Monte Carlo of still air up to 1.1."""
 
 
 @dataclass(frozen=True, slots=True)

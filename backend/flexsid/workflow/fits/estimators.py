@@ -22,7 +22,6 @@ from flexsid.sysid.estimation.input_noise import compute_input_noise_errors
 from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import (
-    MOST_CHANGE,
     compute_weighting_change,
     describe_common_noise,
     weight_by_noise_spectrum,
@@ -54,6 +53,7 @@ from flexsid.workflow.fits.run_warnings import (
 )
 
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
+_MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
 _BIASED = (
     "The fit weighted with the noise spectrum of the record {change}, so that values can be "
     "biased: {cause}. The standard errors include the change by the weights. {remedy}"
@@ -240,7 +240,7 @@ def complete_likelihood_fit(
         if again.state is AdequacyState.SUSPECT:  # the sizes stated are about these values
             adequacy, symmetry = again, of_symmetry
     converged = noise is None or noise.converged
-    if change > MOST_CHANGE or not converged:
+    if change > _MOST_CHANGE or not converged:
         found = f"moved the results by {change:.2g} standard errors"
         found = found if converged else f"did not converge and {found}"
         reason = _BIASED.format(change=found, **(_MODEL_ERROR if is_suspect else _TURBULENCE))

@@ -170,6 +170,8 @@ class LiveFit:
             ]
             for one in (fit.plain, fit.estimate)
         )
+        if not weighted:
+            return None
         least = min(weighted, key=lambda pole: pole.damping)
         before = next((pole for pole in plain if pole.name == least.name), None)
         if before is None or not before.damping_std:

@@ -36,12 +36,14 @@ class LiveEstimator:
     """
 
     def __init__(self, task: LiveTask, adjust: Adjust | None = None) -> None:
-        self._task = task
+        self._task_of_run = task
         self._adjust = adjust
         self._begin(0)
 
     def _begin(self, maneuver: int) -> None:
         self._maneuver = maneuver
+        # A condition that was measured in another maneuver is not that of this one.
+        self._task = self._task_of_run
         self._fit = LiveFit(self._task)
         self._recent_fit = LiveFit(self._task)
         self._estimate: LiveEstimate | None = None
@@ -89,7 +91,8 @@ class LiveEstimator:
         self, time_s: float, request: EstimateRequest, estimate: LiveEstimate
     ) -> LiveEstimate:
         """Add the modes of the recent motion, if a mode of the whole record is lightly damped."""
-        if request.recent is None or min(mode.damping for mode in estimate.modes) > _WATCHED:
+        lowest = min((mode.damping for mode in estimate.modes), default=np.inf)
+        if request.recent is None or lowest > _WATCHED:
             return estimate
         try:
             recent = self._recent_fit.estimate(
