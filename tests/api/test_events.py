@@ -104,3 +104,16 @@ def test_samples_and_states_of_a_stream_are_events(live_url: str) -> None:
     assert seen["samples"]["names"] == ["q", "bfs"]
     assert set(seen["samples"]["low"][0]) == {0.0}
     _post(f"{live}/{stream}/stop", {})
+
+
+def test_a_note_of_another_analyst_is_an_event(live_url: str) -> None:
+    note = {"subject": "maneuver", "key": "1", "text": "Repeat at 30 m/s"}
+    request = urllib.request.Request(
+        f"{live_url}/api/v1/notes",
+        json.dumps(note).encode(),
+        {"Content-Type": "application/json", "X-Flexsid-Analyst": "Ada"},
+    )
+    with _listen(f"{live_url}/api/v1/events") as events:
+        assert next(events)[0]  # what was before has been read
+        urllib.request.urlopen(request, timeout=PATIENCE_S).close()
+        assert any(name == "changed" and "notes" in data["records"] for name, _, data in events)

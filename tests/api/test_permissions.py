@@ -328,7 +328,8 @@ def test_an_open_event_stream_follows_the_membership(team: TestClient, store: St
     begun = access.Access(
         account_id=1, author="Ann", readable=frozenset({1}), writable=frozenset({1})
     )
-    update = JobUpdate(job_log.read_since(store, 0, 100), None)
+    changed = frozenset({("notes", 1), ("health", None)})
+    update = JobUpdate(job_log.read_since(store, 0, 100), None, changed=changed)
     assert update.events
     visible = _select_visible(store, request, begun, update)
     assert visible is not None
@@ -337,7 +338,7 @@ def test_an_open_event_stream_follows_the_membership(team: TestClient, store: St
     accounts.grant_role(store, "Ann", 1, None)
     visible = _select_visible(store, request, begun, update)
     assert visible is not None
-    assert visible[0] == replace(update, events=[])
+    assert visible[0] == replace(update, events=[], changed=frozenset({("health", None)}))
     assert visible[1].readable == frozenset()
     accounts.disable_account(store, "Ann")
     assert _select_visible(store, request, begun, update) is None

@@ -108,7 +108,7 @@ def create_app(
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)
-        live = LiveEvents(store)
+        live = LiveEvents(store, lambda: health.check_parts(app.state.context))
         duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()

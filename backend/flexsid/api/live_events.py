@@ -1,4 +1,4 @@
-"""Live events of jobs and streams for all connected pages.
+"""Live events of jobs, streams and what a team changes, for all connected pages.
 
 The database is read once for all listeners. Every event has the id of its entry in the log
 of jobs, so that a page can resume after a lost connection.
@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass, replace
 
 from anyio import to_thread
 
 from flexsid.errors import FlexsidError
 from flexsid.records.job import JobEvent
 from flexsid.storage import job_list, job_log
+from flexsid.storage.changes import Totals, find_changed, read_totals
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.store import Store
 
@@ -23,24 +24,47 @@ _log = logging.getLogger(__name__)
 
 _POLL_S = 1.0  # other servers write into the log too
 _MAX_EVENTS = 1000  # a page that missed more events reloads its lists
+_HEALTH: frozenset[tuple[str, None]] = frozenset({("health", None)})
 _STREAMS_S = 0.1  # between two events of streams: samples are sent ten times per second
 
 
 @dataclass(frozen=True, slots=True)
 class JobUpdate:
-    """New entries of the log, the running jobs if they have changed, and changed streams."""
+    """New entries of the log, the running jobs if they have changed, and what else has changed.
+
+    ``changed`` has sorts of records with their campaign; without one for all readers.
+    """
 
     events: list[JobEvent]
     running: list[JobItem] | None
     missed: bool = False
     streams: frozenset[int] = frozenset()
+    changed: frozenset[tuple[str, int | None]] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """What was read last; without a database nothing is known."""
+
+    running: list[JobItem]
+    totals: Totals
+    health: object
 
 
 class LiveEvents:
-    """Reads the log of jobs and distributes it; runs in the event loop of the server."""
+    """Reads what changes and distributes it; runs in the event loop of the server.
 
-    def __init__(self, store: Store) -> None:
+    Parameters
+    ----------
+    store
+        Store of the records.
+    check_health
+        Returns the health of the parts of the workbench; pages read it when it differs.
+    """
+
+    def __init__(self, store: Store, check_health: Callable[[], object] = lambda: None) -> None:
         self._store = store
+        self._check_health = check_health
         self._listeners: set[asyncio.Queue[JobUpdate | None]] = set()
         self._notified = asyncio.Event()
         self._loop = asyncio.get_running_loop()
@@ -86,45 +110,55 @@ class LiveEvents:
                     job_log.read_since, self._store, after, _MAX_EVENTS
                 )
                 last = known[-1].id if known else after
-                yield JobUpdate(known, first.running, missed=len(known) == _MAX_EVENTS)
+                missed = len(known) == _MAX_EVENTS
+                yield replace(first, events=known, missed=missed)
             while not self._stopped:
                 update = await updates.get()
                 if update is None:
                     return
                 events = [event for event in update.events if last is None or event.id > last]
-                if events or update.running is not None or update.streams:
-                    yield JobUpdate(events, update.running, streams=update.streams)
+                update = replace(update, events=events)
+                if update != JobUpdate([], None):
+                    yield update
         finally:
             self._listeners.discard(updates)
 
     async def _run(self) -> None:
         last: int | None = None
-        before: list[JobItem] = []
+        before: _State | None = None
         while not self._stopped:
             self._notified.clear()
             if self._listeners:
                 try:
-                    events, running = await to_thread.run_sync(self._read, last)
+                    last, update, before = await to_thread.run_sync(self._read, last, before)
                 except FlexsidError as error:
                     _log.warning("live events are delayed: %s", error.message)
-                else:
-                    last = events[-1].id if events else last
-                    if last is None:
-                        last = await to_thread.run_sync(job_log.find_newest, self._store)
-                    changed = running if running != before else None
-                    before = running
-                    for updates in self._listeners:
-                        updates.put_nowait(JobUpdate(events, changed))
+                    update = JobUpdate([], None, changed=_HEALTH if before else frozenset())
+                    before = None
+                for updates in self._listeners:
+                    updates.put_nowait(update)
             else:
-                last = None
+                last = before = None
             try:
                 await asyncio.wait_for(self._notified.wait(), _POLL_S)
             except TimeoutError:
                 continue
 
-    def _read(self, last: int | None) -> tuple[list[JobEvent], list[JobItem]]:
-        events = [] if last is None else job_log.read_since(self._store, last, _MAX_EVENTS)
-        return events, job_list.list_running(self._store)
+    def _read(self, last: int | None, before: _State | None) -> tuple[int, JobUpdate, _State]:
+        store = self._store
+        events = [] if last is None else job_log.read_since(store, last, _MAX_EVENTS)
+        if last is None:
+            last = job_log.find_newest(store)
+        state = _State(job_list.list_running(store), read_totals(store), self._check_health())
+        if before is None:
+            update = JobUpdate(events, state.running, changed=_HEALTH)
+        else:
+            running = state.running if state.running != before.running else None
+            changed = find_changed(before.totals, state.totals)
+            if state.health != before.health:
+                changed |= _HEALTH
+            update = JobUpdate(events, running, changed=changed)
+        return events[-1].id if events else last, update, state
 
     def _add_stream(self, stream_id: int) -> None:
         if not self._streams:

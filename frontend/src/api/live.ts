@@ -1,4 +1,4 @@
-/** News of jobs as they happen: one stream per page, which puts what it hears into the cache. */
+/** What changes on the server: one stream of events per page, which renews the cache. */
 import { useQueryClient, type QueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { renew } from "./renew";
@@ -6,12 +6,23 @@ import { isOver, type Job } from "./types";
 
 /** Read again, together and not more often than this, however much happens. */
 const REST_MS = 700;
+const RECONNECT_MS = 3000;
 const LISTS = [
   ...[["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"], ["searches"]],
   ["quality", "list"],
 ];
 
-/** Listens as long as the frame is there; the browser connects again by itself. */
+/** Queries of each sort of records that a team changes, by the name in the event. */
+const QUERIES_OF: Record<string, string[]> = {
+  decisions: ["decisions", "notifications"],
+  model_structures: ["structures", "notifications"],
+  notes: ["notes"],
+  review_rules: ["review-rules", "decisions", "notifications"],
+  live_streams: ["streams", "stream"],
+  health: ["health"],
+};
+
+/** Listens as long as the frame is there, and connects again. */
 export function useLive() {
   const cache = useQueryClient();
   useEffect(() => {
@@ -23,26 +34,51 @@ export function useLive() {
         predicate: ({ queryKey }) => queryKey[2] === "preflight_simulations",
       });
     });
-    const stream = new EventSource("/api/v1/events");
     const refreshAll = () => {
       for (const queryKey of [["job"], ["run"]]) void renew(cache, { queryKey });
+      renewRecords(cache, Object.keys(QUERIES_OF));
       refresh();
     };
-    // What happened before the stream was there, or while it was lost.
-    stream.onopen = refreshAll;
-    stream.addEventListener("missed", refreshAll);
-    stream.addEventListener("job", (event: MessageEvent<string>) => {
-      const { job_id } = JSON.parse(event.data) as { job_id: number };
-      void renew(cache, { queryKey: ["job", job_id] });
-      refresh();
-    });
-    stream.addEventListener("running", (event: MessageEvent<string>) => {
-      show(cache, JSON.parse(event.data) as Job[]);
-    });
+    let stream: EventSource;
+    let timer: number | undefined;
+    const connect = () => {
+      stream = new EventSource("/api/v1/events");
+      // What happened before the stream was there, or while it was lost.
+      stream.onopen = refreshAll;
+      stream.onerror = () => {
+        renewRecords(cache, ["health"]);
+        // After a response that is no stream, as of a proxy, the browser does not connect again.
+        if (stream.readyState === EventSource.CLOSED) {
+          timer = window.setTimeout(connect, RECONNECT_MS);
+        }
+      };
+      stream.addEventListener("missed", refreshAll);
+      stream.addEventListener("changed", (event: MessageEvent<string>) => {
+        renewRecords(cache, (JSON.parse(event.data) as { records: string[] }).records);
+      });
+      stream.addEventListener("job", (event: MessageEvent<string>) => {
+        const { job_id } = JSON.parse(event.data) as { job_id: number };
+        void renew(cache, { queryKey: ["job", job_id] });
+        refresh();
+      });
+      stream.addEventListener("running", (event: MessageEvent<string>) => {
+        show(cache, JSON.parse(event.data) as Job[]);
+      });
+    };
+    connect();
     return () => {
+      window.clearTimeout(timer);
       stream.close();
     };
   }, [cache]);
+}
+
+/** Reads again what is shown of these records; the history of a stream is not among it. */
+export function renewRecords(cache: QueryClient, records: readonly string[]) {
+  const keys = new Set(records.flatMap((name) => QUERIES_OF[name] ?? []));
+  void renew(cache, {
+    predicate: ({ queryKey }) => keys.has(String(queryKey[0])) && queryKey[2] !== "history",
+  });
 }
 
 /** Progress of jobs goes straight to where it is shown. */

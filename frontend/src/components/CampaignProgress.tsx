@@ -2,6 +2,7 @@ import { Group, Loader, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { healthQuery } from "../api/queries";
+import { renew } from "../api/renew";
 
 /** Progress of the demonstration campaign while the server adds its maneuvers. */
 export function CampaignProgress() {
@@ -13,15 +14,11 @@ export function CampaignProgress() {
   const text = part?.text;
   useEffect(() => {
     if (text === undefined) return;
-    const renew = () => {
-      for (const key of ["health", "maneuvers", "flights", "aircraft", "ground-tests"]) {
-        void cache.invalidateQueries({ queryKey: [key] });
-      }
-    };
-    const timer = window.setInterval(renew, 1500);
+    // With every further maneuver the text changes; after the last one it is gone.
     return () => {
-      window.clearInterval(timer);
-      renew(); // the last maneuvers, when the part has ended
+      for (const key of ["maneuvers", "flights", "aircraft", "ground-tests"]) {
+        void renew(cache, { queryKey: [key] });
+      }
     };
   }, [cache, text]);
   if (text === undefined) return null;

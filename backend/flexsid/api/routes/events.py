@@ -42,8 +42,10 @@ async def stream_events(
     """Stream the state changes of jobs and of live identification, as server-sent events.
 
     `job` is an entry of the log, with its id; `running` lists the running jobs; `missed` means
-    that events were dropped: reload the lists. Browsers resume after a reconnection (header
-    `Last-Event-ID`); other clients give the id of the last known event.
+    that events were dropped: reload the lists. `changed` names sorts of records that have changed
+    (`decisions`, `model_structures`, `notes`, `review_rules`, `live_streams`) or `health`: read
+    them again. Browsers resume after a reconnection (header `Last-Event-ID`); other clients give
+    the id of the last known event.
 
     `live` is the present state of a stream of samples (`LiveSnapshot`), sent when it changes.
     With `stream_id`, `samples` are new columns of its strip chart (`StripChart`), one for each
@@ -55,7 +57,12 @@ async def stream_events(
     names = tuple(name.strip() for name in channels.split(",") if name.strip())
     reader = _StreamReader(context.streams, stream_id, names)
     async for update in context.live.listen(known):
-        is_due = update.events or update.running or time.monotonic() - checked > _CHECKED_S
+        is_due = (
+            update.events
+            or update.running
+            or update.changed
+            or time.monotonic() - checked > _CHECKED_S
+        )
         if access is not None and is_due:
             visible = await anyio.to_thread.run_sync(
                 _select_visible, context.store, request, access, update
@@ -70,8 +77,11 @@ async def stream_events(
             yield ServerSentEvent(event="job", id=str(event.id), raw_data=dump_json(event).decode())
         if update.running is not None:
             yield ServerSentEvent(event="running", raw_data=dump_json(update.running).decode())
-        for changed in update.streams:
-            for event in reader.read(changed, access):
+        if update.changed:
+            records = {"records": sorted({name for name, _ in update.changed})}
+            yield ServerSentEvent(event="changed", raw_data=dump_json(records).decode())
+        for stream in update.streams:
+            for event in reader.read(stream, access):
                 yield event
 
 
@@ -125,5 +135,10 @@ def _select_visible(
         None if running is None else [job for job in running if job.id in visible],
         update.missed,
         update.streams,
+        frozenset(
+            (name, campaign)
+            for name, campaign in update.changed
+            if campaign is None or present.readable is None or campaign in present.readable
+        ),
     )
     return part, present

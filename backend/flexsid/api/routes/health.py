@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Response
 
 import flexsid
-from flexsid.api.context import TheContext
+from flexsid.api.context import Context, TheContext
 from flexsid.api.responses import Health
 from flexsid.api.serialization import JsonRoute
 from flexsid.jobs.health import NotReady, PartHealth, PartState
@@ -40,13 +40,26 @@ def get_health(context: TheContext) -> Health:
     The status is `degraded` (200) if runs cannot be processed or the clock is wrong: a restart of
     the server would not help. If the database does not respond, the status code is 503.
     """
+    parts = check_parts(context)
+    degraded = any(part.state is PartState.DEGRADED for part in parts)
+    return Health(
+        status=PartState.DEGRADED if degraded else PartState.OK,
+        version=flexsid.__version__,
+        database=context.store.database.url.get_backend_name(),
+        migration=context.migration,
+        parts=parts,
+    )
+
+
+def check_parts(context: Context) -> tuple[PartHealth, ...]:
+    """Return the state of database, dispatcher, workers, clock, and of a part of this server."""
     database = context.store.database
     with database.reading() as connection:
         connection.exec_driver_sql("SELECT 1")
     name = database.url.get_backend_name()
     clock_error = find_clock_error(context.store)
     additional = context.check_additional_part()
-    parts = (
+    return (
         PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
         *context.queue_health.check(),
         PartHealth(
@@ -57,12 +70,4 @@ def get_health(context: TheContext) -> Health:
             else f"{clock_error[:1].upper()}{clock_error[1:]}.",
         ),
         *(() if additional is None else (additional,)),
-    )
-    degraded = any(part.state is PartState.DEGRADED for part in parts)
-    return Health(
-        status=PartState.DEGRADED if degraded else PartState.OK,
-        version=flexsid.__version__,
-        database=name,
-        migration=context.migration,
-        parts=parts,
     )

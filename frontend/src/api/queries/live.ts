@@ -2,9 +2,6 @@
 import { queryOptions } from "@tanstack/react-query";
 import { api, body, items } from "../client";
 
-/** Test points and the end of a running stream are shown after at most this time. [ms] */
-const REFRESH_MS = 2000;
-
 export const receiversQuery = queryOptions({
   queryKey: ["receivers"],
   queryFn: ({ signal }) => items(api.GET("/api/v1/live/receivers", { signal })),
@@ -26,9 +23,6 @@ export const streamQuery = (id: number) =>
           signal,
         }),
       ),
-    // A stream that ends by itself sends no further event.
-    refetchInterval: ({ state }) =>
-      state.data === undefined || state.data.stream.status === "running" ? REFRESH_MS : false,
   });
 
 /** What was known at each second of the maneuver that began at this time [s]. */

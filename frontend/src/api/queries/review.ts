@@ -4,8 +4,6 @@ import { named } from "../analyst";
 import { api, body, items } from "../client";
 import type { DecisionState } from "../types";
 
-const TEAM_POLL_MS = 5000;
-
 interface DecisionFilters {
   aircraft_id?: number;
   state?: DecisionState;
@@ -16,7 +14,6 @@ export const decisionsQuery = (filters: DecisionFilters) =>
     queryKey: ["decisions", "list", filters],
     queryFn: ({ signal }) =>
       items(api.GET("/api/v1/decisions", { params: { query: filters }, signal })),
-    refetchInterval: TEAM_POLL_MS,
   });
 
 export const decisionQuery = (id: number) =>
@@ -29,7 +26,6 @@ export const decisionQuery = (id: number) =>
           signal,
         }),
       ),
-    refetchInterval: TEAM_POLL_MS,
   });
 
 /** What a vote on a revision can rest on; runs may be corrected and flutter computed meanwhile. */
@@ -108,6 +104,5 @@ export const notificationsQuery = (name: string) =>
     queryFn: ({ signal }) =>
       body(api.GET("/api/v1/notifications", { params: { header: named() }, signal })),
     enabled: name !== "",
-    refetchInterval: TEAM_POLL_MS,
     retry: false,
   });

@@ -3,13 +3,13 @@ import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, items, json, type QueryValue } from "../client";
 import type { FigureSpec } from "../types";
 
+const RETRY_MS = 1500;
+
 export const healthQuery = queryOptions({
   queryKey: ["health"],
   queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
-  refetchInterval: ({ state }) =>
-    state.status === "error" || state.data?.parts.some((part) => part.state === "starting")
-      ? 1500
-      : 10_000,
+  // The only poll: a server that cannot be reached sends no event when it is there again.
+  refetchInterval: ({ state }) => (state.status === "error" ? RETRY_MS : false),
   retry: false,
 });
 
