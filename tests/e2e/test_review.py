@@ -37,6 +37,9 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     for page in (ann, bo):
         page.goto(f"/model-structures/{structure}")
         expect(_count(page)).to_contain_text("44 of 44 free")
+    _cell(bo, "Cm_eta9").focus()
+    bo.keyboard.press("x")
+    expect(_count(bo)).to_contain_text("1 fixed")
     _cell(ann, "CZ_alpha").focus()
     ann.keyboard.press("ArrowRight")
     expect(_cell(ann, "CZ_q")).to_be_focused()
@@ -46,8 +49,8 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     ann.get_by_test_id("save-structure").click()
     expect(ann.get_by_test_id("structure-version")).to_have_value(re.compile("Version 2"))
 
-    _cell(bo, "Cm_eta9").focus()
-    bo.keyboard.press("x")
+    # Bo reads it without a reload, and what he has changed stays.
+    expect(bo.get_by_test_id("newer-version")).to_contain_text("Ann saved version 2")
     expect(_count(bo)).to_contain_text("1 fixed")
     bo.get_by_test_id("save-structure").click()
     conflict = bo.get_by_test_id("conflict")
@@ -58,6 +61,9 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(_count(bo)).to_contain_text("42 of 44 free, 1 fixed, 1 absent")
     bo.get_by_test_id("save-structure").click()
     expect(bo.get_by_test_id("structure-version")).to_have_value(re.compile("Version 3"))
+    # Ann has no draft any more: her editor follows.
+    expect(ann.get_by_test_id("structure-version")).to_have_value(re.compile("Version 3"))
+    expect(_count(ann)).to_contain_text("42 of 44 free, 1 fixed, 1 absent")
 
     # Ann proposes it for the conditions of a maneuver.
     ann.goto(

@@ -226,6 +226,13 @@ function Editor(parts: Parts) {
                   Save as version {record.version + 1}
                 </Button>
               </Group>
+              {changed && draft.version < record.version && stale === null && (
+                <Text size="sm" role="status" mt={6} data-testid="newer-version">
+                  Your draft is based on version {draft.version};{" "}
+                  {record.author || "another analyst"} saved version {record.version} meanwhile.
+                  Saving shows both beside each other.
+                </Text>
+              )}
               {edit.isError && stale === null && <ProblemAlert error={edit.error} />}
             </form>
           }
