@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
 
 import pytest
+import sqlalchemy as sa
 
 from flexsid.errors import Conflict
 from flexsid.records.run import (
@@ -19,6 +21,7 @@ from flexsid.records.run import (
 )
 from flexsid.storage import job_list, queue
 from flexsid.storage.store import Store
+from flexsid.storage.tables import jobs
 
 AddRun = Callable[..., EstimationRun]
 RESULT = RunResult(
@@ -138,6 +141,21 @@ def test_run_of_a_dead_server_is_repeated_until_the_limit(store: Store, add_run:
     assert left.state is RunState.FAILED
     assert left.error is not None
     assert left.error["code"] == "worker-died"
+
+
+def test_remaining_time_is_known_where_jobs_take_minutes(store: Store, add_run: AddRun) -> None:
+    run = _claimed(store, add_run())
+    assert run.id is not None
+    queue.finish(store, run.id, 1, RESULT, {})
+    add_run(Method.OE)
+    ended = datetime.now(UTC) - timedelta(seconds=100.0)
+    with store.database.transaction() as connection:
+        begun = ended - timedelta(seconds=200.0)
+        statement = sa.update(jobs).where(jobs.c.id == run.id)
+        connection.execute(statement.values(started_at=begun, finished_at=ended))
+    rate = job_list.count_throughput(store)
+    assert (rate.ended, rate.typical_s) == (1, {"estimation": pytest.approx(200.0)})
+    assert rate.remaining_s == pytest.approx(300.0, rel=0.2)  # one job in the last 300 s
 
 
 def test_pages_of_jobs_go_from_new_to_old(store: Store, add_run: AddRun) -> None:

@@ -18,6 +18,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 
 _RECENT = 300  # ended jobs from which typical times are computed
+_SLOWEST = 3.0  # typical times of the slowest kind of job, in which the rate of jobs is counted
 _DESIGN, _IMPORT = "excitation-design", "import"
 _STORING = (_DESIGN, _IMPORT, "preflight-simulation", "derivative-prediction")
 
@@ -142,10 +143,10 @@ class Throughput:
 
 
 def count_throughput(store: Store, window_s: float = 60.0) -> Throughput:
-    """Count jobs by state, and those that ended in the window."""
-    now = datetime.now(UTC)
-    lately = jobs.c.finished_at >= now - timedelta(seconds=window_s)
-    query = sa.select(sa.func.count(), sa.func.min(jobs.c.started_at)).where(lately)
+    """Count jobs by state, and those that ended in the window.
+
+    Where jobs take longer, the window is three times the typical time of the slowest kind.
+    """
     recent = (
         sa.select(jobs.c.kind, jobs.c.started_at, jobs.c.finished_at)
         .where(jobs.c.state == RunState.SUCCEEDED.value, jobs.c.started_at.is_not(None))
@@ -157,16 +158,18 @@ def count_throughput(store: Store, window_s: float = 60.0) -> Throughput:
         states = connection.execute(
             sa.select(jobs.c.state, sa.func.count()).group_by(jobs.c.state)
         ).all()
-        ended, first = connection.execute(query).one()
         for kind, started, finished in connection.execute(recent):
             times.setdefault(kind, []).append((finished - started).total_seconds())
+        typical = {kind: median(each) for kind, each in times.items()}
+        window_s = max(window_s, _SLOWEST * max(typical.values(), default=0.0))
+        now = datetime.now(UTC)
+        lately = jobs.c.finished_at >= now - timedelta(seconds=window_s)
+        query = sa.select(sa.func.count(), sa.func.min(jobs.c.started_at)).where(lately)
+        ended, first = connection.execute(query).one()
     if first is not None:  # the first job may have started within the window
         window_s = max(1.0, min(window_s, (now - first).total_seconds()))
     return Throughput(
-        states=count_states(states),
-        ended=ended,
-        window_s=window_s,
-        typical_s={kind: median(each) for kind, each in times.items()},
+        states=count_states(states), ended=ended, window_s=window_s, typical_s=typical
     )
 
 
