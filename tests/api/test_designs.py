@@ -237,7 +237,7 @@ def test_bands_with_targets_and_power(empty: TestClient):
     assert both.status_code == 422
 
 
-def output_error_run(client: TestClient, out_of_band_modes: str = "retained") -> int:
+def output_error_run(client: TestClient, out_of_band_modes: str = "omitted") -> int:
     settings = {"out_of_band_modes": out_of_band_modes}
     order = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7]}, "settings": settings}
     job = client.post("/api/v1/runs", json=order).headers["location"]

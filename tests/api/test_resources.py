@@ -106,7 +106,12 @@ def test_every_route_has_operation_id_and_types(client: TestClient) -> None:
 
 
 def test_run_is_queued_and_read(client: TestClient) -> None:
-    payload = {"maneuver_id": 1, "method": "FRE", "structure": {"modes": [7, 9]}}
+    payload = {
+        "maneuver_id": 1,
+        "method": "FRE",
+        "structure": {"modes": [7, 9]},
+        "settings": {"out_of_band_modes": "omitted"},
+    }
     accepted = client.post(f"{API}/runs", json=payload)
     assert accepted.status_code == 202
     assert accepted.json()["state"] in ("queued", "running")
@@ -132,13 +137,14 @@ def test_run_is_queued_and_read(client: TestClient) -> None:
 
 def test_queued_run_is_cancelled_and_results_survive_restart(serve, flown_url: str) -> None:
     payload = {"maneuver_id": 1, "method": "OE", "structure": {"modes": [7, 9]}}
+    settings = {"out_of_band_modes": "omitted"}
+
+    def submit(limit: int) -> int:
+        body = payload | {"settings": settings | {"max_iterations": limit}}
+        return first.post(f"{API}/runs", json=body).json()["id"]
+
     with serve(flown_url) as first:
-        ids = [
-            first.post(f"{API}/runs", json=payload | {"settings": {"max_iterations": n}}).json()[
-                "id"
-            ]
-            for n in range(100, 112)
-        ]
+        ids = [submit(limit) for limit in range(100, 112)]
         cancelled = first.post(f"{API}/jobs/{ids[-1]}/cancel")
         assert (cancelled.status_code, cancelled.json()["state"]) == (202, "cancelled")
         assert ended(first, f"{API}/jobs/{ids[0]}")["state"] == "succeeded"

@@ -18,6 +18,7 @@ import pytest
 from playwright.sync_api import (
     Browser,
     ConsoleMessage,
+    Error,
     Page,
     Response,
     expect,
@@ -155,6 +156,23 @@ def two_pages(browser: Browser, own_server: str) -> Iterator[tuple[Page, Page]]:
 @contextmanager
 def watched_page(browser: Browser, server: str, refused: int | None = None) -> Iterator[Page]:
     """A page that fails its test on console errors or refused requests."""
+    with opened_page(browser, server) as page, watched(page, refused):
+        yield page
+
+
+@contextmanager
+def opened_page(browser: Browser, server: str) -> Iterator[Page]:
+    """A page in a context of its own."""
+    context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    yield page
+    context.close()
+
+
+@contextmanager
+def watched(page: Page, refused: int | None = None) -> Iterator[None]:
+    """Fail the test on console errors or refused requests of a page."""
     problems: list[str] = []
 
     def record_message(message: ConsoleMessage) -> None:
@@ -163,18 +181,20 @@ def watched_page(browser: Browser, server: str, refused: int | None = None) -> I
         ):
             problems.append(message.text)
 
+    def record_error(error: Error) -> None:
+        problems.append(str(error))
+
     def record_response(response: Response) -> None:
         if response.status >= 400 and response.status != refused:
             problems.append(f"{response.status} {response.url}")
 
-    context = browser.new_context(viewport={"width": 1440, "height": 1000}, base_url=server)
-    page = context.new_page()
-    page.set_default_timeout(PATIENCE_MS)
     page.on("console", record_message)
-    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("pageerror", record_error)
     page.on("response", record_response)
-    yield page
-    context.close()
+    yield
+    page.remove_listener("console", record_message)
+    page.remove_listener("pageerror", record_error)
+    page.remove_listener("response", record_response)
     assert not problems, "\n".join(problems)
 
 

@@ -137,6 +137,7 @@ def test_the_next_test_point_has_its_margin(estimated: Store, runs):
     assert (early.low_m_s or 0.0) < truth < (early.high_m_s or 0.0)
 
 
+@pytest.mark.long
 def test_a_maneuver_counts_once_however_many_runs_estimate_from_it(estimated: Store, runs):
     first = estimated.runs.get(runs["without"][0])
     again = estimated.runs.add(
@@ -189,6 +190,7 @@ def test_out_of_band_modes_are_included_from_a_prediction(estimated: Store, runs
     assert (alone.low_m_s or np.nan) < truth < (alone.high_m_s or np.nan)
 
 
+@pytest.mark.long
 def test_out_of_band_modes_are_excluded_if_they_fit_the_data_worse(store: Store):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
@@ -280,6 +282,7 @@ def test_a_maneuver_beyond_flutter_in_closed_loop_retains_its_flutter_speed(stor
     assert not result.safe
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(store: Store):
     """All modes 3 % too low, as a finite element model may be before it is updated."""
