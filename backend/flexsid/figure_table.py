@@ -23,6 +23,7 @@ from flexsid.figures.excitation import (
 )
 from flexsid.figures.fit import draw_fit
 from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
+from flexsid.figures.flutter_summary import draw_flutter_summary
 from flexsid.figures.forest import draw_forest
 from flexsid.figures.global_model import draw_coverage, draw_slice
 from flexsid.figures.ground_test import draw_ground_test
@@ -65,6 +66,7 @@ from flexsid.jobs.kinds import (
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, FlutterRoots
+from flexsid.records.flutter_summary import SummaryDiagram
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
 from flexsid.records.validation import CrossPredictionMatrix, Partition
@@ -86,6 +88,11 @@ from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes, Variation
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
+from flexsid.workflow.flutter.summary_roots import (
+    SummaryQuery,
+    query_beside_summary,
+    read_summary_roots,
+)
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
@@ -270,6 +277,22 @@ class PredictedFlutterParameters(FigureParameters):
     to_m_s: float | None = Field(
         None, ge=0.1, le=1000.0, description="Highest airspeed; by default k = 0.1 of that mode."
     )
+
+
+class SummaryParameters(FigureParameters):
+    """One analysis of a flutter summary, a damping g, and the modes that name its roots."""
+
+    analysis: int = Field(0, ge=0, le=9999, description="Place among the analyses, from 0.")
+    g: float = Field(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="Structural damping g at which instabilities are read.",
+    )
+    modal_table_id: _Reference = Field(
+        None, description="Modal table whose modes name the roots; without names by default."
+    )
+    fuel: _Fuel = 0.5
 
 
 class CrossPredictionParameters(FigureParameters):
@@ -487,6 +510,15 @@ class _StreamParameters(FigureParameters):
     stream_id: _Id
 
 
+class _SummaryFigure(SummaryParameters):
+    summary_id: _Id
+    prediction_id: _Reference = Field(
+        None,
+        description="Prediction whose stored flutter analysis at the same air density, airspeeds "
+        "and fuel is drawn beside.",
+    )
+
+
 class _ModalTable(FigureParameters):
     modal_table_id: _Id
 
@@ -572,6 +604,23 @@ def _get_roots(
 
 def _get_predicted_roots(store: Store, **query: Any) -> FlutterRoots:
     return get_result(store, PREDICTED_FLUTTER, PredictedFlutterQuery(**query)).roots
+
+
+def _get_summary_diagram(
+    store: Store, prediction_id: int | None = None, **query: Any
+) -> SummaryDiagram:
+    request = SummaryQuery(**query)
+    roots = read_summary_roots(store, request)
+    if prediction_id is None:
+        return SummaryDiagram(roots=roots, predicted=None)
+    if roots.compared is None:
+        raise BadInput(
+            f"analysis '{roots.analysis.title}' has no single air density at which a prediction "
+            "can be compared",
+            code="no-density",
+        )
+    beside = query_beside_summary(prediction_id, request.fuel, roots.compared)
+    return SummaryDiagram(roots=roots, predicted=get_result(store, PREDICTED_FLUTTER, beside).roots)
 
 
 def _get_closed_loop(store: Store, controller_id: int, **query: Any) -> ClosedLoop:
@@ -717,6 +766,8 @@ _KINDS = (
     FigureKind("predicted-root-locus", PredictedFlutterParameters, _get_predicted_roots,
         draw_root_locus,
         "Draw the roots of a prediction in the s-plane."),
+    FigureKind("flutter-summary", _SummaryFigure, _get_summary_diagram, draw_flutter_summary,
+        "Draw damping g and frequency of the roots of a flutter summary over airspeed (V-g, V-f)."),
     FigureKind("equivalent-modes", FlutterParameters, _get_flutter, draw_equivalent_modes,
         "Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."),
     FigureKind("flutter-forecast", FlutterParameters, _get_flutter, draw_flutter_forecast,

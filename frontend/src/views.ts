@@ -341,7 +341,16 @@ export const flutterView = view((search) => ({
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 
-export const MODAL_TABS = ["fuel", "shapes", "mac", "sensors", "order", "gvt", "files"] as const;
+export const MODAL_TABS = [
+  "fuel",
+  "shapes",
+  "mac",
+  "sensors",
+  "order",
+  "gvt",
+  "flutter",
+  "files",
+] as const;
 export const SYMMETRIES = ["symmetric", "antisymmetric", "all"] as const;
 
 export const modalDataView = view((search) => ({
@@ -372,6 +381,11 @@ export const modalDataView = view((search) => ({
   from_hz: number(search.from_hz),
   to_hz: number(search.to_hz),
   order: integer(search.order),
+  /** Flutter summary, the place of its analysis, damping g, and the prediction beside it. */
+  summary: integer(search.summary),
+  analysis: integer(search.analysis),
+  g: number(search.g),
+  prediction: integer(search.prediction),
 }));
 export type ModalDataView = ReturnType<typeof modalDataView>;
 

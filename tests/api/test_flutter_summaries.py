@@ -24,6 +24,7 @@ def page(
     density: Any = 1.0,
     method: str = "PK",
     symmetry: str = "ASYMMETRIC",
+    configuration: str = "AEROSG2D",
     growth: Any = None,
 ) -> str:
     """One page of a flutter summary; densities by row make it one of matched points."""
@@ -32,8 +33,9 @@ def page(
     if not matched:
         head = f"MACH NUMBER = {mach:7.4f}     DENSITY RATIO = {density:11.4E}     " + head
     text = f"1    TITLE                          PAGE\n\n0{'':100}SUBCASE {subcase}\n"
-    text += f"0{'':50}FLUTTER  SUMMARY\n      CONFIGURATION = AEROSG2D     XY-SYMMETRY = ASYMMETRIC"
-    text += f"     XZ-SYMMETRY = {symmetry}\n       POINT = {point:4d}     {head}\n\n\n"
+    text += f"0{'':50}FLUTTER  SUMMARY\n      CONFIGURATION = {configuration}     "
+    text += f"XY-SYMMETRY = ASYMMETRIC     XZ-SYMMETRY = {symmetry}\n"
+    text += f"       POINT = {point:4d}     {head}\n\n\n"
     text += "    KFREQ          1./KFREQ  " + ("   DENSITY     MACH NO.  " if matched else "")
     text += "    VELOCITY       DAMPING     FREQUENCY      COMPLEX   EIGENVALUE\n"
     rows = np.broadcast_arrays(speed, damping, hertz, density)
@@ -58,6 +60,7 @@ def import_summary(client: TestClient, *texts: str) -> Any:
 
 
 RISING = [-0.02, -0.01, 0.01, 0.02]
+RISING_DENSITY = [0.1, 0.2, 0.3, 0.4]
 
 
 def test_subcases_mach_numbers_and_densities_are_separate(client: TestClient) -> None:
@@ -74,6 +77,74 @@ def test_subcases_mach_numbers_and_densities_are_separate(client: TestClient) ->
         "subcase 1, Mach 0.3, density ratio 0.5, PK",
     ]
     assert points[3]["density_ratio"] == 0.5
+
+
+def test_analyses_are_listed_in_printed_order(client: TestClient) -> None:
+    text = page(1, SPEEDS, RISING, 5.0, configuration="TIPTANKS", method="KE")
+    text += page(1, SPEEDS, RISING, 5.0, subcase=2, mach=0.5, method="PKNL", density=RISING_DENSITY)
+    text += page(1, SPEEDS, RISING, 5.0)
+    text += page(2, SPEEDS, RISING, 7.0) + page(1, SPEEDS, RISING, 5.0)  # the same heading again
+    analyses = import_summary(client, text)["analyses"]
+    assert [one["title"] for one in analyses] == [
+        "subcase 1, TIPTANKS, Mach 0, density ratio 1, KE",
+        "subcase 2, Mach 0.5, density ratio 0.1 to 0.4, PKNL",
+        "subcase 1, Mach 0, density ratio 1, PK",
+        "subcase 1, Mach 0, density ratio 1, PK (2)",
+    ]
+    assert analyses[1]["density_ratio"] == [0.1, 0.4]
+    assert [one["method"] for one in analyses] == ["KE", "PKNL", "PK", "PK"]
+
+
+def test_roots_have_mode_names_and_instabilities_at_a_damping(client: TestClient) -> None:
+    """A root is named by the frequency at the begin of its sweep; divergence has no damping g."""
+    modes = client.get("/api/v1/modal-tables/1/modes?fuel=0").json()["items"]
+    first = next(mode for mode in modes if mode["symmetric"])
+    other = next(mode for mode in modes if not mode["symmetric"])
+    text = page(1, SPEEDS, RISING, 1.02 * first["frequency_hz"], symmetry="SYMMETRIC")
+    text += page(2, SPEEDS, -0.1, other["frequency_hz"], symmetry="SYMMETRIC")
+    growth = [-4.0, -2.0, 2.0, 6.0]
+    text += page(3, SPEEDS, [-0.2, -0.1, 0.1, 0.3], 0.0, growth=growth, symmetry="SYMMETRIC")
+    stored = import_summary(client, text)
+    roots = f"/api/v1/flutter-summaries/{stored['id']}/roots?modal_table_id=1&fuel=0"
+    named = client.get(roots).json()
+    assert [(one["number"], one["name"]) for one in named["roots"]] == [
+        (1, first["name"]),
+        (2, ""),
+        (3, ""),
+    ]
+    assert named["roots"][0]["damping_g"] == RISING
+    assert named["points"] == stored["points"]
+    at = {p["root"]: p["airspeed_m_s"] for p in client.get(f"{roots}&g=0.015").json()["points"]}
+    assert at == pytest.approx({1: 45.0, 3: 35.0})
+    figure = f"/api/v1/figures/flutter-summary?summary_id={stored['id']}&g=0.015&modal_table_id=1"
+    drawn = client.get(f"{figure}&fuel=0").json()
+    assert f"1 {first['name']}" in [trace["name"] for trace in drawn["data"]]
+    assert [note["text"] for note in drawn["layout"]["annotations"]] == ["flutter", "divergence"]
+    refused = client.get(f"{roots}&analysis=1")
+    assert (refused.status_code, refused.json()["code"]) == (422, "unknown-analysis")
+
+
+def test_prediction_beside_is_that_at_the_density_and_airspeeds_of_the_analysis(
+    client: TestClient,
+) -> None:
+    """The page requests what the figure reads."""
+    stored = import_summary(client, page(1, SPEEDS, RISING, 5.0, density=0.8))
+    roots = client.get(f"/api/v1/flutter-summaries/{stored['id']}/roots").json()
+    assert roots["compared"] == pytest.approx(
+        {"density_kg_m3": 0.98, "from_m_s": 20.0, "to_m_s": 50.0}
+    )
+    figure = f"/api/v1/figures/flutter-summary?summary_id={stored['id']}&prediction_id=1"
+    assert client.get(figure).json()["code"] == "not-computed"
+    request = {"prediction_id": 1, "fuel": 0.5, **roots["compared"]}
+    begun = client.post("/api/v1/flutter/predicted/results", params=request)
+    job = begun.json()["id"]
+    assert client.get(figure).json().get("job_id", job) == job  # computed already, or not yet
+    client.post(f"/api/v1/jobs/{job}/cancel")
+    matched = page(1, SPEEDS, -0.1, 5.0, density=RISING_DENSITY, method="PKNL")
+    stored = import_summary(client, matched)
+    assert client.get(f"/api/v1/flutter-summaries/{stored['id']}/roots").json()["compared"] is None
+    figure = f"/api/v1/figures/flutter-summary?summary_id={stored['id']}&prediction_id=1"
+    assert client.get(figure).json()["code"] == "no-density"
 
 
 def test_root_on_several_pages_and_repeated_analysis(client: TestClient) -> None:

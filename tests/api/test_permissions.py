@@ -31,6 +31,7 @@ from flexsid.jobs.kinds import QUALITY
 from flexsid.records.account import AccountRole
 from flexsid.records.decision import FrozenFigure
 from flexsid.records.flutter import Controller
+from flexsid.records.flutter_summary import FlutterSummary
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.live import (
     LiveStream,
@@ -40,7 +41,7 @@ from flexsid.records.live import (
     StreamStatus,
 )
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
-from flexsid.records.modal_data import FlutterSummary, MeasuredResponses
+from flexsid.records.modal_data import MeasuredResponses
 from flexsid.records.note import NoteRevision, NoteSubject
 from flexsid.records.run import Batch
 from flexsid.records.saved_view import SavedView

@@ -9,7 +9,7 @@ from typing import Any
 
 from fastapi import FastAPI
 
-from flexsid.api import live_examples
+from flexsid.api import flutter_summary_examples, live_examples
 
 _PROBLEM = "application/problem+json"
 
@@ -63,6 +63,8 @@ _EXAMPLES: dict[str, Any] = {
     "surface": "bfs",
     "since_s": 600.0,
     "columns": 600,
+    "analysis": 0,
+    "g": 0.02,
 }
 
 # Examples by operation, where the demonstration campaign needs another value.
@@ -539,6 +541,7 @@ _GLOBAL_MODEL_SUMMARY = {
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     **live_examples.RESPONSES,
+    **flutter_summary_examples.RESPONSES,
     "list_global_model_versions": {"items": [_REVIEWED_GLOBAL_MODEL]},
     "add_global_model_version": _GLOBAL_MODEL_VERSION,
     "get_global_model_version": {**_REVIEWED_GLOBAL_MODEL, "summary": _GLOBAL_MODEL_SUMMARY},

@@ -1,4 +1,4 @@
-"""Modal data: tables of modes, ground vibration tests, flutter analyses, and their views.
+"""Modal data: tables of modes, ground vibration tests, and their views.
 
 Views are in SI and rad unless a name has another unit.
 """
@@ -66,51 +66,6 @@ class ModeCorrection:
     reason: str
     author: str = ""
     created_at: datetime | None = None
-    id: int | None = None
-
-
-class Instability(StrEnum):
-    """How a root of a flutter analysis goes unstable."""
-
-    FLUTTER = "flutter"
-    DIVERGENCE = "divergence"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlutterPoint:
-    """Where a root of a flutter analysis loses its damping.
-
-    ``analysis`` names what it is of: subcase, symmetry, Mach number, density, method. Where
-    ``is_bound``, the root was not seen stable at a lower speed: it goes unstable at or below
-    ``airspeed_m_s``. ``density_ratio`` and ``mach`` are None where the file gives none.
-    """
-
-    root: int
-    airspeed_m_s: float
-    omega_rad_s: float
-    kind: Instability = Instability.FLUTTER
-    is_bound: bool = False
-    analysis: str = ""
-    mach: float | None = None
-    density_ratio: float | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlutterSummary:
-    """Roots of a flutter analysis (Nastran SOL 145) against airspeed.
-
-    ``arrays`` names ``analysis`` (N,), ``root`` (N,), ``airspeed`` (N,) [m/s], ``damping``
-    (N,) structural damping g [1], ``omega`` and ``growth`` (N,), imaginary and real part of the
-    root [rad/s, 1/s], and, where printed, ``density`` and ``mach`` (N,). A root is one of its
-    analysis only. ``notes`` name the analyses, and what no speed is read from.
-    """
-
-    aircraft_id: int
-    name: str
-    points: tuple[FlutterPoint, ...]
-    arrays: dict[str, str]
-    notes: tuple[str, ...] = ()
-    origin: str = ""
     id: int | None = None
 
 

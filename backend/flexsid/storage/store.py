@@ -18,6 +18,7 @@ from flexsid.records.decision import (
 )
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import Controller
+from flexsid.records.flutter_summary import FlutterSummary
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.job import Job
 from flexsid.records.live import Acknowledgement, LiveStream, LiveTestPoint, RecordedState
@@ -29,12 +30,7 @@ from flexsid.records.maneuver import (
     Maneuver,
     StoredMapping,
 )
-from flexsid.records.modal_data import (
-    FlutterSummary,
-    MeasuredResponses,
-    ModalTable,
-    ModeCorrection,
-)
+from flexsid.records.modal_data import MeasuredResponses, ModalTable, ModeCorrection
 from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.note import NoteRevision
 from flexsid.records.quality import ManeuverQuality

@@ -198,6 +198,7 @@ flutter_summaries = table(
     refers_to("aircraft_id", "aircraft"),
     text("name"),
     json("points"),
+    json("analyses"),
     json("arrays"),
     json("notes"),
     text("origin"),

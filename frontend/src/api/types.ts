@@ -155,6 +155,7 @@ export type MeasuredResponses = Received<"MeasuredResponses">;
 export type FoundModes = Received<"FoundModes">;
 export type ResponsesRequest = Schemas["ResponsesRequest"];
 export type FlutterSummary = Received<"FlutterSummary">;
+export type SummaryRoots = Received<"SummaryRoots">;
 export type ModalDataRequest = Schemas["ModalDataRequest"];
 export type GlossaryEntry = Received<"GlossaryEntry">;
 

@@ -1,11 +1,37 @@
 import { Alert } from "@mantine/core";
 import type { PredictedFlutter as Result } from "../api/types";
+import type { useStoredResult } from "../api/useStoredResult";
 import { fixed, percent } from "../lib/format";
+import { ComputeButton } from "./ComputeButton";
 import { Facts } from "./ConditionFacts";
+import { JobWait } from "./JobWait";
+import { Loaded } from "./Loaded";
+import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
 
+/** The flutter analysis of a prediction: its job, then its result. */
+export function StoredPredictedFlutter({
+  stored,
+}: {
+  stored: ReturnType<typeof useStoredResult<Result>>;
+}) {
+  const { result, jobId, error, onEnd, compute } = stored;
+  return (
+    <>
+      <ComputeButton compute={compute} />
+      {error !== null && <ProblemAlert error={error} />}
+      {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
+      {compute === undefined && jobId === undefined && error === null && (
+        <Loaded query={result} rows={4}>
+          {(data) => <PredictedFlutter result={data} />}
+        </Loaded>
+      )}
+    </>
+  );
+}
+
 /** Flutter of a prediction alone: p-k method, rational functions, and mode participation. */
-export function PredictedFlutter({ result }: { result: Result }) {
+function PredictedFlutter({ result }: { result: Result }) {
   const parts = result.participation
     .filter((one) => one.share >= 0.01)
     .map((one) => `${one.name} ${percent(one.share)} %`);

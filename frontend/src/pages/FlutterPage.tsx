@@ -19,7 +19,7 @@ import {
   type FlutterParams,
 } from "../api/queries";
 import type { QueryValue } from "../api/client";
-import type { Flutter, PredictedFlutter as PredictedFlutterResult } from "../api/types";
+import type { Flutter } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
 import { DerivedRuns } from "../components/DerivedRuns";
@@ -34,7 +34,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
-import { PredictedFlutter } from "../components/PredictedFlutter";
+import { StoredPredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
@@ -114,7 +114,7 @@ export function FlutterPage() {
         <Choices view={view} result={result.data} onChange={change} />
         {alone ? (
           <Stack gap="md">
-            <PredictedPart stored={predicted} />
+            <StoredPredictedFlutter stored={predicted} />
             {predicted.result.data !== undefined && ofPrediction !== undefined && (
               <>
                 <div className="panel" style={{ padding: 12 }}>
@@ -153,7 +153,9 @@ export function FlutterPage() {
                 {(data) => <Prediction result={data} />}
               </Loaded>
             )}
-            {ready && view.prediction !== undefined && <PredictedPart stored={predicted} />}
+            {ready && view.prediction !== undefined && (
+              <StoredPredictedFlutter stored={predicted} />
+            )}
             {ready && (
               <Figures
                 query={query}
@@ -168,27 +170,6 @@ export function FlutterPage() {
           </Stack>
         )}
       </div>
-    </>
-  );
-}
-
-/** The flutter analysis of a prediction: its job, then its result. */
-function PredictedPart({
-  stored,
-}: {
-  stored: ReturnType<typeof useStoredResult<PredictedFlutterResult>>;
-}) {
-  const { result, jobId, error, onEnd, compute } = stored;
-  return (
-    <>
-      <ComputeButton compute={compute} />
-      {error !== null && <ProblemAlert error={error} />}
-      {jobId !== undefined && <JobWait key={jobId} id={jobId} onEnd={onEnd} />}
-      {compute === undefined && jobId === undefined && error === null && (
-        <Loaded query={result} rows={4}>
-          {(data) => <PredictedFlutter result={data} />}
-        </Loaded>
-      )}
     </>
   );
 }

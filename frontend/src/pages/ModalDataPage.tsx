@@ -6,6 +6,7 @@ import type { Aircraft, ModalTable } from "../api/types";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { CorrelationTab } from "../components/modes/CorrelationTab";
+import { FlutterTab } from "../components/modes/FlutterTab";
 import { FuelTab } from "../components/modes/FuelTab";
 import { OrderTab } from "../components/modes/OrderTab";
 import { SensorsTab } from "../components/modes/SensorsTab";
@@ -26,6 +27,7 @@ const TITLES: Record<(typeof MODAL_TABS)[number], string> = {
   sensors: "Sensors",
   order: "Model order",
   gvt: "Ground vibration test",
+  flutter: "Flutter summaries",
   files: "Import",
 };
 
@@ -101,8 +103,12 @@ function OneAircraft({ all, aircraft, view, onChange }: Props) {
               <Tabs.Panel value="gvt">
                 <VibrationTab {...{ aircraft, usable, view, onChange }} />
               </Tabs.Panel>
+              <Tabs.Panel value="flutter">
+                <FlutterTab {...{ aircraft, table, view, onChange }} />
+              </Tabs.Panel>
               {table === undefined ? (
                 tab !== "files" &&
+                tab !== "flutter" &&
                 tab !== "gvt" && (
                   <Empty title="No modal data yet">
                     Import the output of a FEM (.op2, .f06, .pch with its deck) or of a ground

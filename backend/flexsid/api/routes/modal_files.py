@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from pydantic import Field, StrictBool
 
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
+from flexsid.figure_table import SummaryParameters
 from flexsid.importers.modal_data import (
     ModalDataOptions,
     ModalFiles,
     extract_modal_data,
     inspect_modal_data,
 )
-from flexsid.records.modal_data import FlutterSummary, ModalKind, ModalTable
+from flexsid.records.flutter_summary import FlutterSummary, SummaryRoots
+from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.flutter.flutter_summary import add_warning, save_flutter_summary
+from flexsid.workflow.flutter.summary_roots import SummaryQuery, read_summary_roots
 from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data.modal_import import store_modal_data
 
@@ -92,3 +95,11 @@ def list_flutter_summaries(store: TheStore, aircraft_id: Reference = None) -> Pa
 def get_flutter_summary(store: TheStore, summary_id: Identity) -> FlutterSummary:
     """Return one flutter summary."""
     return add_warning(store.flutter_summaries.get(summary_id))
+
+
+@router.get("/flutter-summaries/{summary_id}/roots")
+def get_summary_roots(
+    store: TheStore, summary_id: Identity, parameters: Annotated[SummaryParameters, Query()]
+) -> SummaryRoots:
+    """Return the roots of one analysis, and where they become unstable at a damping g."""
+    return read_summary_roots(store, SummaryQuery(summary_id=summary_id, **dict(parameters)))

@@ -1,7 +1,8 @@
 """Flutter summaries of a Nastran printout (SOL 145), with the analysis of every row.
 
-A printout may hold several analyses: of subcases, symmetries, Mach numbers and densities. A
-root ("POINT") belongs to one analysis, so rows are separated by the heading of their page.
+A printout may hold several analyses: of subcases, configurations, symmetries, Mach numbers and
+densities. A root ("POINT") belongs to one analysis, so rows are separated by the heading of their
+page.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ _POINT = re.compile(r"POINT\s*=\s*(\d+)")
 _MACH = re.compile(rf"MACH NUMBER\s*=\s*{_NUMBER}")
 _DENSITY = re.compile(rf"DENSITY RATIO\s*=\s*{_NUMBER}")
 _METHOD = re.compile(r"METHOD\s*=\s*([A-Z]+)")
+_CONFIGURATION = re.compile(r"CONFIGURATION\s*=\s*(\S+)")
 _SYMMETRY = re.compile(r"(X[YZ])-SYMMETRY\s*=\s*([A-Z]+)")
 _COLUMNS = (
     ("1./KFREQ", "inverse"),
@@ -39,6 +41,7 @@ class _Page:
     """Analysis parameters from the heading of a page."""
 
     subcase: int
+    configuration: str
     symmetry: str
     method: str
     mach: float
@@ -63,11 +66,13 @@ class FlutterPages:
     _current: int = -1
     _subcase: int = 0
     _symmetry: str = ""
+    _configuration: str = ""
     _columns: list[str] = field(default_factory=list)
 
     def begin(self, subcase: int) -> None:
         """Begin a page."""
-        self._subcase, self._symmetry, self._columns, self._current = subcase, "", [], -1
+        self._subcase, self._symmetry, self._configuration = subcase, "", ""
+        self._columns, self._current = [], -1
 
     def take(self, line: str) -> None:
         """Read the symmetry, the point, the heading or a row of a summary.
@@ -77,6 +82,8 @@ class FlutterPages:
         ValueError
             If the columns of a row differ from its heading, or a required number is missing.
         """
+        if (configuration := _CONFIGURATION.search(line)) is not None:
+            self._configuration = configuration[1]
         if symmetry := _SYMMETRY.findall(line):
             stated = [f"{plane} {how.lower()}" for plane, how in symmetry if how != "ASYMMETRIC"]
             self._symmetry = ", ".join(stated)
@@ -94,6 +101,7 @@ class FlutterPages:
         method, mach, density = (found.search(line) for found in (_METHOD, _MACH, _DENSITY))
         page = _Page(
             subcase=self._subcase,
+            configuration=self._configuration,
             symmetry=self._symmetry,
             method="" if method is None else method[1],
             mach=np.nan if mach is None else float(mach[1]),
@@ -135,8 +143,13 @@ class FlutterPages:
         row.setdefault("density", page.density)
         self._rows.append({"analysis": self._current, "point": analysis.last, **row})
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no summary was found."""
+        return not self._rows
+
     def fields(self) -> Iterator[Field]:
-        """Yield rows in printed order, and subcase, symmetry and method of each analysis."""
+        """Yield rows in printed order, and the heading of each analysis."""
         if not self._rows:
             return
         for name in (
@@ -146,6 +159,6 @@ class FlutterPages:
             yield Field(f"flutter/{name}", np.array([row[name] for row in self._rows], dtype=float))
         pages = [analysis.page for analysis in self._analyses]
         yield Field("flutter/subcase", np.array([page.subcase for page in pages]))
-        for name in ("symmetry", "method"):
+        for name in ("configuration", "symmetry", "method"):
             text = np.array([getattr(page, name) for page in pages], dtype=np.str_)
             yield Field(f"flutter/{name}", text)

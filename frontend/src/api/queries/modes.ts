@@ -115,3 +115,24 @@ export const flutterSummariesQuery = (aircraftId: number) =>
         }),
       ),
   });
+
+export interface SummaryRootsParams {
+  analysis: number;
+  g: number;
+  modal_table_id?: number;
+  fuel: number;
+}
+
+export const summaryRootsQuery = (id: number, query: SummaryRootsParams) =>
+  queryOptions({
+    queryKey: ["flutter-summaries", id, "roots", query],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/flutter-summaries/{summary_id}/roots", {
+          params: { path: { summary_id: id }, query },
+          signal,
+        }),
+      ),
+    placeholderData: keepPreviousData,
+    retry: false,
+  });

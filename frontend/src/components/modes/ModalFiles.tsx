@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Switch, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useRef, useState } from "react";
 import {
@@ -7,13 +7,12 @@ import {
   useImportStructure,
   useUploadFiles,
 } from "../../api/commands";
-import { flutterSummariesQuery, structureUploadQuery } from "../../api/queries";
-import type { Aircraft, FlutterSummary, StructureFound } from "../../api/types";
+import { structureUploadQuery } from "../../api/queries";
+import type { Aircraft, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
 import type { ModalDataView } from "../../views";
 import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
-import { Notes } from "./Notes";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 
@@ -31,7 +30,6 @@ export function ModalFiles({ aircraft, view, onChange }: Props) {
       {view.upload !== undefined && (
         <Found key={view.upload} id={view.upload} aircraft={aircraft} onChange={onChange} />
       )}
-      <Summaries aircraftId={aircraft.id} />
     </Stack>
   );
 }
@@ -124,7 +122,7 @@ function Found({ id, aircraft, onChange }: FoundProps) {
               <ResponsesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
             {data.files.some((file) => file.holds.includes("a flutter summary")) && (
-              <FlutterSummaryForm id={id} aircraft={aircraft} />
+              <FlutterSummaryForm id={id} aircraft={aircraft} onChange={onChange} />
             )}
           </Stack>
         </Section>
@@ -327,11 +325,19 @@ function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: 
 
 const SPEEDS = ["m/s", "ft/s", "in/s", "kt", "km/h"] as const;
 
-function FlutterSummaryForm({ id, aircraft }: { id: string; aircraft: Aircraft }) {
+function FlutterSummaryForm({ id, aircraft, onChange }: FoundProps) {
   const save = useImportFlutterSummary(id, aircraft.id);
+  const [name, setName] = useState("SOL 145");
   const [unit, setUnit] = useState<(typeof SPEEDS)[number] | null>(null);
   return (
     <Group align="end">
+      <TextInput
+        label="Name of the flutter summary"
+        value={name}
+        onChange={(event) => {
+          setName(event.currentTarget.value);
+        }}
+      />
       <Select
         label="Velocity unit of the flutter summary"
         data={[...SPEEDS]}
@@ -342,10 +348,23 @@ function FlutterSummaryForm({ id, aircraft }: { id: string; aircraft: Aircraft }
       />
       <Button
         variant="default"
-        disabled={unit === null}
+        disabled={unit === null || name.trim() === ""}
         loading={save.isPending}
         onClick={() => {
-          if (unit !== null) save.mutate({ name: "SOL 145", speed_unit: unit });
+          if (unit !== null)
+            save.mutate(
+              { name: name.trim(), speed_unit: unit },
+              {
+                onSuccess: (stored) => {
+                  onChange({
+                    tab: "flutter",
+                    summary: stored.id,
+                    analysis: undefined,
+                    upload: undefined,
+                  });
+                },
+              },
+            );
         }}
       >
         Save flutter summary
@@ -353,54 +372,4 @@ function FlutterSummaryForm({ id, aircraft }: { id: string; aircraft: Aircraft }
       {save.isError && <ProblemAlert error={save.error} />}
     </Group>
   );
-}
-
-function Summaries({ aircraftId }: { aircraftId: number }) {
-  const summaries = useQuery(flutterSummariesQuery(aircraftId));
-  if (summaries.data === undefined || summaries.data.length === 0) return null;
-  return (
-    <Section title="Flutter summaries" note="Airspeeds of zero damping, by analysis">
-      <DataTable
-        label="Flutter summaries"
-        testId="flutter-summaries"
-        columns={[
-          { key: "name", header: "Name", render: (row) => row.name },
-          { key: "origin", header: "File", render: (row) => row.origin },
-          {
-            key: "points",
-            header: "Instabilities",
-            render: (row) => (
-              <Stack gap={4}>
-                {row.points.map((point) => (
-                  <Text
-                    size="sm"
-                    key={`${point.analysis} ${String(point.root)} ${String(point.airspeed_m_s)}`}
-                  >
-                    {instability(point)}
-                    {point.analysis !== "" && (
-                      <Text span size="xs" c="dimmed">
-                        {` ${point.analysis}`}
-                      </Text>
-                    )}
-                  </Text>
-                ))}
-                {row.points.length === 0 && <Text size="sm">none found</Text>}
-              </Stack>
-            ),
-          },
-          { key: "notes", header: "Notes", render: (row) => <Notes notes={row.notes} /> },
-        ]}
-        rows={summaries.data}
-        rowKey={(row) => row.id}
-      />
-    </Section>
-  );
-}
-
-/** Text of one instability: kind, airspeed and frequency. */
-function instability(point: FlutterSummary["points"][number]): string {
-  const speed = `${fixed(point.airspeed_m_s, 1)} m/s (${fixed(point.airspeed_m_s / 0.514444, 1)} kt)`;
-  const where = point.is_bound ? `at or below ${speed}` : speed;
-  const frequency = point.kind === "divergence" ? "" : `, ${fixed(point.omega_rad_s, 1)} rad/s`;
-  return `root ${String(point.root)}: ${point.kind} ${where}${frequency}`;
 }
