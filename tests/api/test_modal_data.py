@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from scipy.io import loadmat
+from structural_files import make_structure, print_mass, print_shapes, write_deck
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"
@@ -273,3 +275,46 @@ def test_exported_modes_are_read_by_others(client: TestClient, table: Any) -> No
     assert found["shapes"].shape == (found["numbers"].size, found["nodes"].shape[0], 6)
     hertz = [mode["frequency_hz"] for mode in client.get(f"{at}/modes?fuel=0.5").json()["items"]]
     assert found["frequency_hz"].ravel() == pytest.approx(hertz)
+
+
+def test_selected_analysis_and_elements_are_stored(client: TestClient) -> None:
+    clamped, free = make_structure(1), make_structure(2)
+    free = replace(free, ids=clamped.ids)
+    a, b, c = clamped.ids[:3].tolist()
+    deck = f"CTRIA3,1,1,{a},{b},{c}\n" + write_deck(clamped)
+    printed = print_shapes(clamped, "CLAMPED     SUBCASE 1")
+    printed += print_shapes(free, "FREE     SUBCASE 2")
+    identity = upload(client, ("wing.bdf", deck.encode()), ("wing.f06", printed.encode()))
+    found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()
+    labels = [one["label"] for file in found["files"] for one in file["analyses"]]
+    assert labels == ["subcase 1: CLAMPED", "subcase 2: FREE"]
+    payload = {"aircraft_id": 1, "name": "x", "length_unit": "m", "generalized_mass": "unknown"}
+    payload["analyses"] = {"wing.f06": "subcase 3"}
+    at = f"/api/v1/uploads/{identity}/modal-data"
+    assert client.post(at, json=payload).json()["code"] == "unknown-analysis"
+    payload["analyses"] = {"wing.f06": "subcase 2: FREE"}
+    stored = client.post(at, json=payload).json()
+    shape = client.get(f"/api/v1/modal-tables/{stored['id']}/shape?number=1").json()
+    assert shape["frequency_hz"] == pytest.approx(free.omega[0] / 2.0 / np.pi, rel=1e-5)
+    assert shape["lines"] == [[0, 1], [0, 2], [1, 2]]
+
+
+def test_mass_properties_of_a_printout_are_those_of_the_aircraft(client: TestClient) -> None:
+    files = [
+        (f"{name}.f06", print_mass(mass, (2.0, 0.0, 0.1), np.diag([80.0, 60.0, 130.0])).encode())
+        for name, mass in (("empty", 150.0), ("full", 200.0))
+    ]
+    identity = upload(client, *files)
+    found = client.get(f"/api/v1/uploads/{identity}/modal-data").json()["files"]
+    assert [file["mass"] for file in found] == [150.0, 200.0]
+    at = f"/api/v1/uploads/{identity}/mass-properties"
+    payload = {"aircraft_id": 1, "length_unit": "m", "mass_unit": "kg"}
+    assert client.post(at, json=payload).json()["code"] == "two-results"
+    payload["fuel"] = {"full.f06": 1.0}
+    mass = client.post(at, json=payload).json()["mass"]
+    assert (mass["fuel"], mass["mass_kg"]) == ([0.0, 1.0], [150.0, 200.0])
+    assert mass["pitch_inertia_kg_m2"] == pytest.approx([60.0, 60.0], rel=1e-4)
+    assert client.get("/api/v1/aircraft/1").json()["mass"] == mass
+    other = upload(client, ("deck.bdf", DECK))
+    refused = client.post(f"/api/v1/uploads/{other}/mass-properties", json=payload)
+    assert refused.json()["code"] == "no-mass-properties"

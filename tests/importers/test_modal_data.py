@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from structural_files import make_structure, print_shapes
 
 from flexsid.errors import BadInput
 from flexsid.importers import sandbox
@@ -65,8 +66,32 @@ def test_missing_and_unused_content_is_noted(tmp_path):
     assert "wing.bdf: it includes rest.bdf, which is not among the files" in notes
     assert "PARAM,WTMASS is 0.00259" in notes
     assert "results.f06: it also holds 1 mode shapes of subcase 2" in notes
-    shown = inspect_modal_data(read).files
-    assert any("subcase 2" in text for file in shown for text in file.refused)
+    (shown,) = (file for file in inspect_modal_data(read).files if file.analyses)
+    assert [one.label for one in shown.analyses] == ["subcase 0", "subcase 2"]
+    selected = replace(OPTIONS, analyses={"results.f06": "subcase 2"})
+    raw = extract_modal_data(read, selected)
+    assert np.abs(raw.shape).max() == pytest.approx(2.0)
+    assert any("also holds 1 mode shapes of subcase 0" in note for note in raw.notes)
+    with pytest.raises(BadInput, match=r"no analysis 'subcase 3'; expected 'subcase 0' or"):
+        extract_modal_data(read, replace(OPTIONS, analyses={"results.f06": "subcase 3"}))
+
+
+def test_elements_of_another_file_are_lines_between_nodes(tmp_path):
+    elements = "CTRIA3,1,1,1,2,3\nPLOTEL,2,1,2\nPLOTEL,3,3,99\n"
+    read = sources(tmp_path, a_bdf=elements, b_bdf=DECK, results_f06=printout())
+    assert extract_modal_data(read, OPTIONS).lines.tolist() == [[0, 1], [0, 2], [1, 2]]
+    assert inspect_modal_data(read).files[0].holds == ("4 lines between nodes",)
+
+
+def test_complex_modes_are_stored_with_their_damping(tmp_path):
+    structure = make_structure(3, is_complex=True)
+    deck = "".join(f"GRID,{node}\n" for node in structure.ids)
+    read = sources(tmp_path, a_bdf=deck, results_f06=print_shapes(structure))
+    raw = extract_modal_data(read, OPTIONS)
+    assert raw.omega[0] == pytest.approx(structure.omega, rel=1e-5)
+    assert raw.zeta is not None
+    assert raw.zeta[0] == pytest.approx(structure.damping, rel=1e-4)
+    assert any("rotated to their principal direction" in note for note in raw.notes)
 
 
 @pytest.mark.parametrize(

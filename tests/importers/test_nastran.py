@@ -7,10 +7,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from structural_files import (
+    OutputFile,
+    add_eigenvalues,
+    add_geometry,
+    add_shapes,
+    make_structure,
+    print_eigenvalues,
+    print_mass,
+    print_shapes,
+)
 
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers import sandbox
-from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
+from flexsid.importers.modal_data import (
+    MassOptions,
+    ModalDataOptions,
+    extract_mass_table,
+    extract_modal_data,
+)
 from flexsid.importers.nastran import bulk, f06, op2, punch
 from flexsid.importers.nastran.frames import Frames
 
@@ -140,7 +155,7 @@ def printed_table(eigenvalue, header="SUBCASE 1", below=""):
 
 
 def test_modes_of_several_subcases_are_not_mixed(tmp_path):
-    """Mode 1 of subcase 2 has a node that mode 1 of subcase 1 lacks: it is excluded."""
+    """Mode 1 of subcase 2 has a node that mode 1 of subcase 1 lacks: it is another analysis."""
     file = tmp_path / "wing.f06"
     second = {"header": "SUBCASE 2", "eigenvalue": 400.0}
     file.write_text(
@@ -153,9 +168,9 @@ def test_modes_of_several_subcases_are_not_mixed(tmp_path):
     assert found["shape/node"].tolist() == [11]
     assert found["shape/radians"] == pytest.approx([10.0])
     assert found["mode/radians"] == pytest.approx([10.0])
-    refused = " ".join(found["refused"])
-    assert "1 mode shapes of subcase 2" in refused
-    assert "1 eigenvalues of subcase 2" in refused
+    assert found["case/label"].tolist() == ["subcase 1", "subcase 2"]
+    assert found["case/1/shape/node"].tolist() == [12]
+    assert found["case/1/mode/radians"] == pytest.approx([20.0])
     punched = tmp_path / "wing.pch"
     rows = "$EIGENVECTOR\n$REAL OUTPUT\n$SUBCASE ID = {0}\n$EIGENVALUE = {1} MODE = 1\n"
     rows += "         1       G     {2:18.6E}{2:18.6E}{2:18.6E}\n-CONT-" + " " * 12
@@ -163,33 +178,24 @@ def test_modes_of_several_subcases_are_not_mixed(tmp_path):
     punched.write_text("$TITLE = X\n" + rows.format(1, 100.0, 1.0) + rows.format(2, 400.0, 7.0))
     found = read(punch, punched)
     assert found["shape/values"].max() == 1.0
-    assert "subcase 2" in found["refused"][0]
+    assert found["case/1/shape/values"].max() == 7.0
 
 
 def test_tables_other_than_modes_are_skipped_and_noted(tmp_path):
     file = tmp_path / "wing.f06"
     relative = printed_page(below="     (RELATIVE TO ENFORCED MOTION INPUT)")
-    twisted = PAGE.format(
-        header="SUBCASE 1",
-        eigenvalue=9.0,
-        kind="C O M P L E X",
-        mode=1,
-        below="",
-        node=1,
-        value=3.0,
-    )
     residual = printed_table(100.0, below="(BEFORE AUGMENTATION OF RESIDUAL VECTORS)")
     residual += printed_table(121.0, below="(AFTER AUGMENTATION OF RESIDUAL VECTORS)").rstrip()
     residual += (
         "\n        2         2        9.0E+06        3.0E+03        4.7E+02        1.0   9.E+06\n"
     )
     component = printed_table(64.0, header="SUPERELEMENT 10 , 1   SUBCASE 1")
-    file.write_text(component + residual + relative + twisted)
+    file.write_text(component + residual + relative)
     found = read(f06, file)
     assert "shape/values" not in found
     assert found["mode/radians"] == pytest.approx([11.0, 3000.0])
     refused = " | ".join(found["refused"])
-    for what in ("relative to enforced motion input", "complex mode shapes", "superelement 10"):
+    for what in ("relative to enforced motion input", "superelement 10"):
         assert what in refused
     assert "modes 2 to 2 are residual vectors" in refused
     echo = "     1     SOL 105\n"
@@ -204,6 +210,104 @@ def test_tables_other_than_modes_are_skipped_and_noted(tmp_path):
     punched = tmp_path / "wing.pch"
     punched.write_text("$TITLE = X\n$EIGENVECTOR\n$REAL-IMAGINARY OUTPUT\n")
     assert "complex" in read(punch, punched)["refused"][0]
+
+
+@pytest.mark.parametrize("polar", [False, True])
+def test_subcases_and_complex_modes_are_separate_analyses(tmp_path, polar):
+    clamped, free = make_structure(1), make_structure(2)
+    twisted = make_structure(3, is_complex=True)
+    printed = tmp_path / "wing.f06"
+    printed.write_text(
+        print_shapes(twisted, "CLAMPED     SUBCASE 1", polar=polar)
+        + print_eigenvalues(clamped, "CLAMPED     SUBCASE 1")
+        + print_eigenvalues(free, "FREE     SUBCASE 2")
+        + print_shapes(clamped, "CLAMPED     SUBCASE 1", rows=4)
+        + print_shapes(free, "FREE     SUBCASE 2")
+    )
+    binary = OutputFile()
+    add_geometry(binary, clamped)
+    add_eigenvalues(binary, {1: clamped, 2: free})
+    shapes = {(1, "CLAMPED"): clamped, (2, "FREE"): free}
+    add_shapes(binary, shapes)
+    add_shapes(binary, {(1, "CLAMPED"): twisted}, "BOPHIG", polar=polar)
+    binary.save(tmp_path / "wing.op2")
+    for found in (read(f06, printed), read(op2, tmp_path / "wing.op2")):
+        assert found["case/label"].tolist() == [
+            "subcase 1: CLAMPED",
+            "subcase 2: FREE",
+            "subcase 1: CLAMPED, complex modes",
+        ]
+        for prefix, expected in (("", clamped), ("case/1/", free), ("case/2/", twisted)):
+            assert found[f"{prefix}shape/radians"] == pytest.approx(expected.omega, rel=1e-5)
+            assert found[f"{prefix}shape/node"].tolist() == expected.ids.tolist()
+            values = found[f"{prefix}shape/values"]
+            assert values == pytest.approx(np.real(expected.shape), abs=2e-6)
+        assert found["mode/mass"] == pytest.approx(clamped.mass, rel=1e-5)
+        assert found["case/1/mode/mass"] == pytest.approx(free.mass, rel=1e-5)
+        assert found["case/2/shape/damping"] == pytest.approx(twisted.damping, rel=1e-4)
+        assert found["case/2/shape/imaginary"] == pytest.approx(np.imag(twisted.shape), abs=2e-6)
+
+
+def test_edges_of_elements_are_read_in_all_formats(tmp_path):
+    file = tmp_path / "elements.bdf"  # a part of a deck without nodes
+    file.write_text(
+        "$ elements\nCQUAD4         1       1      11      12      13      14\n"
+        "CTRIA3,2,1,13,14,15\nCBAR*                  3               1              15"
+        "              16\n*                    0.0             1.0             0.0\n"
+        "CBEAM,4,1,16,17,,,1.\n=,*1,=,*1,*1,==\nPLOTEL,6,18,11,,7,17,11\n"
+        "RBE2,8,20,123456,21,22,23,24,25\n,26,1.-5\nCQUAD4,9,1,one,2,3,4\n"
+        "INCLUDE 'a very long\n/name.bdf'\n"
+    )
+    found = read(bulk, file)
+    assert {tuple(pair) for pair in found["line/nodes"].tolist()} == {
+        *((11, 12), (12, 13), (13, 14), (11, 14), (14, 15), (13, 15), (15, 16), (16, 17)),
+        *((17, 18), (11, 18), (11, 17), (20, 21), (20, 22), (20, 23), (20, 24), (20, 25)),
+        (20, 26),
+    }
+    assert "CQUAD4" in found["refused"][0]
+    assert found["deck/include"].tolist() == ["a very long/name.bdf"]
+
+
+@pytest.mark.parametrize("size", [4, 8])
+def test_edges_of_output_files_are_read(tmp_path, size):
+    output = OutputFile(size=size)
+    words = output.words
+    shell = words("3i", 2958, 51, 177) + words("6i2f6i", 1, 1, 11, 12, 13, 14, *[0] * 8)
+    beam = words("3i", 5408, 54, 261) + words("18i", 2, 1, 14, 15, *[0] * 14)
+    unknown = words("3i", 2408, 24, 180) + words("5i", 3, 1, 15, 16, 0)  # of another length
+    output.block("GEOM2", [shell, beam, unknown])
+    spokes = words("3i", 6901, 69, 295) + words(
+        "12i", 4, 20, 123, 21, 22, -1, 0, 5, 30, 123, 31, -1
+    )
+    output.block("GEOM4", [spokes])
+    add_geometry(output, make_structure())
+    output.save(tmp_path / "wing.op2")
+    found = read(op2, tmp_path / "wing.op2")["line/nodes"].tolist()
+    assert found == [[11, 12], [11, 14], [12, 13], [13, 14], [14, 15], [20, 21], [20, 22], [30, 31]]
+
+
+def test_mass_properties_are_those_of_the_body(tmp_path):
+    """A body of known inertia, away from the origin, in inches and slinches, nose to -y."""
+    inertia = np.array([[30.0, 2.0, 0.0], [2.0, 90.0, -4.0], [0.0, -4.0, 110.0]])
+    file = tmp_path / "wing.f06"
+    file.write_text(print_mass(2.5, (1.0, 40.0, 3.0), inertia))
+    options = MassOptions(length_unit="in", mass_unit="slinch", axes="left aft up")
+    table = extract_mass_table(sandbox.read_all([file]), options)
+    slinch, inch = 175.126835, 0.0254
+    assert table.mass_kg == pytest.approx((2.5 * slinch,))
+    assert (table.x_cg_m[0], table.z_cg_m[0]) == pytest.approx((40.0 * inch, 3.0 * inch))
+    unit = slinch * inch**2
+    assert table.roll_inertia_kg_m2 == pytest.approx((90.0 * unit,), rel=1e-4)
+    assert table.pitch_inertia_kg_m2 == pytest.approx((30.0 * unit,), rel=1e-4)
+    assert table.yaw_inertia_kg_m2 == pytest.approx((110.0 * unit,), rel=1e-4)
+    # The integral of x z dm: 4 in the axes aft and up, both of which are turned.
+    assert table.product_of_inertia_kg_m2 == pytest.approx((4.0 * unit,), rel=1e-4)
+    file.write_text(print_mass(2.5, (1.0, 40.0, 3.0), inertia, reference=7))
+    with pytest.raises(BadInput, match="no file gives the coordinates of the nodes"):
+        extract_mass_table(sandbox.read_all([file]), options)
+    file.write_text(print_mass(-1.0, (0.0, 0.0, 0.0), inertia))
+    with pytest.raises(BadInput, match="expected one positive mass"):
+        extract_mass_table(sandbox.read_all([file]), options)
 
 
 def test_replicated_nodes_and_open_defaults_are_read(tmp_path):
@@ -274,55 +378,15 @@ def write_op2(
     Shapes lie in ``table``; before it another one, ``before``, holds them ten times as large.
     A coordinate system 5 is turned by 90 degrees about z; node 2 has its displacements in it.
     """
-    integer, real = {4: "if", 8: "qd"}[size]
-    record = bytearray()
-
-    def put(data: bytes) -> None:
-        length = struct.pack(f"{order}i", len(data))
-        record.extend(length + data + length)
-
-    def key(value: int) -> None:
-        put(struct.pack(f"{order}{integer}", value))
-
-    def words(kinds: str, *values: float) -> bytes:
-        return struct.pack(order + kinds.replace("i", integer).replace("f", real), *values)
-
-    def block(name: str, contents: list[bytes]) -> None:
-        key(2)
-        put(name.encode().ljust(2 * size))
-        key(-1)
-        key(7)
-        put(words("7i", *range(7)))
-        number = -2
-        for content in [name.encode().ljust(2 * size), *contents]:
-            key(number)
-            key(1)
-            key_type = words("i", 0)
-            put(key_type)
-            half = len(content) // (2 * size) * size  # long records are written in parts
-            for part in (content[:half], content[half:]):
-                if part:
-                    key(len(part) // size)
-                    put(part)
-            number -= 1
-        key(number)
-        key(0)
-
-    key(3)
-    put(words("3i", 1, 2, 26))
-    key(7)
-    put(b"NASTRAN FORT TAPE ID CODE - ".ljust(7 * size))
-    key(2)
-    put(b"XXXXXXXX".ljust(2 * size))
-    key(-1)
-    key(0)
+    output = OutputFile(order, size)
+    words = output.words
     grid = words("3i", 4501, 45, 1)
     for node in (1, 2):
         grid += words("2i3f3i", node, 0, 1.0 * node, 2.0, 3.0, 5 * (node - 1), 0, 0)
     points = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0)
     frame = words("3i", 2101, 21, 8) + words("4i", 5, 1, 2, 0)
     frame += struct.pack(f"{order}9d", *points) if doubled else words("9f", *points)
-    block("GEOM1", [grid, frame])
+    output.block("GEOM1", [grid, frame])
     for name in filter(None, (before, table)):
         tables: list[bytes] = []
         scale = 0.5 if name == table else 5.0
@@ -332,9 +396,8 @@ def write_op2(
                 tables.append(words("5i1f3i1i", approach, code, 0, subcase, mode, root, 0, 0, 1, 8))
                 rows = [(10 * n + 2, 1, *([scale * mode * n] * 6)) for n in (1, 2)]
                 tables.append(b"".join(words("2i6f", *row) for row in rows))
-        block(name, tables)
-    key(0)
-    file.write_bytes(bytes(record))
+        output.block(name, tables)
+    output.save(file)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
@@ -368,7 +431,6 @@ def test_coordinate_systems_of_output_files_are_read_in_either_precision(tmp_pat
         ({"before": "ROUGV1"}, "table ROUGV1 holds displacements relative to an enforced motion"),
         ({"before": "OUGPSD2"}, "table OUGPSD2 holds power spectra"),
         ({"before": "BLAMA"}, "table BLAMA holds buckling factors"),
-        ({"subcases": (1, 2)}, "the modes of subcase 2; those of subcase 1 are read"),
     ],
 )
 def test_tables_other_than_modes_are_not_read(tmp_path, wrong, what):

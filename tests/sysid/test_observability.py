@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
+from flexsid.sysid.modes.node_selection import (
+    connect_neighbours,
+    contract_lines,
+    select_spread_nodes,
+)
 from flexsid.sysid.modes.observability import compute_modal_information, rank_candidate_sensors
 
 RNG = np.random.default_rng(4)
@@ -49,3 +53,22 @@ def test_thinned_nodes_include_the_tips_and_are_joined():
     assert set(lines.ravel()) == set(range(300))
     assert select_spread_nodes(nodes[:10], 300).tolist() == list(range(10))
     assert connect_neighbours(nodes[:1]).shape == (0, 2)
+
+
+def test_a_mesh_is_contracted_to_the_nodes_shown():
+    """A plate of 60 x 20 nodes: the coarse mesh has no gap and no line across the plate."""
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(20.0), np.arange(60.0)))
+    nodes = np.column_stack([x, y, np.zeros(x.size)])
+    row = np.arange(x.size).reshape(60, 20)
+    lines = np.concatenate(
+        [
+            np.stack([row[:-1].ravel(), row[1:].ravel()], axis=1),
+            np.stack([row[:, :-1].ravel(), row[:, 1:].ravel()], axis=1),
+        ]
+    )
+    shown = select_spread_nodes(nodes, 150)
+    coarse = contract_lines(nodes, lines, shown)
+    assert set(coarse.ravel()) == set(range(150))
+    one, other = nodes[shown][coarse].transpose(1, 0, 2)
+    assert np.linalg.norm(one - other, axis=1).max() < 6.0
+    assert contract_lines(nodes[:4], np.array([[0, 1], [1, 0]]), np.arange(4)).tolist() == [[0, 1]]

@@ -248,6 +248,7 @@ _BODIES: dict[str, Any] = {
     "save_identified_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "template_id": 1},
     "check_orthogonality": {"modal_table_id": 1, "field": "mass"},
     "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
+    "import_mass_properties": {"aircraft_id": 1, "length_unit": "in", "mass_unit": "slinch"},
     "upload_files": {"files": ["recording.csv"]},
     "upload_maneuver": {"files": ["recording.csv"], "mapping": "mapping.toml"},
     "import_multisines": {
@@ -458,7 +459,7 @@ _AERODYNAMICS_FIT = {
 }
 _POSTERIOR_JOB = _describe_queued_job("posterior-check", "run 1", {"run_id": 1})
 # Routes that respond as another one, whose example is recorded.
-_SAME_RESPONSE = {"replace_aircraft": "add_aircraft"}
+_SAME_RESPONSE = {"replace_aircraft": "add_aircraft", "import_mass_properties": "get_aircraft"}
 
 _GLOBAL_MODEL_VERSION = {
     "aircraft_id": 1,

@@ -103,6 +103,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         ),
         *("import_upload", "delete_modal_table", "correct_mode", "inspect_modal_files"),
         *("import_modal_data", "import_flutter_summary", "import_responses"),
+        "import_mass_properties",
         *("save_identified_modes", "check_orthogonality", "add_model_structure"),
         *("edit_model_structure", "propose_decision", "revise_decision", "comment_decision"),
         *("withdraw_decision", "freeze_figure", "request_run", "change_runs", "delete_run"),

@@ -157,6 +157,7 @@ export type ResponsesRequest = Schemas["ResponsesRequest"];
 export type FlutterSummary = Received<"FlutterSummary">;
 export type SummaryRoots = Received<"SummaryRoots">;
 export type ModalDataRequest = Schemas["ModalDataRequest"];
+export type MassRequest = Schemas["MassRequest"];
 export type GlossaryEntry = Received<"GlossaryEntry">;
 
 export type Method = Run["method"];

@@ -12,15 +12,19 @@ from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
 from flexsid.figure_table import SummaryParameters
 from flexsid.importers.modal_data import (
+    MassOptions,
     ModalDataOptions,
     ModalFiles,
+    extract_mass_table,
     extract_modal_data,
     inspect_modal_data,
 )
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.flutter_summary import FlutterSummary, SummaryRoots
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.workflow.aircraft.aircraft_definition import set_mass_table
 from flexsid.workflow.flutter.flutter_summary import add_warning, save_flutter_summary
 from flexsid.workflow.flutter.summary_roots import SummaryQuery, read_summary_roots
 from flexsid.workflow.importing.uploads import open_upload
@@ -45,8 +49,20 @@ class ModalDataRequest(Request):
     axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
     origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
     fuel: Annotated[dict[Title, _Fraction], Field(max_length=200)] = Field(default_factory=dict)
+    analyses: Annotated[dict[Title, Title], Field(max_length=200)] = Field(default_factory=dict)
     rigid_modes: StrictBool = False
     points: Annotated[dict[Title, _Node], Field(max_length=1000)] = Field(default_factory=dict)
+
+
+class MassRequest(Request):
+    """Units, axes and fuel fractions of mass properties of uploaded printouts (GPWG)."""
+
+    aircraft_id: Id
+    length_unit: Literal["m", "mm", "in", "ft"]
+    mass_unit: Literal["kg", "t", "lb", "slug", "slinch"]
+    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
+    origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
+    fuel: Annotated[dict[Title, _Fraction], Field(max_length=200)] = Field(default_factory=dict)
 
 
 class FlutterSummaryRequest(Request):
@@ -69,6 +85,14 @@ def import_modal_data(store: TheStore, upload_id: UploadId, body: ModalDataReque
     aircraft = store.aircraft.get(body.aircraft_id)
     raw = extract_modal_data(open_upload(store, upload_id), body.make_record(ModalDataOptions))
     return store_modal_data(store, aircraft, raw)
+
+
+@router.post("/uploads/{upload_id}/mass-properties")
+def import_mass_properties(store: TheStore, upload_id: UploadId, body: MassRequest) -> Aircraft:
+    """Replace the mass properties of an aircraft by those of uploaded printouts."""
+    options = body.make_record(MassOptions)
+    table = extract_mass_table(open_upload(store, upload_id), options)
+    return set_mass_table(store, body.aircraft_id, table)
 
 
 @router.post("/uploads/{upload_id}/flutter-summary", status_code=201)

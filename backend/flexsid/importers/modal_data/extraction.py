@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.importers.modal_data.analysis_selection import select_analyses
 from flexsid.importers.modal_data.fuel_states import join_modes, read_masses
 from flexsid.importers.modal_data.inspection import list_unused_content
-from flexsid.importers.modal_data.nodes import collect_trace_lines
+from flexsid.importers.modal_data.nodes import collect_lines
 from flexsid.importers.modal_data.options import TO_BODY, ModalDataOptions, parse_axes
 from flexsid.importers.modal_data.units import resolve_units
 from flexsid.importers.modal_files import convert_csv_modes
@@ -51,6 +52,7 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         fuel weights do not have the same nodes.
     """
     sources = Sources(tuple(convert_csv_modes(source) for source in sources.items))
+    sources = select_analyses(sources, options.analyses)
     results = sources.list_holders("shape/values")
     if not results:
         raise BadInput(
@@ -116,7 +118,7 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         node_ids=first.ids,
         nodes=nodes,
         shape=shape,
-        lines=collect_trace_lines(sources, first.ids),
+        lines=collect_lines(sources, first.ids),
         points=dict(options.points),
         origin=", ".join(source.name for source in sources.items),
         notes=tuple(dict.fromkeys(notes)),

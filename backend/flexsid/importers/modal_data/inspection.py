@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
+from flexsid.importers.modal_data.analysis_selection import ModalAnalysis, list_analyses
 from flexsid.importers.modal_data.fuel_states import read_masses
 from flexsid.importers.modal_data.units import LENGTHS, MASSES
 from flexsid.importers.modal_files import convert_csv_modes
@@ -27,12 +28,18 @@ class ModalQuery:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModalFile:
-    """Content of one file, as text, and its data sets that are not used."""
+    """Content of one file, as text, and its data sets that are not used.
+
+    ``analyses`` are the modal analyses of a file that has several, ``mass`` is that printed, in the
+    unit of the file.
+    """
 
     name: str
     holds: tuple[str, ...]
     refused: tuple[str, ...]
     has_modes: bool
+    analyses: tuple[ModalAnalysis, ...] = ()
+    mass: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,6 +84,8 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
     if "shape/values" in found:
         n_modes, n_nodes, _ = found["shape/values"].shape
         holds.append(f"{n_modes} mode shapes at {n_nodes} nodes")
+        if "case/label" in found:
+            holds.append(f"{found['case/label'].size - 1} further modal analyses")
     elif "mode/radians" in found:
         holds.append(f"{found['mode/radians'].size} frequencies")
     if "grid/id" in found:
@@ -85,7 +94,9 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
     if n_frames:
         holds.append(f"{n_frames} coordinate systems")
     if "line/nodes" in found:
-        holds.append(f"{found['line/nodes'].shape[0]} trace lines")
+        holds.append(f"{found['line/nodes'].shape[0]} lines between nodes")
+    if "rigid/mass" in found:
+        holds.append("mass properties")
     if "flutter/velocity" in found:
         holds.append("a flutter summary")
     if "frf/frequency" in found:
@@ -95,9 +106,12 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
         holds.append(f"{len(functions)} measured functions")
     return ModalFile(
         name=source.name,
-        holds=tuple(holds) or ("no modal data",),
+        holds=tuple(holds)
+        or ("part of a deck without nodes" if "deck/n_grids" in found else "no modal data",),
         refused=tuple(_list_unused(source, sources)),
         has_modes="shape/values" in found,
+        analyses=list_analyses(source),
+        mass=float(found["rigid/mass"][0, 0]) if "rigid/mass" in found else None,
     )
 
 

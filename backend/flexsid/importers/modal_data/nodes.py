@@ -1,4 +1,4 @@
-"""Nodes of all files: their coordinate systems, and the trace lines between them."""
+"""Nodes of all files: their coordinate systems, and the lines between them."""
 
 from __future__ import annotations
 
@@ -131,13 +131,12 @@ def _check_repeated(
             )
 
 
-def collect_trace_lines(sources: Sources, ids: np.ndarray) -> np.ndarray:
-    """Return trace lines as pairs of node rows; lines to nodes without shape are omitted."""
-    row = {node: index for index, node in enumerate(ids.tolist())}
-    pairs = [
-        (row[a], row[b])
-        for source in sources.list_holders("line/nodes")
-        for a, b in source.arrays["line/nodes"].tolist()
-        if a in row and b in row
-    ]
-    return np.array(pairs, dtype=np.int32).reshape(-1, 2)
+def collect_lines(sources: Sources, ids: np.ndarray) -> np.ndarray:
+    """Return lines between nodes as pairs of rows; lines to nodes without shape are omitted."""
+    pairs = [source.arrays["line/nodes"] for source in sources.list_holders("line/nodes")]
+    if not pairs:
+        return np.empty((0, 2), dtype=np.int32)
+    nodes = np.concatenate(pairs)
+    rows = np.minimum(np.searchsorted(ids, nodes), ids.size - 1)  # ids are sorted
+    known = (ids[rows] == nodes).all(axis=1)
+    return np.unique(np.sort(rows[known], axis=1), axis=0).astype(np.int32)

@@ -24,9 +24,10 @@ class ModalDataOptions:
 
     ``fuel`` is the fuel fraction of each result file; decks apply to all fuel fractions.
     ``generalized_mass`` is ``file`` (as printed), ``unit`` (one mass times length squared of
-    the file's units) or ``unknown``. ``origin`` is added to the node coordinates, in the file's
-    length, to match the axes of the sensor locations. ``points`` names the node of a sensor
-    point where it is not the nearest node.
+    the file's units) or ``unknown``. ``analyses`` is the label of the modal analysis of each file
+    that holds several, by default the first. ``origin`` is added to the node coordinates, in the
+    file's length, to match the axes of the sensor locations. ``points`` names the node of a
+    sensor point where it is not the nearest node.
     """
 
     name: str
@@ -37,6 +38,7 @@ class ModalDataOptions:
     axes: str = "aft right up"
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     fuel: dict[str, float] = field(default_factory=dict)
+    analyses: dict[str, str] = field(default_factory=dict)
     rigid_modes: bool = False
     points: dict[str, int] = field(default_factory=dict)
 

@@ -1,4 +1,6 @@
-"""Nastran bulk data (.bdf, .nas, .dat, .pch): GRID and coordinate systems, in all field formats.
+"""Nastran bulk data (.bdf, .nas, .dat, .pch): nodes, coordinate systems and edges of elements.
+
+Fields may be in small, large and free format.
 
 INCLUDE is not followed, as a deck may name any file of the server; the included files are
 imported with it. A field that defaults to GRDSET stays open if this file has no GRDSET, as that
@@ -16,13 +18,18 @@ from typing import TypeVar
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.edges import CORNERS, list_edges
 from flexsid.importers.nastran.frames import Point, list_geometry
 from flexsid.importers.source import Field
 
 _CARD = re.compile(
-    rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+ {1,7}\d+ |\$ )",
+    rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,7}\d+ |\$"
+    rb"|(C(QUAD|TRIA|BAR|BEAM|ROD|TUBE|ELAS|BUSH|ON[MR]|SHEAR)|PLOTEL|RB|P(SHELL|COMP|BAR|BEAM)"
+    rb"|MAT[1-9]|SPC|MPC|PARAM|CAERO|SPLINE)\w*\*? *,)",
     re.IGNORECASE | re.MULTILINE,
 )
+"""Lines with which decks and their parts begin; free format by name, as CSV files have commas."""
+
 _REPEAT = re.compile(r"=\(?(\d+)\)?")
 _STEP = re.compile(r"\*\(?([-+.\dEeDd]+)\)?")
 _Entry = TypeVar("_Entry")
@@ -36,7 +43,7 @@ def recognises(head: bytes) -> bool:
 
 
 def read(path: Path) -> Iterator[Field]:
-    """Read nodes and coordinate systems of a deck, or of one of its parts."""
+    """Read nodes, coordinate systems and edges of a deck, or of one of its parts."""
     return read_text(path.read_text(encoding="latin-1"))
 
 
@@ -48,6 +55,8 @@ class _Deck:
     includes: list[str] = field(default_factory=list)
     defaults: tuple[int, int] | None = None
     weight_to_mass: tuple[float, ...] = ()
+    edges: list[tuple[int, int]] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)
 
 
 def read_text(text: str) -> Iterator[Field]:
@@ -57,6 +66,11 @@ def read_text(text: str) -> Iterator[Field]:
         try:
             _take(deck, entries)
         except (ValueError, IndexError) as error:
+            if entries[0] in CORNERS:  # drawn only
+                deck.refused.append(
+                    f"line {line}: {' '.join(entries)[:60]} is not a {entries[0]} entry"
+                )
+                continue
             raise UnreadableFile(
                 f"line {line}: {' '.join(entries)[:80]} is not a {entries[0]} entry ({error}).",
                 row=line,
@@ -76,6 +90,8 @@ def read_text(text: str) -> Iterator[Field]:
         ("deck/wtmass", deck.weight_to_mass),
         ("frame/by_grid", list(deck.by_grid.values())),
         ("deck/include", deck.includes),
+        ("line/nodes", sorted(set(deck.edges))),
+        ("refused", deck.refused),
     ):
         if values:
             yield Field(name, np.array(values))
@@ -87,7 +103,11 @@ def list_entries(text: str, names: frozenset[str]) -> Iterator[tuple[int, list[s
 
 
 def _is_read(name: str) -> bool:
-    return name in ("GRID", "GRDSET", "PARAM") or re.fullmatch(r"CORD[12][RCS]", name) is not None
+    return (
+        name in CORNERS
+        or name in ("GRID", "GRDSET", "PARAM")
+        or re.fullmatch(r"CORD[12][RCS]", name) is not None
+    )
 
 
 def _cards(
@@ -97,12 +117,17 @@ def _cards(
     current: list[str] = []
     begun = 0
     pattern: list[str] = []  # of a replication, which may be repeated
+    included: str | None = None  # the name of a file over several lines, in quotes
     for number, raw in enumerate(text.splitlines(), start=1):
         line = raw.split("$")[0].expandtabs(8).rstrip()
         if not line:
             continue
-        if line[:7].upper() == "INCLUDE":
-            deck.includes.append(line[7:].strip().strip("'\""))
+        if included is not None or line[:7].upper() == "INCLUDE":
+            included = line[7:].strip() if included is None else included + line.strip()
+            if included[:1] in ("'", '"') and included.count(included[0]) < 2:
+                continue
+            deck.includes.append(included.strip("'\""))
+            included = None
             continue
         if line[:8].upper().startswith("ENDDATA"):
             break
@@ -119,9 +144,11 @@ def _cards(
                     yield begun, current
                     current, begun = made, number
             except ValueError as error:
-                raise UnreadableFile(
-                    f"line {number}: '{line[:60]}' {error}.", row=number
-                ) from error
+                problem = f"line {number}: '{line[:60]}' {error}"
+                if current and current[0] in CORNERS:
+                    deck.refused.append(problem)
+                    continue
+                raise UnreadableFile(f"{problem}.", row=number) from error
             continue
         if current and is_read(current[0]):
             yield begun, current
@@ -195,6 +222,8 @@ def _take(deck: _Deck, entries: list[str]) -> None:
         place = tuple(read_real(value) for value in fields[2:5])
         cp, cd = (int(fields[k]) if fields[k] else None for k in (1, 5))
         _define(deck.grids, int(fields[0]), (cp, place, cd), "node")
+    elif name in CORNERS:
+        deck.edges += list_edges(name, fields)
     elif name.startswith("CORD2"):
         points = tuple(read_real(value) for value in fields[2:11])
         frame = (_KINDS[name[5]], int(fields[1] or 0), points)

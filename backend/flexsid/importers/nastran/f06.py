@@ -1,9 +1,10 @@
-"""Nastran printouts (.f06): eigenvalues, eigenvectors, flutter summaries of SOL 145."""
+"""Nastran printouts (.f06): eigenvalues, eigenvectors, mass properties, flutter summaries."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +12,30 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.bulk import read_real
 from flexsid.importers.nastran.flutter import FlutterPages
+from flexsid.importers.nastran.modal_cases import (
+    EigenvalueTable,
+    NastranCase,
+    list_cases,
+    list_notes,
+)
 from flexsid.importers.nastran.vectors import Vectors
 from flexsid.importers.source import Field
 
 _VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")
 _EIGENVALUE = re.compile(r"^\s*EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*$")
-_SUBCASE = re.compile(r"^0.*\bSUBCASE\s+(\d+)")
+_COMPLEX_EIGENVALUE = re.compile(
+    r"^\s*COMPLEX EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*,\s*([-+.\dEeDd]+)\s*$"
+)
+_SUBCASE = re.compile(r"^0(.*)\bSUBCASE\s+(\d+)")
 _SUPERELEMENT = re.compile(r"^0.*\bSUPERELEMENT\s+(\d+)")
 _BUCKLING = re.compile(
     r"^\s*(?:\d+\s+)?SOL\s*=?\s*(?:105|SEBUCKL)\b|B U C K L I N G|\(BUCKLING", re.IGNORECASE
 )
 _REPEATED_SHAPE = 1e-6
+_MASS = "O U T P U T   F R O M   G R I D   P O I N T   W E I G H T   G E N E R A T O R"
+_REFERENCE = re.compile(r"REFERENCE POINT =\s*(\d+)")
+_LABEL = 64  # characters of a subtitle; the page number may follow
+_SIZE = 6  # of the mass matrix of a rigid body
 
 
 def recognises(head: bytes) -> bool:
@@ -63,25 +77,43 @@ class _Table:
         self.rows: dict[int, tuple[float, float]] = {}
 
 
+@dataclass(slots=True)
+class _MassMatrix:
+    """Mass matrix of the rigid structure about a node (0: the origin), in basic directions."""
+
+    reference: int = 0
+    rows: list[list[float]] = field(default_factory=list)
+
+
 class _Printout:
     """Content of a printout, read page by page."""
 
     def __init__(self, buckling: bool) -> None:
         self._buckling = buckling
         self._take: Callable[[str], None] = self._nothing
-        self._eigenvalue = 0.0
+        self._eigenvalue: complex = 0.0
         self._subcase = self._superelement = self._mode = 0
+        self._label = self._subtitle = ""
+        self._second_line: str | None = None  # of a page, None after the third
+        self._is_polar = False
         self._tables: list[_Table] = []
         self._vectors = Vectors()
-        self._vector: dict[int, list[float]] | None = None
+        self._vector: dict[int, list[complex]] | None = None
+        self._real: tuple[int, list[float]] | None = None  # first line of a complex row
+        self._masses: list[_MassMatrix] = []
         self._largest: list[list[float]] = []
         self._flutter = FlutterPages()
         self._refused: list[str] = []
 
     def take(self, line: str) -> None:
         """Read a line: a heading, or a row of a table."""
+        if self._second_line == "":
+            self._second_line = line
+        elif self._second_line is not None:  # the label follows the subtitle
+            subtitle = self._second_line if line.startswith("0") else ""
+            self._subtitle, self._second_line = subtitle.strip()[:_LABEL].strip(), None
         if (subcase := _SUBCASE.search(line)) is not None:
-            self._subcase = int(subcase[1])
+            self._label, self._subcase = subcase[1].strip(), int(subcase[2])
         if (element := _SUPERELEMENT.search(line)) is not None:
             self._superelement = int(element[1])
         if "R E A L   E I G E N V A L U E S" in line:
@@ -92,14 +124,19 @@ class _Printout:
         elif "FLUTTER  SUMMARY" in line:
             self._flutter.begin(self._subcase)
             self._take = self._flutter.take
+        elif _MASS in line:
+            self._masses.append(_MassMatrix())
+            self._take = self._row_of_mass
         elif "MAXIMUM  DISPLACEMENTS" in line:
             self._take = self._row_of_largest
         elif line[:1] == "1":  # a new page
             self._take = self._nothing
-            self._superelement = 0
+            self._superelement, self._second_line = 0, ""
         else:
             if (value := _EIGENVALUE.search(line)) is not None:
                 self._eigenvalue = read_real(value[1])
+            elif (value := _COMPLEX_EIGENVALUE.search(line)) is not None:
+                self._eigenvalue = complex(read_real(value[1]), read_real(value[2]))
             self._take(line)
 
     def _nothing(self, line: str) -> None:
@@ -131,14 +168,32 @@ class _Printout:
     def _begin_vector(self, line: str, mode: str | None) -> None:
         """Begin a mode, or continue it on a new page."""
         self._take, self._vector = self._row_of_vector, None
-        if "C O M P L E X" in line:
-            self._skip("complex mode shapes; real ones (SOL 103) are read")
-        elif mode is None:
+        if mode is None:
             self._skip("mode shapes sorted by node (SORT2); those sorted by mode are read")
         elif self._buckling:
             self._skip("buckling shapes (SOL 105)")
         else:
             self._mode = int(mode)
+            if "C O M P L E X" in line:
+                self._take, self._real, self._is_polar = self._row_of_complex_vector, None, False
+
+    def _row_of_complex_vector(self, line: str) -> None:
+        """Read a row of two lines: node, type and real parts, then imaginary parts or phases."""
+        if "RELATIVE TO" in line or "SOLUTION SET" in line:
+            self._skip(f"shapes '{line.strip().strip('()').lower()}'")
+        elif "MAGNITUDE" in line:
+            self._is_polar = True
+        parts = line[1:].split()
+        if len(parts) == 8 and parts[0].isdigit() and parts[1] == "G":
+            self._real = int(parts[0]), [read_real(part) for part in parts[2:]]
+        elif len(parts) == 6 and self._real is not None:
+            node, first = self._real
+            second, self._real = [read_real(part) for part in parts], None
+            if self._is_polar:
+                row = [a * np.exp(1j * np.radians(b)) for a, b in zip(first, second, strict=True)]
+            else:
+                row = [complex(a, b) for a, b in zip(first, second, strict=True)]
+            self._add_row(node, row, is_complex=True)
 
     def _row_of_vector(self, line: str) -> None:
         """Read a row: node, type, six components."""
@@ -148,12 +203,36 @@ class _Printout:
         parts = line.split()
         if len(parts) != 8 or not parts[0].isdigit() or parts[1] != "G":
             return
+        self._add_row(int(parts[0]), [read_real(part) for part in parts[2:]])
+
+    def _add_row(self, node: int, row: list[complex], *, is_complex: bool = False) -> None:
+        """Add the components of a mode at a node.
+
+        Raises
+        ------
+        ValueError
+            If the mode has other components at this node.
+        """
         if self._vector is None:
-            self._vector = self._vectors.begin(self._subcase, self._mode, self._eigenvalue)
-        row = [read_real(part) for part in parts[2:]]
-        known = self._vector.setdefault(int(parts[0]), row)
+            self._vector = self._vectors.begin(
+                self._subcase,
+                self._mode,
+                self._eigenvalue,
+                is_complex=is_complex,
+                label=self._label or self._subtitle,
+            )
+        known = self._vector.setdefault(node, row)
         if not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
-            raise ValueError(f"mode {self._mode} has two different values at node {parts[0]}")
+            raise ValueError(f"mode {self._mode} has two different values at node {node}")
+
+    def _row_of_mass(self, line: str) -> None:
+        """Read the reference point or a row of the 6 x 6 mass matrix between asterisks."""
+        found = self._masses[-1]
+        if (point := _REFERENCE.search(line)) is not None:
+            found.reference = int(point[1])
+        parts = line.replace("*", " ").split()
+        if "*" in line and len(parts) == _SIZE and len(found.rows) < _SIZE:
+            found.rows.append([read_real(part) for part in parts])
 
     def _skip(self, what: str) -> None:
         self._take = self._nothing
@@ -165,37 +244,36 @@ class _Printout:
         if len(parts) == 7 and parts[0].isdigit() and int(parts[0]) == len(self._largest) + 1:
             self._largest.append([read_real(part) for part in parts[1:]])
 
-    def _table(self) -> _Table | None:
-        """Return the eigenvalue table of the subcase of the shapes, without superelements."""
-        subcase = self._vectors.subcase
-        usable = [
-            table
-            for table in self._tables
-            if not self._buckling
-            and table.superelement == 0
-            and any(mass > 0.0 for _, mass in table.rows.values())
-            and subcase in (None, table.subcase)
-        ]
-        if not usable:
-            return None
-        same = [table for table in usable if table.subcase == usable[0].subcase]
-        return next((table for table in same if table.augmented), same[0])
+    def _tables_by_subcase(self) -> dict[int, _Table]:
+        """Return the eigenvalue table of every subcase, without superelements."""
+        found: dict[int, _Table] = {}
+        for table in self._tables:
+            usable = not self._buckling and table.superelement == 0
+            if not usable or not any(mass > 0.0 for _, mass in table.rows.values()):
+                continue
+            known = found.setdefault(table.subcase, table)
+            if table.augmented and not known.augmented:
+                found[table.subcase] = table
+        return found
 
     def refused(self) -> list[str]:
         """Return descriptions of the content that is not used."""
-        notes = [*self._refused, *self._vectors.notes()]
-        read = self._table()
+        cases = self._cases()
+        notes = [*self._refused, *list_notes(cases)]
+        by_subcase = self._tables_by_subcase()
+        shown = {case.subcase for case in cases} or set(list(by_subcase)[:1])
         for table in self._tables:
-            if table is read or not table.rows:
+            read = by_subcase.get(table.subcase)
+            if not table.rows or (table is read and table.subcase in shown):
                 continue
             if self._buckling:
                 notes.append(f"{len(table.rows)} buckling factors (SOL 105)")
             elif table.superelement:
                 notes.append(f"the eigenvalues of superelement {table.superelement}")
-            elif read is not None and table.subcase != read.subcase:
+            elif table.subcase not in shown:
                 notes.append(
                     f"{len(table.rows)} eigenvalues of subcase {table.subcase}; those of subcase "
-                    f"{read.subcase} are read"
+                    f"{min(shown)} are read"
                 )
             elif read is not None and read.augmented:
                 added = sorted(set(read.rows) - set(table.rows))
@@ -203,17 +281,37 @@ class _Printout:
                     notes.append(f"modes {added[0]} to {added[-1]} are residual vectors, not modes")
             else:
                 notes.append(f"a further table of {len(table.rows)} eigenvalues")
+        masses = self._complete_masses()
+        if any(other != masses[0] for other in masses[1:]):
+            notes.append(
+                f"{len(masses) - 1} further mass matrices (GPWG), of other subcases or "
+                "superelements; the first is read"
+            )
         return list(dict.fromkeys(notes))
+
+    def _cases(self) -> list[NastranCase]:
+        """Return the shapes of all analyses; those of a flutter analysis are not in vacuo."""
+        cases = self._vectors.cases()
+        if self._flutter.is_empty:
+            return cases
+        if any(case.is_complex for case in cases):
+            self._refused.append("complex modes of a flutter analysis, which are not in vacuo")
+        return [case for case in cases if not case.is_complex]
+
+    def _complete_masses(self) -> list[_MassMatrix]:
+        return [found for found in self._masses if len(found.rows) == _SIZE]
 
     def fields(self) -> Iterator[Field]:
         """Yield all fields of the printout."""
-        table = self._table()
-        if table is not None:
-            computed = [mode for mode, (_, mass) in table.rows.items() if mass > 0.0]
-            yield Field("mode/number", np.array(computed))
-            yield Field("mode/radians", np.array([table.rows[m][0] for m in computed]))
-            yield Field("mode/mass", np.array([table.rows[m][1] for m in computed]))
+        tables: dict[int, EigenvalueTable] = {}
+        for subcase, table in self._tables_by_subcase().items():
+            modes = [mode for mode, (_, mass) in table.rows.items() if mass > 0.0]
+            radians, masses = (np.array([table.rows[m][k] for m in modes]) for k in (0, 1))
+            tables[subcase] = (np.array(modes), radians, masses)
+        yield from list_cases(self._cases(), tables)
         if self._largest:
             yield Field("shape/largest", np.array(self._largest))
-        yield from self._vectors.fields()
+        for found in self._complete_masses()[:1]:
+            yield Field("rigid/mass", np.array(found.rows))
+            yield Field("rigid/reference", np.array([found.reference]))
         yield from self._flutter.fields()

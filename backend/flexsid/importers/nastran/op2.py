@@ -1,14 +1,21 @@
-"""Nastran output files (.op2): nodes, coordinate systems, eigenvalues and mode shapes."""
+"""Nastran output files (.op2): nodes, coordinate systems, edges, eigenvalues, mode shapes."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.modal_cases import (
+    EigenvalueTable,
+    NastranCase,
+    list_cases,
+    list_notes,
+)
 from flexsid.importers.source import Field
 
 _GRID = (4501, 45)
@@ -16,8 +23,29 @@ _FRAMES = {(2101, 21): 1, (2001, 20): 2, (2201, 22): 3}
 _FRAMES_BY_GRID = {(1801, 18): 1, (1701, 17): 2, (1901, 19): 3}
 _REAL_EIGENVALUES, _COMPLEX_EIGENVALUES = 2, 9
 _BUCKLING = (7, 8)  # before and after
+_POLAR = 3  # format code of magnitude and phase [deg]
+_SUBTITLE, _LABEL, _TITLE_WORDS = 82, 114, 32  # words of an identification record
 _TABLES = (1, 7)  # displacements and eigenvectors
 _GEOMETRY = re.compile(r"GEOM1[SN]?(OLD)?")
+_ELEMENTS = re.compile(r"GEOM[24][SN]?(OLD)?")
+_CORNERS = {
+    (2958, 51): ((14, 15), slice(2, 6)),  # CQUAD4
+    (8009, 80): ((14, 15), slice(2, 6)),  # CQUADR
+    (3101, 31): ((6,), slice(2, 6)),  # CSHEAR
+    (5959, 59): ((13, 14), slice(2, 5)),  # CTRIA3
+    (9200, 92): ((13, 14), slice(2, 5)),  # CTRIAR
+    (2408, 24): ((16,), slice(2, 4)),  # CBAR
+    (5408, 54): ((18,), slice(2, 4)),  # CBEAM
+    (3001, 30): ((4,), slice(2, 4)),  # CROD
+    (3701, 37): ((4,), slice(2, 4)),  # CTUBE
+    (1601, 16): ((8,), slice(1, 3)),  # CONROD
+    (5201, 52): ((3,), slice(1, 3)),  # PLOTEL
+}
+"""Words of an element, by version, and those with the nodes at its corners."""
+
+_RBE2 = (6901, 69)
+_LARGEST_NODE = 99_999_999
+_FLUTTER = "OVG"  # table of the flutter summary
 _EIGENVALUES = re.compile(r"LAMA[SF1]?")
 _SHAPES = re.compile(r"B?(OUG(V?1)?|OPHIG|OUGV1PAT)")
 _IN_BASIC = ("B", "OUGV1PAT")  # beginnings of tables whose shapes are in basic directions
@@ -50,35 +78,47 @@ def read(path: Path) -> Iterator[Field]:
     words = _Words(path.read_bytes())
     found: dict[str, Field] = {}
     refused: list[str] = []
+    edges: list[np.ndarray] = []
+    tables: dict[int, EigenvalueTable] = {}
+    cases: list[NastranCase] = []
+    is_flutter = False
     for block in words.blocks():
         name = block[0][: 2 * words.size].decode("ascii", "replace")
         name = "".join(c for c in name if c.isalnum() or c == "_").strip()
         records = [record[words.size :] for record in block[2:]]  # each begins with its type
+        is_flutter = is_flutter or name.startswith(_FLUTTER)
         if _GEOMETRY.fullmatch(name):
-            fields = _geometry(records, words)
+            taken = {one.path: one for one in _geometry(records, words)}
+            for group in ("grid", "frame"):
+                if not _add_group(found, taken, group):
+                    refused.append(f"table {name}: a table with other content is read")
+        elif _ELEMENTS.fullmatch(name):
+            edges.append(_edges(records, words))
         elif _EIGENVALUES.fullmatch(name):
-            fields = _eigenvalues(records, words)
+            try:
+                for subcase, table in _eigenvalues(records, words).items():
+                    tables.setdefault(subcase, table)
+            except _NotModes as error:
+                refused.append(str(error))
         elif _SHAPES.fullmatch(name):
-            fields = _shapes(records, words, name)
+            added, notes = _shapes(records, words, name)
+            refused += notes
+            refused += [
+                f"table {name}: a table with other content is read"
+                for case in added
+                if not _add_case(cases, case)
+            ]
         else:
             what = next((what for head, what in _NOT_READ.items() if name.startswith(head)), None)
             if what is not None:
                 refused.append(f"table {name} holds {what}, not the shapes of modes")
             elif "OUG" in name or "PHIG" in name:
                 refused.append(f"table {name} is of a kind that is not read")
-            continue
-        taken = {field.path: field for field in fields}
-        if "refused" in taken:
-            refused += [str(text) for text in taken.pop("refused").samples]
-        for group in ("grid", "frame", "mode", "shape"):
-            part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
-            if not any(path.startswith(f"{group}/") for path in found):
-                found |= part
-            elif any(
-                path not in found or not np.array_equal(one.samples, found[path].samples)
-                for path, one in part.items()
-            ):
-                refused.append(f"table {name}: a table with other content is read")
+    if is_flutter and any(case.is_complex for case in cases):
+        refused.append("complex modes of a flutter analysis, which are not in vacuo")
+        cases = [case for case in cases if not case.is_complex]
+    refused += list_notes(cases)
+    found |= {one.path: one for one in list_cases(cases, _match_subcases(tables, cases))}
     if not found:
         raise UnreadableFile(
             "it holds neither nodes (GEOM1) nor eigenvectors (OUG) nor eigenvalues (LAMA)"
@@ -87,8 +127,44 @@ def read(path: Path) -> Iterator[Field]:
             code="nothing-usable",
         )
     yield from found.values()
+    if any(part.size for part in edges):
+        yield Field("line/nodes", np.unique(np.concatenate(edges), axis=0))
     if refused:
         yield Field("refused", np.array(list(dict.fromkeys(refused)), dtype=np.str_))
+
+
+def _add_group(found: dict[str, Field], taken: dict[str, Field], group: str) -> bool:
+    """Add the fields of a group; return False if another table has other values of it."""
+    part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
+    if not any(path.startswith(f"{group}/") for path in found):
+        found |= part
+        return True
+    return all(
+        path in found and np.array_equal(one.samples, found[path].samples)
+        for path, one in part.items()
+    )
+
+
+def _add_case(cases: list[NastranCase], case: NastranCase) -> bool:
+    """Add the modes of a subcase; return False if another table has other values of them."""
+    for known in cases:
+        if (known.subcase, known.is_complex) == (case.subcase, case.is_complex):
+            return all(
+                np.array_equal(getattr(known, name), getattr(case, name))
+                for name in ("numbers", "eigenvalues", "nodes", "values", "in_basic")
+            )
+    cases.append(case)
+    return True
+
+
+def _match_subcases(
+    tables: dict[int, EigenvalueTable], cases: list[NastranCase]
+) -> dict[int, EigenvalueTable]:
+    """Return eigenvalues by the subcases of the shapes; one table alone is that of all shapes."""
+    real = {case.subcase for case in cases if not case.is_complex}
+    if len(tables) == 1 and len(real) == 1:
+        return dict.fromkeys(real, next(iter(tables.values())))
+    return tables
 
 
 class _Words:
@@ -173,6 +249,47 @@ def _geometry(records: list[bytes], words: _Words) -> Iterator[Field]:
         yield Field("frame/by_grid", np.vstack(by_grid).astype(np.int64))
 
 
+def _edges(records: list[bytes], words: _Words) -> np.ndarray:
+    """Return the edges of the elements of a table as pairs of nodes, for drawing.
+
+    Elements of a layout that is not known are omitted.
+    """
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for record in records:
+        numbers = np.frombuffer(
+            record[: len(record) // words.size * words.size], words.integer
+        ).astype(np.int64)
+        if numbers.size < 4:
+            continue
+        head, body = (int(numbers[0]), int(numbers[1])), numbers[3:]
+        if head == _RBE2:
+            pairs.append(_spokes(body))
+        for length, at in (
+            (length, at) for lengths, at in (_CORNERS.get(head, ((), None)),) for length in lengths
+        ):
+            if body.size % length:
+                continue
+            corners = body.reshape(-1, length)[:, at]
+            if ((corners > 0) & (corners <= _LARGEST_NODE)).all():
+                following = np.roll(corners, -1, axis=1)
+                pairs += [np.stack([corners, following], axis=2).reshape(-1, 2)]
+                break
+    joined = np.sort(np.concatenate(pairs), axis=1)
+    return joined[joined[:, 0] != joined[:, 1]]
+
+
+def _spokes(body: np.ndarray) -> np.ndarray:
+    """Return pairs of independent and dependent nodes of RBE2, whose lists end with -1."""
+    pairs: list[tuple[int, int]] = []
+    begin = 0
+    for end in np.flatnonzero(body == -1).tolist():
+        part = body[begin:end]
+        part = part[np.argmax(part != 0) :]  # thermal expansion of zero ends the one before
+        pairs += [(int(part[1]), int(node)) for node in part[3:] if 0 < node <= _LARGEST_NODE]
+        begin = end + 1
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
 def _frames(body: bytes, words: _Words, kind: int) -> np.ndarray:
     """Return rows of id, kind, reference and three points, in single or double precision."""
     for real in words.reals:
@@ -202,69 +319,124 @@ def _grids(body: bytes, words: _Words) -> Iterator[Field]:
     raise UnreadableFile("the table GEOM1 has GRID entries of an unknown length.")
 
 
-def _eigenvalues(records: list[bytes], words: _Words) -> Iterator[Field]:
+def _eigenvalues(records: list[bytes], words: _Words) -> dict[int, EigenvalueTable]:
+    """Return the eigenvalues of each subcase.
+
+    Raises
+    ------
+    _NotModes
+        If they are buckling factors.
+    """
     row = np.dtype([("i", words.integer, 2), ("x", words.real, 5)])
-    if len(records) > 1 and len(records[1]) >= 10 * words.size:
-        approach = int(np.frombuffer(records[1], words.integer, count=1)[0]) // 10
-        if approach in _BUCKLING:
-            yield Field("refused", np.array(["table LAMA holds buckling factors (SOL 105)"]))
-            return
-    for record in records:
-        if record and len(record) % row.itemsize == 0:
+    tables: dict[int, EigenvalueTable] = {}
+    subcase = 0
+    for record in records[1:]:  # identification and data records alternate
+        head = np.frombuffer(record[: 10 * words.size], words.integer)
+        if len(record) % row.itemsize == 0 and record:
             rows = np.frombuffer(record, row)
             if (rows["i"][:, 0] == np.arange(1, rows.size + 1)).all():
-                yield Field("mode/number", rows["i"][:, 0].astype(np.int64))
-                yield Field("mode/radians", rows["x"][:, 1].astype(float))
-                yield Field("mode/mass", rows["x"][:, 3].astype(float))
-                return
+                tables.setdefault(
+                    subcase,
+                    (
+                        rows["i"][:, 0].astype(np.int64),
+                        rows["x"][:, 1].astype(float),
+                        rows["x"][:, 3].astype(float),
+                    ),
+                )
+                continue
+        if head.size == 10:
+            if int(head[0]) // 10 in _BUCKLING:
+                raise _NotModes("table LAMA holds buckling factors (SOL 105)")
+            subcase = int(head[3])
+    return tables
 
 
-def _shapes(records: list[bytes], words: _Words, name: str) -> Iterator[Field]:
-    layout = np.dtype([("i", words.integer, 2), ("x", words.real, 6)])
-    numbers: list[int] = []
-    radians: list[float] = []
-    shapes: list[np.ndarray] = []
+class _NotModes(Exception):
+    """A table holds other results than those of modes."""
+
+
+@dataclass(slots=True)
+class _Modes:
+    """Modes of one subcase of a table."""
+
+    label: str
+    nodes: np.ndarray
+    grids: np.ndarray
+    numbers: list[int] = field(default_factory=list)
+    eigenvalues: list[complex] = field(default_factory=list)
+    shapes: list[np.ndarray] = field(default_factory=list)
+
+
+def _shapes(records: list[bytes], words: _Words, name: str) -> tuple[list[NastranCase], list[str]]:
+    """Return the modes of each subcase of a table, and descriptions of what is not read."""
+    found: dict[tuple[int, bool], _Modes] = {}
     refused: list[str] = []
-    nodes = np.empty(0, dtype=np.int64)
-    grids = np.empty(0, dtype=bool)
-    subcase: int | None = None
     # After the name of the sub-table, identification and data records alternate.
     for ident, data in zip(records[1::2], records[2::2], strict=False):
         head = np.frombuffer(ident[: 10 * words.size], words.integer)
         if head.size < 10:
             break
-        what = _describe_other_content(int(head[0]) // 10, int(head[1]))
-        if what is None and subcase not in (None, int(head[3])):
-            what = f"the modes of subcase {int(head[3])}; those of subcase {subcase} are read"
+        approach, code, subcase, mode = (int(head[k]) for k in (0, 1, 3, 4))
+        what = _describe_other_content(approach // 10, code)
         if what is not None:
             refused.append(f"table {name} holds {what}")
             continue
-        subcase, mode = int(head[3]), int(head[4])
-        if int(head[9]) != 8 or len(data) % layout.itemsize:
+        is_complex = approach // 10 == _COMPLEX_EIGENVALUES
+        n_values = 12 if is_complex else 6
+        layout = np.dtype([("i", words.integer, 2), ("x", words.real, n_values)])
+        if int(head[9]) != 2 + n_values or len(data) % layout.itemsize:
             raise UnreadableFile(
-                f"table {name} is not sorted by mode with real numbers (SORT1, REAL)."
+                f"table {name} is not sorted by mode with numbers of its kind (SORT1)."
             )
         rows = np.frombuffer(data, layout)
         given = rows["i"][:, 0].astype(np.int64) // 10
-        if not shapes:
-            nodes, grids = given, rows["i"][:, 1] == 1
-        elif not np.array_equal(given, nodes):
+        modes = found.get((subcase, is_complex))
+        if modes is None:
+            modes = _Modes(_read_label(ident, words), given, rows["i"][:, 1] == 1)
+            found[subcase, is_complex] = modes
+        elif not np.array_equal(given, modes.nodes):
             raise UnreadableFile(f"table {name} has other nodes for mode {mode}.")
-        if mode in numbers:
+        if mode in modes.numbers:
             raise UnreadableFile(f"table {name} has mode {mode} twice in subcase {subcase}.")
-        numbers.append(mode)
-        eigenvalue = float(np.frombuffer(ident, words.real, count=6)[5])
-        radians.append(float(np.sqrt(max(eigenvalue, 0.0))))
-        shapes.append(rows["x"][grids].astype(float))
-    if refused:
-        yield Field("refused", np.array(refused, dtype=np.str_))
-    if shapes:
-        yield Field("shape/number", np.array(numbers, dtype=np.int64))
-        yield Field("shape/radians", np.array(radians))
-        yield Field("shape/node", nodes[grids])
-        yield Field("shape/values", np.stack(shapes))
-        if name.startswith(_IN_BASIC):
-            yield Field("shape/basic", np.array([1]))
+        numbers = np.frombuffer(ident, words.real, count=7)
+        values = rows["x"][modes.grids].astype(float)
+        modes.numbers.append(mode)
+        if is_complex:
+            modes.eigenvalues.append(complex(numbers[5], numbers[6]))
+            if int(head[8]) == _POLAR:
+                modes.shapes.append(values[:, :6] * np.exp(1j * np.radians(values[:, 6:])))
+            else:
+                modes.shapes.append(values[:, :6] + 1j * values[:, 6:])
+        else:
+            modes.eigenvalues.append(float(numbers[5]))
+            modes.shapes.append(values)
+    cases = [
+        NastranCase(
+            subcase=subcase,
+            is_complex=is_complex,
+            label=modes.label,
+            numbers=np.array(modes.numbers, dtype=np.int64),
+            eigenvalues=np.array(modes.eigenvalues),
+            nodes=modes.nodes[modes.grids],
+            values=np.stack(modes.shapes),
+            in_basic=name.startswith(_IN_BASIC),
+        )
+        for (subcase, is_complex), modes in found.items()
+    ]
+    return cases, refused
+
+
+def _read_label(ident: bytes, words: _Words) -> str:
+    """Return the label of a subcase, or else its subtitle; blank if there is none."""
+    if len(ident) < (_LABEL + _TITLE_WORDS) * words.size:
+        return ""
+    for begin in (_LABEL, _SUBTITLE):
+        part = ident[begin * words.size : (begin + _TITLE_WORDS) * words.size]
+        letters = np.frombuffer(part, np.uint8).reshape(-1, words.size)[:, :4]  # four in a word
+        text = letters.tobytes().decode("latin-1").replace("\0", " ").strip()
+        if text.isprintable() and text:
+            return " ".join(text.split())
+    return ""
 
 
 def _describe_other_content(approach: int, code: int) -> str | None:
@@ -272,7 +444,7 @@ def _describe_other_content(approach: int, code: int) -> str | None:
     if code % 1000 not in _TABLES:
         return f"results of kind {code % 1000}, not displacements"
     if approach == _COMPLEX_EIGENVALUES:
-        return "complex modes; real ones (SOL 103) are read"
+        return None if code // 1000 == 1 else "complex modes that are sorted by node"
     if approach in _BUCKLING:
         return "buckling shapes (SOL 105)"
     if approach != _REAL_EIGENVALUES:

@@ -10,11 +10,13 @@ import numpy as np
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
+from flexsid.importers.nastran.modal_cases import list_cases, list_notes
 from flexsid.importers.nastran.vectors import Vectors
 from flexsid.importers.source import Field
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\$SUBCASE ID\s*=\s*(\d+)", re.IGNORECASE)
+_LABEL = re.compile(r"\$(SUBTITLE|LABEL)\s*=\s*(.*\S)", re.IGNORECASE)
 _SHAPES = ("$EIGENVECTOR", "$DISPLACEMENTS")
 _DESCRIPTIONS = ("$SUBTITLE", "$LABEL", "$REAL OUTPUT", "$SUBCASE ID", "$SUBCOM", "$SEID")
 _NOT_READ = {
@@ -33,8 +35,9 @@ def read(path: Path) -> Iterator[Field]:
     """Read punched eigenvectors and bulk data."""
     text = path.read_text(encoding="latin-1")
     shapes = Vectors()
-    table: dict[int, list[float]] | None = None
-    row: list[float] = []
+    table: dict[int, list[complex]] | None = None
+    row: list[complex] = []
+    label = ""
     refused: list[str] = []
     is_read = False
     subcase = 0
@@ -52,9 +55,11 @@ def read(path: Path) -> Iterator[Field]:
                 is_read = False  # other results
             if (case := _SUBCASE.search(line)) is not None:
                 subcase = int(case[1])
+            if (named := _LABEL.match(line)) is not None:
+                label = named[2]
             found = _MODE.search(line)
             if found is not None and is_read:
-                table = shapes.begin(subcase, int(found[2]), float(found[1]))
+                table = shapes.begin(subcase, int(found[2]), float(found[1]), label=label)
             elif not is_read:
                 table = None
             continue
@@ -73,8 +78,9 @@ def read(path: Path) -> Iterator[Field]:
             raise UnreadableFile(
                 f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
             ) from error
-    yield from shapes.fields()
-    refused += shapes.notes()
+    cases = shapes.cases()
+    yield from list_cases(cases, {})
+    refused += list_notes(cases)
     if refused:
         yield Field("refused", np.array(refused, dtype=np.str_))
     if any(line[:4].upper() in ("GRID", "CORD") for line in text.splitlines()):

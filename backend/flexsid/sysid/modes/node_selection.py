@@ -50,3 +50,23 @@ def connect_neighbours(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray,
     start = np.repeat(np.arange(n), k).reshape(n, k)[close]
     pairs = np.sort(np.stack([start, near[close]], axis=1), axis=1)
     return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0).astype(np.intp)
+
+
+def contract_lines(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    lines: Int[np.ndarray, "n_lines 2"],
+    shown: Int[np.ndarray, " n_shown"],
+) -> Int[np.ndarray, "n_contracted 2"]:
+    """Contract lines between nodes to the nodes that are shown.
+
+    Every node is moved to the nearest one shown, so that a coarse mesh has the outline of the
+    fine one.
+
+    Returns
+    -------
+    array
+        Pairs of rows of ``shown``, each once.
+    """
+    nearest = np.asarray(cKDTree(nodes[shown]).query(nodes)[1])
+    pairs = np.sort(nearest[lines], axis=1)
+    return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0).astype(np.intp)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers.mapping import parse_aircraft
-from flexsid.records.aircraft import Aircraft
+from flexsid.records.aircraft import Aircraft, MassTable
 from flexsid.storage.store import Store
 
 
@@ -61,6 +61,18 @@ def replace_aircraft(store: Store, aircraft_id: int, text: str) -> Aircraft:
             )
         thrust = definition.thrust or former.thrust
         return store.aircraft.replace(replace(definition, id=aircraft_id, thrust=thrust))
+
+
+def set_mass_table(store: Store, aircraft_id: int, table: MassTable) -> Aircraft:
+    """Replace the mass properties of an aircraft; runs state that its data were changed since.
+
+    Raises
+    ------
+    UnknownRecord
+        If the aircraft does not exist.
+    """
+    with store.transaction():
+        return store.aircraft.replace(replace(store.aircraft.get(aircraft_id), mass=table))
 
 
 def _check_name(store: Store, definition: Aircraft, aircraft_id: int | None) -> None:

@@ -10,7 +10,11 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_data import ModalTable
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.naming import ModeName, name_modes
-from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
+from flexsid.sysid.modes.node_selection import (
+    connect_neighbours,
+    contract_lines,
+    select_spread_nodes,
+)
 from flexsid.sysid.modes.tracking import track_modes
 
 SHOWN = 700
@@ -46,17 +50,19 @@ def store_modal_data(
     if named is None:
         named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
     points, notes = _find_nodes(aircraft, raw)
-    lines = raw.lines
-    if lines.size and shown.size < n_nodes:
-        lines = np.empty((0, 2), dtype=np.int32)  # most would end at nodes that are not shown
-    shown_lines = lines if lines.size else connect_neighbours(raw.nodes[shown]).astype(np.int32)
+    if raw.lines.size == 0:
+        shown_lines = connect_neighbours(raw.nodes[shown])
+    elif shown.size < n_nodes:
+        shown_lines = contract_lines(raw.nodes, raw.lines, shown)
+    else:
+        shown_lines = raw.lines
     arrays: dict[str, np.ndarray] = {
         "omega": raw.omega,
         "nodes": raw.nodes,
         "node_ids": raw.node_ids,
         "lines": raw.lines,
         "shown": shown.astype(np.int32),
-        "shown_lines": shown_lines,
+        "shown_lines": shown_lines.astype(np.int32),
         "order": tracking.order.astype(np.int32),
         "sign": tracking.sign,
         "assurance": tracking.assurance,

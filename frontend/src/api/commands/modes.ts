@@ -1,7 +1,7 @@
 /** Commands that import and correct modal data. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
-import type { ResponsesRequest, ModalDataRequest } from "../types";
+import type { MassRequest, ModalDataRequest, ResponsesRequest } from "../types";
 
 export function useCorrectMode(tableId: number) {
   const cache = useQueryClient();
@@ -34,6 +34,20 @@ export function useImportStructure(upload: string, aircraftId: number) {
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["modal-tables"] }),
+  });
+}
+
+export function useImportMassProperties(upload: string, aircraftId: number) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: Pick<MassRequest, "length_unit" | "mass_unit" | "axes" | "fuel">) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/mass-properties", {
+          params: { path: { upload_id: upload } },
+          body: { origin: [0, 0, 0], ...request, aircraft_id: aircraftId },
+        }),
+      ),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
   });
 }
 

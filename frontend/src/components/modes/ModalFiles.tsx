@@ -1,15 +1,16 @@
-import { Button, Group, NumberInput, Select, Stack, Switch, TextInput } from "@mantine/core";
+import { Button, Group, NumberInput, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useRef, useState } from "react";
 import {
   useImportFlutterSummary,
+  useImportMassProperties,
   useImportResponses,
   useImportStructure,
   useUploadFiles,
 } from "../../api/commands";
 import { structureUploadQuery } from "../../api/queries";
 import type { Aircraft, StructureFound } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { fixed, percent } from "../../lib/format";
 import type { ModalDataView } from "../../views";
 import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
@@ -121,6 +122,9 @@ function Found({ id, aircraft, onChange }: FoundProps) {
             {data.files.some((file) => file.holds.some((what) => what.endsWith("responses"))) && (
               <ResponsesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
+            {data.files.some((file) => file.mass !== null) && (
+              <MassForm id={id} found={data} aircraft={aircraft} />
+            )}
             {data.files.some((file) => file.holds.includes("a flutter summary")) && (
               <FlutterSummaryForm id={id} aircraft={aircraft} onChange={onChange} />
             )}
@@ -131,6 +135,9 @@ function Found({ id, aircraft, onChange }: FoundProps) {
   );
 }
 
+const AXES = ["aft right up", "forward right down", "forward left up"] as const;
+const LENGTHS = ["m", "mm", "in", "ft"] as const;
+
 function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
   const save = useImportStructure(id, aircraft.id);
   const [name, setName] = useState("FEM");
@@ -139,7 +146,9 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
   const [rigid, setRigid] = useState(false);
   const [entries, setEntries] = useState<Record<string, string>>({});
   const [fuel, setFuel] = useState<Record<string, number>>({});
+  const [analyses, setAnalyses] = useState<Record<string, string>>({});
   const results = found.files.filter((file) => file.has_modes);
+  const several = results.filter((file) => file.analyses.length > 1);
   const open = found.queries.filter(
     (missing) => !(missing.field === "mass_unit" && entries.generalized_mass === "unknown"),
   );
@@ -166,7 +175,7 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
         <Select
           label="Axes x, y, z of the files"
           allowDeselect={false}
-          data={["aft right up", "forward right down", "forward left up"]}
+          data={[...AXES]}
           value={axes}
           onChange={(value) => {
             setAxes(value ?? axes);
@@ -194,6 +203,23 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
           />
         ))}
       </Group>
+      {several.map((file) => (
+        <Select
+          key={file.name}
+          label={`Modal analysis of ${file.name}`}
+          description="Subcase with its label; damping is given for complex modes"
+          allowDeselect={false}
+          data-testid={`analysis-${file.name}`}
+          data={file.analyses.map((one) => ({
+            value: one.label,
+            label: `${one.label}: ${String(one.n_modes)} modes, ${fixed(one.lowest_hz, 2)} to ${fixed(one.highest_hz, 2)} Hz`,
+          }))}
+          value={analyses[file.name] ?? file.analyses[0]?.label ?? null}
+          onChange={(value) => {
+            if (value !== null) setAnalyses((before) => ({ ...before, [file.name]: value }));
+          }}
+        />
+      ))}
       {results.length > 1 && (
         <Group>
           {results.map((file) => (
@@ -218,7 +244,7 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
           disabled={name.trim() === "" || open.some((missing) => !entries[missing.field])}
           onClick={() => {
             save.mutate(
-              { name: name.trim(), kind, axes, rigid_modes: rigid, fuel, ...entries },
+              { name: name.trim(), kind, axes, rigid_modes: rigid, fuel, analyses, ...entries },
               {
                 onSuccess: (table) => {
                   onChange({ table: table.id, tab: "fuel", upload: undefined, mode: undefined });
@@ -234,9 +260,92 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
   );
 }
 
+const MASSES = ["kg", "t", "lb", "slug", "slinch"] as const;
+
+/** Mass properties of printouts, for the aircraft. */
+function MassForm({
+  id,
+  found,
+  aircraft,
+}: Omit<FoundProps, "onChange"> & { found: StructureFound }) {
+  const save = useImportMassProperties(id, aircraft.id);
+  const [length, setLength] = useState<(typeof LENGTHS)[number] | null>(null);
+  const [mass, setMass] = useState<(typeof MASSES)[number] | null>(null);
+  const [axes, setAxes] = useState("aft right up");
+  const [fuel, setFuel] = useState<Record<string, number>>({});
+  const files = found.files.filter((file) => file.mass !== null);
+  return (
+    <Stack gap="xs">
+      <Group align="end">
+        <Select
+          label="Mass unit of the printout"
+          description={files.map((file) => `${file.name}: ${fixed(file.mass, 4)}`).join(", ")}
+          data={[...MASSES]}
+          value={mass}
+          onChange={(value) => {
+            setMass(MASSES.find((one) => one === value) ?? null);
+          }}
+        />
+        <Select
+          label="Length unit of the printout"
+          data={[...LENGTHS]}
+          value={length}
+          onChange={(value) => {
+            setLength(LENGTHS.find((one) => one === value) ?? null);
+          }}
+        />
+        <Select
+          label="Axes x, y, z of the masses"
+          allowDeselect={false}
+          data={[...AXES]}
+          value={axes}
+          onChange={(value) => {
+            setAxes(value ?? axes);
+          }}
+        />
+        {files.length > 1 &&
+          files.map((file) => (
+            <NumberInput
+              key={file.name}
+              label={`Fuel of ${file.name} [%]`}
+              min={0}
+              max={100}
+              value={100 * (fuel[file.name] ?? 0)}
+              onChange={(value) => {
+                if (typeof value === "number")
+                  setFuel((before) => ({ ...before, [file.name]: value / 100 }));
+              }}
+            />
+          ))}
+        <Button
+          variant="default"
+          disabled={mass === null || length === null}
+          loading={save.isPending}
+          onClick={() => {
+            if (mass !== null && length !== null)
+              save.mutate({ mass_unit: mass, length_unit: length, axes, fuel });
+          }}
+        >
+          Use mass properties for the aircraft
+        </Button>
+      </Group>
+      {save.isError && <ProblemAlert error={save.error} />}
+      {save.data !== undefined && (
+        <Text size="sm" role="status">
+          {`Mass properties of ${save.data.name}: ${save.data.mass.mass_kg
+            .map(
+              (value, row) =>
+                `${percent(save.data.mass.fuel[row])} % fuel ${fixed(value, 3)} kg, x c.g. ${fixed(save.data.mass.x_cg_m[row], 4)} m, pitch inertia ${fixed(save.data.mass.pitch_inertia_kg_m2[row], 4)} kg m²`,
+            )
+            .join("; ")}`}
+        </Text>
+      )}
+    </Stack>
+  );
+}
+
 const RESPONSES = ["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in"] as const;
 const FORCES = ["N", "lbf"] as const;
-const LENGTHS = ["m", "mm", "in", "ft"] as const;
 
 function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
   const save = useImportResponses(id, aircraft.id);
