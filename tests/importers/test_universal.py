@@ -64,16 +64,6 @@ def test_measured_functions_in_text_and_binary():
     assert read("time-history-not-all-columns-filled.uff")["function/1x"].shape == (13,)
 
 
-@needs_samples
-def test_functions_are_what_pyuff_reads():
-    pyuff = pytest.importorskip("pyuff", reason="pyuff is not installed")
-    for name in ("Sample_UFF58b_bin.uff", "binary8byte.uff"):
-        expected = pyuff.UFF(str(UFF / name)).read_sets(0)
-        found = {field.path: field.samples for field in universal.read(UFF / name)}
-        values = next(v for key, v in found.items() if not key.endswith(" x"))
-        assert np.array_equal(values, expected["data"])
-
-
 SHAPE = """    -1
     55
 NONE
