@@ -12,6 +12,7 @@ from flexsid.sysid.modes.assurance import (
     compute_mac,
     compute_mass_orthogonality,
     compute_modal_scale_factors,
+    compute_reduced_cross_orthogonality,
 )
 from flexsid.sysid.modes.naming import name_modes
 from flexsid.sysid.modes.symmetry import find_symmetry
@@ -150,3 +151,27 @@ def test_modes_are_named_by_their_largest_motion():
     assert named[0].reason == "90 % of the wing's motion is bending; symmetric"
     pitch = np.cross([0.0, 1.0, 0.0], nodes)[None]
     assert name_modes(nodes, pitch)[0].name == "R1"
+
+
+def test_cross_orthogonality_at_few_points_is_that_of_the_whole_model():
+    """A model of 3000 nodes: the mass matrix of all degrees of freedom against 60 points."""
+    lumped = RNG.uniform(0.1, 1.0, 9000)
+    orthonormal = np.linalg.qr(RNG.normal(size=(9000, 12)))[0].T / np.sqrt(lumped)
+    mass = RNG.uniform(0.5, 2.0, 12)
+    model = orthonormal * np.sqrt(mass)[:, None]  # generalised masses other than one
+    mixture = np.eye(12) + 0.1 * RNG.normal(size=(12, 12))
+    measured = 3.0 * mixture @ orthonormal
+    whole = (model * lumped) @ measured.T
+    whole /= np.sqrt(mass)[:, None] * np.sqrt(np.sum(measured**2 * lumped, axis=1))
+    points = RNG.choice(9000, 180, replace=False)
+    cross, share = compute_reduced_cross_orthogonality(model[:, points], mass, measured[:, points])
+    assert cross == pytest.approx(whole, abs=1e-9)
+    assert share == pytest.approx(np.ones(12))
+    other = measured[:, points] + np.where(np.arange(180) == 7, 5.0, 0.0) * np.abs(measured).max()
+    assert compute_reduced_cross_orthogonality(model[:, points], mass, other)[1].max() < 0.9
+    for few, message in (
+        (points[:10], "12 modes cannot be distinguished at 10"),
+        (np.repeat(points[:9], 20), "are alike at the 180 measured degrees of freedom"),
+    ):
+        with pytest.raises(BadInput, match=message):
+            compute_reduced_cross_orthogonality(model[:, few], mass, measured[:, few])

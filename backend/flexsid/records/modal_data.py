@@ -264,7 +264,11 @@ class ReducedResponses:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairedMode:
-    """A mode of one source and the one of another that is most alike."""
+    """A mode of one source and the one of another that is most alike.
+
+    ``cross_orthogonality`` is over the mass of the first, reduced to the common points; None where
+    it has no generalised masses.
+    """
 
     number: int
     name: str
@@ -276,6 +280,7 @@ class PairedMode:
     frequency_change: float
     damping: float | None
     other_damping: float | None
+    cross_orthogonality: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -74,7 +74,8 @@ def name_modes(
     Source: Fig. 2 and the nomenclature, which name modes by the largest motion. The rule
     counts within each kind; analysts correct it where their programme differs.
     """
-    motions = _measure_motions(nodes, translation, None if rotation is None else rotation[:, :, 1])
+    pitch = None if rotation is None else np.asarray(rotation[:, :, 1], dtype=float)
+    motions = _measure_motions(nodes, translation, pitch)
     counts: dict[str, int] = {}
     names: list[ModeName] = []
     for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
@@ -113,7 +114,9 @@ def _measure_motions(
 ) -> list[_Motion]:
     """Decompose shapes into the motions of rigid stations along the wing, and of its winglets."""
     station, root = _find_stations(nodes)
-    on_wing = [own for k in range(nodes.shape[0]) if (own := np.flatnonzero(station == k)).size]
+    order = np.argsort(station, kind="stable")
+    begins = np.flatnonzero(np.diff(station[order])) + 1
+    on_wing = [own for own in np.split(order, begins) if own.size and station[own[0]] >= 0]
     chords = [float(np.ptp(nodes[own, 0])) for own in on_wing]
     span = max(float(np.ptp(nodes[:, 1])), 1e-9)
     wide = [chord for chord in chords if chord > _LEAST_CHORD * span]
@@ -138,7 +141,7 @@ def _measure_motions(
     flat = translation.reshape(n_modes, -1)
     rigid = np.square(flat @ _build_rigid_basis(nodes)).sum(axis=1)
     rows = [*_divide(squares, total), _divide(lateral, total)]
-    rows.append(_divide(rigid, np.square(flat).sum(axis=1)))
+    rows.append(_divide(rigid, np.einsum("ij,ij->i", flat, flat)))
     return [_Motion(*row) for row in np.array(rows).T.tolist()]
 
 

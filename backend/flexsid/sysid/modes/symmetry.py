@@ -28,11 +28,15 @@ def find_symmetry(
         Per unit eta. [m]
     """
     pairs = _find_pairs(nodes)
-    shape = translation[:, pairs[:, 0]]
-    mirrored = translation[:, pairs[:, 1]] * _MIRROR
+    n_modes = translation.shape[0]
+    shape, mirrored = (
+        np.take(translation, pairs[:, side], axis=1).reshape(n_modes, -1) for side in (0, 1)
+    )
     # Of two sides one may move alone: the mean of both makes that neither, not symmetric.
-    norms = 0.5 * np.sum(shape**2 + mirrored**2, axis=(1, 2))
-    product = np.sum(shape * mirrored, axis=(1, 2))
+    squares = (np.einsum("ij,ij->i", one, one) for one in (shape, mirrored))
+    norms = 0.5 * np.add(*squares)
+    mirrored *= np.tile(_MIRROR, pairs.shape[0])
+    product = np.einsum("ij,ij->i", shape, mirrored)
     degree = np.divide(product, norms, out=np.full(norms.shape, np.nan), where=norms > 0)
     known = np.abs(degree) >= _LEAST_DEGREE
     return tuple(bool(one > 0) if sure else None for one, sure in zip(degree, known, strict=True))

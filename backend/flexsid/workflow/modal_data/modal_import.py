@@ -46,9 +46,10 @@ def store_modal_data(
     n_fuel, n_modes, n_nodes, _ = raw.shape.shape
     seen = np.asarray(raw.shape[:, :, shown, :3], dtype=float).reshape(n_fuel, n_modes, -1)
     tracking = track_modes(seen, raw.omega)
-    first = np.asarray(raw.shape[0], dtype=float)
     if named is None:
-        named = name_modes(raw.nodes, first[..., :3], first[..., 3:])
+        first = raw.shape[0]
+        translation = np.ascontiguousarray(first[..., :3], dtype=float)
+        named = name_modes(raw.nodes, translation, first[..., 3:])
     points, notes = _find_nodes(aircraft, raw)
     if raw.lines.size == 0:
         shown_lines = connect_neighbours(raw.nodes[shown])

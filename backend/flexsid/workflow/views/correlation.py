@@ -1,4 +1,4 @@
-"""Correlation of the modes of two sources: MAC, mode pairs, COMAC."""
+"""Correlation of the modes of two sources: MAC, cross-orthogonality, mode pairs, COMAC."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.modal_data import AssuranceMatrix, Correlation, PairedMode, PointAgreement
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import compute_comac, compute_mac, compute_modal_scale_factors
+from flexsid.sysid.interpolation import interpolate
+from flexsid.sysid.modes.assurance import (
+    compute_comac,
+    compute_mac,
+    compute_modal_scale_factors,
+    compute_reduced_cross_orthogonality,
+)
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.sysid.modes.tracking import LOW_MAC
 from flexsid.workflow.modal_data.modal_tables import (
@@ -63,6 +69,7 @@ def correlate(
     )
     flat_a, flat_b = a[:, measured], b[:, measured]
     values = compute_mac(flat_a, flat_b)
+    cross, cross_note = _compute_cross_orthogonality(one, flat_a, flat_b)
     assignment = linear_sum_assignment(-values)
     pairs, matched = [], []
     for i, j in zip(*assignment, strict=True):
@@ -80,12 +87,15 @@ def correlate(
                 frequency_change=float(other.hertz[j] / one.hertz[i] - 1.0),
                 damping=finite_or_none(one.zeta[i]),
                 other_damping=finite_or_none(other.zeta[j]),
+                cross_orthogonality=None if cross is None else float(abs(cross[i, j])),
             )
         )
         if values[i, j] >= LOW_MAC:
             matched.append((int(i), int(j)))
     agreement: tuple[PointAgreement, ...] = ()
     notes = [f"Compared at {len(points)} points in {int(measured.sum())} directions."]
+    if cross_note:
+        notes.append(cross_note)
     n_alone = max(values.shape) - len(pairs)
     if n_alone:
         notes.append(f"{n_alone} modes have no counterpart with a MAC of {_LEAST_MAC:g} or more.")
@@ -116,6 +126,22 @@ def correlate(
     )
 
 
+def _compute_cross_orthogonality(
+    one: _Shapes, model: np.ndarray, measured: np.ndarray
+) -> tuple[np.ndarray | None, str]:
+    """Compute the cross-orthogonality over the mass of the first source; return it and a note."""
+    if one.mass is None:
+        return None, ""
+    try:
+        cross, share = compute_reduced_cross_orthogonality(model, one.mass, measured)
+    except BadInput as error:
+        return None, f"No cross-orthogonality: {error.message}."
+    return cross, (
+        f"Cross-orthogonality over the mass of {one.title}, reduced by SEREP with "
+        f"{model.shape[0]} modes, which make up {100.0 * share.min():.3g} % or more of each shape."
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shapes:
     """Translations of all modes at named or located points."""
@@ -128,6 +154,7 @@ class _Shapes:
     values: np.ndarray  # (n_modes, n_points, 3)
     hertz: np.ndarray
     zeta: np.ndarray
+    mass: np.ndarray | None
 
 
 def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
@@ -137,6 +164,7 @@ def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
     omega = sum_weighted_rows(weights, modes.omega)
     hertz = omega / (2.0 * np.pi)
     zeta = interpolate_damping(store, modes, fuel)
+    mass = None if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel)
     names = list_mode_names(table)
     if "nodes" in table.arrays:
         nodes = np.asarray(store.arrays.get(table.arrays["nodes"]), dtype=float)
@@ -150,13 +178,13 @@ def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
         labels = range(1, len(nodes) + 1) if ids is None else store.arrays.get(ids).tolist()
         points = tuple(f"node {label}" for label in labels)
         return _Shapes(
-            format_title(table), names, table.numbers, nodes, points, values, hertz, zeta
+            format_title(table), names, table.numbers, nodes, points, values, hertz, zeta, mass
         )
     if "shape" in table.arrays:
         whole = modes.tracking.align(np.asarray(store.arrays.get(table.arrays["shape"]), float))
         values = sum_weighted_rows(weights, whole)[..., :3]
         return _Shapes(
-            format_title(table), names, table.numbers, None, table.points, values, hertz, zeta
+            format_title(table), names, table.numbers, None, table.points, values, hertz, zeta, mass
         )
     raise BadInput(f"table '{table.name}' has no shapes", code="no-shapes")
 

@@ -154,6 +154,13 @@ const PAIRS: Column<PairedMode>[] = [
       </Text>
     ),
   },
+  {
+    key: "cross",
+    header: "Cross-orthogonality",
+    numeric: true,
+    onlyIf: (row) => row.cross_orthogonality !== null,
+    render: (row) => fixed(row.cross_orthogonality, 3),
+  },
   numeric("hz", "Frequency", (row) => fixed(row.frequency_hz, 3), "Hz"),
   numeric("other_hz", "Other", (row) => fixed(row.other_hz, 3), "Hz"),
   numeric("change", "Difference", (row) => percent(row.frequency_change, 2), "%"),
