@@ -117,6 +117,12 @@ READ: dict[str, tuple[str | bytes, dict[str, Any]]] = {
         _SHAPES + "            99      S      1.0E+00\n",
         {"shape/node": _STRUCTURE.ids.tolist()},
     ),
+    "unstable.f06": (
+        print_shapes(make_structure(8, 1, 2, is_complex=True)).replace(
+            "COMPLEX EIGENVALUE = -", "COMPLEX EIGENVALUE = "
+        ),
+        {"refused": ["1 complex modes have negative damping"]},
+    ),
     "numbered.pch": (
         "".join(f"{line:72.72}{number:8d}\n" for number, line in enumerate(_PUNCH.splitlines(), 1)),
         {"shape/values": _STRUCTURE.shape},

@@ -57,8 +57,11 @@ def list_cases(
 def list_notes(cases: Sequence[NastranCase]) -> list[str]:
     """Return notes on modes that are omitted or incomplete."""
     notes = [note for case in cases for note in case.notes]
-    for case in cases:
-        left = int((np.imag(case.eigenvalues) <= 0.0).sum()) if case.is_complex else 0
+    for roots in (case.eigenvalues for case in cases if case.is_complex):
+        oscillates = np.imag(roots) > 0.0
+        unstable, left = (oscillates & (np.real(roots) > 0.0)).sum(), (~oscillates).sum()
+        if unstable:
+            notes.append(f"{unstable} complex modes have negative damping")
         if left:
             notes.append(
                 f"{left} complex modes without oscillation, or conjugates of others, are not used"
