@@ -19,6 +19,16 @@ PRINTOUT = "1    JOB\n      EIGENVALUE =  9.869604E+02\n" + (
     "  3  G  0.0  0.0  1.0  0.0  0.0  0.0\n"
 )
 
+SUMMARY = (
+    "1    WING\n0    SUBCASE 1\n0    FLUTTER  SUMMARY\n"
+    "  CONFIGURATION = AEROSG2D  XY-SYMMETRY = ASYMMETRIC  XZ-SYMMETRY = ASYMMETRIC\n"
+    "  POINT = 1  MACH NUMBER = 0.0000  DENSITY RATIO = 1.0000E+00  METHOD = PK\n"
+    "  KFREQ  1./KFREQ  VELOCITY  DAMPING  FREQUENCY  COMPLEX   EIGENVALUE\n"
+    "  0.1000  1.0E+01  3.0E+01  -1.0E-02  5.0E+00  -1.6E-01  3.1E+01\n"
+    "  0.1000  1.0E+01  4.0E+01   1.0E-02  5.0E+00   1.6E-01  3.1E+01\n"
+    "  0.1000  1.0E+01  5.0E+01   3.0E-02  5.0E+00   4.7E-01  3.1E+01\n"
+)
+
 
 def test_modes_are_seen_over_fuel_and_drawn(page: Page):
     page.goto("/modal-data")
@@ -69,6 +79,23 @@ def test_a_structure_is_imported_with_what_is_asked(page: Page, tmp_path: Path):
     page.get_by_role("button", name="Save modes").click()
     expect(page.get_by_test_id("modes").locator("tbody tr")).to_have_count(1, timeout=PATIENCE_MS)
     expect(page.get_by_test_id("modes")).to_contain_text("5.000")
+
+
+def test_a_flutter_summary_is_imported_and_drawn_at_a_damping(page: Page, tmp_path: Path):
+    file = tmp_path / "wing.f06"
+    file.write_text(SUMMARY)
+    page.goto("/modal-data?tab=flutter")
+    expect(page.get_by_text("No flutter summaries yet")).to_be_visible(timeout=PATIENCE_MS)
+    page.get_by_role("tab", name="Import").click()
+    page.get_by_test_id("structure-files").set_input_files(file)
+    page.get_by_role("combobox", name="Velocity unit of the flutter summary").click()
+    page.get_by_role("option", name="m/s", exact=True).click()
+    page.get_by_role("button", name="Save flutter summary").click()
+    _drawn(page, "flutter-summary")
+    expect(page.get_by_test_id("instabilities").locator("tbody tr")).to_contain_text("35.00")
+    page.get_by_label("Structural damping g").fill("0.01")
+    expect(page).to_have_url(re.compile("g=0.01"))
+    expect(page.get_by_test_id("instabilities").locator("tbody tr")).to_contain_text("40.00")
 
 
 def _drawn(page: Page, kind: str) -> None:
