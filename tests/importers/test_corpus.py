@@ -131,6 +131,7 @@ READ: dict[str, tuple[str | bytes, dict[str, Any]]] = {
         _PUNCH.replace("$EIGENVALUE", "$POINT ID"),
         {"refused": ["mode shapes sorted by node (SORT2)"]},
     ),
+    "elements.pch": ("CROD           1       1       5       6\n", {"line/nodes": [[5, 6]]}),
     "nodes.pch": (_GRIDS, {"xyz": _PLACES}),
     "two-tables.op2": (
         _make_output(("GEOM1", [_GRID]), ("GEOM1S", [_GRID]), ("CSTM", [_WORDS("2i", 1, 2)])),

@@ -23,7 +23,7 @@ from flexsid.importers.nastran.frames import Point, list_geometry
 from flexsid.importers.source import Field
 
 _CARD = re.compile(
-    rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,7}\d+ |\$"
+    rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,12}\d+ |\$"
     rb"|(C(QUAD|TRIA|BAR|BEAM|ROD|TUBE|ELAS|BUSH|ON[MR]|SHEAR)|PLOTEL|RB|P(SHELL|COMP|BAR|BEAM)"
     rb"|MAT[1-9]|SPC|MPC|PARAM|CAERO|SPLINE)\w*\*? *,)",
     re.IGNORECASE | re.MULTILINE,
@@ -95,6 +95,12 @@ def read_text(text: str) -> Iterator[Field]:
     ):
         if values:
             yield Field(name, np.array(values))
+
+
+def has_entries(text: str) -> bool:
+    """Return whether a text has entries that are read, as a punch file may."""
+    names = (line[:8].partition(",")[0].strip().rstrip("*").upper() for line in text.splitlines())
+    return any(map(_is_read, names))
 
 
 def list_entries(text: str, names: frozenset[str]) -> Iterator[tuple[int, list[str]]]:

@@ -83,5 +83,5 @@ def read(path: Path) -> Iterator[Field]:
     refused += list_notes(cases)
     if refused:
         yield Field("refused", np.array(refused, dtype=np.str_))
-    if any(line[:4].upper() in ("GRID", "CORD") for line in text.splitlines()):
+    if bulk.has_entries(text):
         yield from bulk.read_text(text)
