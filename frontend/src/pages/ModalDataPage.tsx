@@ -1,4 +1,4 @@
-import { Group, Select, Slider, Stack, Tabs, Text } from "@mantine/core";
+import { Group, Select, Slider, Spoiler, Stack, Tabs, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { aircraftQuery, modalTablesQuery } from "../api/queries";
@@ -207,9 +207,11 @@ function Choices({ all, aircraft, view, onChange, usable, table }: ChoicesProps)
         />
       </div>
       {table !== undefined && (
-        <Text size="xs" className="quiet" maw={420}>
-          {[table.origin, ...table.notes].filter(Boolean).join(" · ")}
-        </Text>
+        <Spoiler maxHeight={56} showLabel="Show all notes" hideLabel="Hide notes" maw={420} fz="xs">
+          <Text size="xs" className="quiet">
+            {[table.origin, ...table.notes].filter(Boolean).join(" · ")}
+          </Text>
+        </Spoiler>
       )}
     </Group>
   );

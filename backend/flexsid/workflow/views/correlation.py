@@ -138,7 +138,7 @@ def _compute_cross_orthogonality(
         return None, f"No cross-orthogonality: {error.message}."
     return cross, (
         f"Cross-orthogonality over the mass of {one.title}, reduced by SEREP with "
-        f"{model.shape[0]} modes, which make up {100.0 * share.min():.3g} % or more of each shape."
+        f"{model.shape[0]} modes, which make up at least {100.0 * share.min():.3g} % of each shape."
     )
 
 
