@@ -10,7 +10,7 @@ from typing import Annotated, Any, get_type_hints
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
 from flexsid.errors import BadInput
-from flexsid.figures.bode import View, draw_bode
+from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
 from flexsid.figures.derivatives import draw_derivatives
 from flexsid.figures.envelope import draw_envelope
@@ -396,6 +396,8 @@ class _Bode(_Maneuver):
         False, description="From averaged windows, as if no harmonics were known."
     )
     view: View = "bode"
+    frequency_scale: AxisScale = Field("log", description="Scale of the frequencies.")
+    magnitude_scale: MagnitudeScale = Field("dB", description="Scale of the magnitudes.")
 
 
 class _Reconstruction(_Maneuver):
@@ -710,7 +712,7 @@ _KINDS = (
         "Draw a scatter plot matrix of channels with their correlation; by default of the inputs."),
     FigureKind("bode", _Bode, compute_bode, draw_bode,
         "Draw measured frequency responses and those of identified models.",
-        drawing=("view",)),
+        drawing=("view", "frequency_scale", "magnitude_scale")),
     FigureKind("reconstruction", _Reconstruction, _get_reconstruction, draw_reconstruction,
         "Draw reconstructed motion and coefficients with ±2 standard errors.\n\n"
         "In the time domain by the smoother (Fig. 16a), in the frequency domain by least "

@@ -2,9 +2,9 @@
 
 Axis titles, tables, the API and the in-app glossary use it, so that a quantity has
 one name, one unit and one definition. Values are SI and radians (``unit``) and are
-displayed in ``display_unit`` after multiplication by ``display_factor``. Names of
-channels and derivatives follow flight-test practice and are parsed by pattern; see
-:func:`describe`.
+displayed in ``display_unit`` after multiplication by ``display_factor``, which follow
+``flexsid.display_units``. Names of channels and derivatives follow flight-test practice
+and are parsed by pattern; see :func:`describe`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
-from math import pi
+from math import tau
+
+from flexsid.display_units import display_unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,16 +26,26 @@ class Symbol:
     """Name in code, files and addresses."""
     unit: str
     """SI unit of stored and computed values; empty where nothing is known."""
-    display_unit: str
-    """Unit of displayed values."""
-    display_factor: float
-    """Displayed value = factor * SI value."""
     label: str
     """Plain text, for tables and narrow places."""
     html: str
     """Label with subscripts, as figures draw it."""
     meaning: str
     """One sentence or less."""
+    is_frequency: bool = False
+    """Whether it is an angular frequency, which is displayed as a frequency."""
+
+    @property
+    def display_unit(self) -> str:
+        """Unit of displayed values."""
+        return display_unit("Hz" if self.is_frequency else self.unit)[0]
+
+    @property
+    def display_factor(self) -> float:
+        """Displayed value = factor * SI value."""
+        if self.is_frequency:
+            return display_unit("Hz")[1] / tau
+        return display_unit(self.unit)[1]
 
     @property
     def axis_title(self) -> str:
@@ -43,32 +55,13 @@ class Symbol:
         return f"{self.html} [{self.display_unit}]"
 
 
-_DISPLAY: dict[str, tuple[str, float]] = {
-    "m/s2": ("g", 1.0 / 9.80665),
-    "rad": ("deg", 180.0 / pi),
-    "rad/s": ("deg/s", 180.0 / pi),
-    "rad/s2": ("deg/s²", 180.0 / pi),
-    "1/s2": ("1/s²", 1.0),
-    "strain": ("µε", 1e6),
-    "kg*m2": ("kg·m²", 1.0),
-    "kg/m3": ("kg/m³", 1.0),
-    "m2": ("m²", 1.0),
-}
-
-
-def display_unit(unit: str) -> tuple[str, float]:
-    """Unit in which an SI value is shown, and the factor that takes it there."""
-    return _DISPLAY.get(unit, (unit, 1.0))
-
-
 def _symbol(symbol: str, unit: str, label: str, html: str, meaning: str) -> Symbol:
-    shown, factor = display_unit(unit)
-    return Symbol(symbol, unit, shown, factor, label, html, meaning)
+    return Symbol(symbol, unit, label, html, meaning)
 
 
 def _circular(symbol: str, label: str, html: str, meaning: str) -> Symbol:
-    """Angular frequency, displayed in hertz."""
-    return Symbol(symbol, "rad/s", "Hz", 0.5 / pi, label, html, meaning)
+    """Return an angular frequency, displayed in Hz or rad/s."""
+    return Symbol(symbol, "rad/s", label, html, meaning, is_frequency=True)
 
 
 def _term(name: str, meaning: str) -> Symbol:
@@ -276,8 +269,7 @@ def describe(name: str, unit: str = "") -> Symbol:
     if found is None:
         return _symbol(name, unit, name, escape(name), "")
     if unit and unit != found.unit:
-        shown, factor = display_unit(unit)
-        return replace(found, unit=unit, display_unit=shown, display_factor=factor)
+        return replace(found, unit=unit, is_frequency=False)
     return found
 
 

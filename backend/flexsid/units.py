@@ -11,11 +11,13 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 from math import pi
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING
 
 from flexsid.errors import BadInput
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike
 
 _FOOT = 0.3048
 _INCH = 0.0254
@@ -81,6 +83,7 @@ _ALIASES = {
     "-": "1",
     "1e-6": "ustrain",
     "microstrain": "ustrain",
+    "µε": "ustrain",
     "g0": "g",
     "kts": "kt",
     "knots": "kt",
@@ -88,7 +91,7 @@ _ALIASES = {
     "fps": "ft/s",
 }
 
-_SPELLINGS = str.maketrans({"^": "", " ": "", "·": "*", "²": "2", "°": "deg"})
+_SPELLINGS = str.maketrans({"^": "", " ": "", "·": "*", "²": "2", "³": "3", "°": "deg"})
 
 SYMBOLS: tuple[str, ...] = tuple(_UNITS)
 
@@ -225,5 +228,7 @@ def to_si(values: ArrayLike, unit: str) -> np.ndarray:
     array
         Same shape, in the SI unit of the dimension.
     """
+    import numpy as np  # slow to import, and not needed for the glossary
+
     found = lookup(unit)
     return np.asarray(values, dtype=np.float64) * found.factor + found.offset

@@ -27,6 +27,7 @@ import {
   globalModelVersionView,
   globalModelView,
   searchView,
+  unitsView,
   glossaryView,
   jobsView,
   maneuverView,
@@ -47,6 +48,7 @@ import {
 const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(retryImport(load), name);
 
 const root = createRootRoute({
+  validateSearch: unitsView,
   component: AppFrame,
   notFoundComponent: NotFoundPage,
   errorComponent: PageError,

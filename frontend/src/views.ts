@@ -1,9 +1,11 @@
 /** State of each page in its address. */
 import {
   DECISION_STATES,
+  FREQUENCY_UNITS,
   METHODS,
   MODEL_AXES,
   STATES,
+  UNIT_SYSTEMS,
   type DecisionState,
   type Method,
   type ModelAxis,
@@ -131,6 +133,12 @@ function view<T extends object>(read: (search: Search) => T): (search: Search) =
   return read;
 }
 
+/** Display units of every page, where they are not those that the user prefers. */
+export const unitsView = view((search) => ({
+  units: oneOf(search.units, UNIT_SYSTEMS),
+  frequency_unit: oneOf(search.frequency_unit, FREQUENCY_UNITS),
+}));
+
 export const campaignView = view((search) => ({
   search: text(search.search),
   flight: integer(search.flight),
@@ -225,6 +233,9 @@ export const maneuverView = view((search) => ({
   /** Responses from averaged windows instead of harmonics. */
   windowed: flag(search.windowed),
   plane: oneOf(search.plane, BODE_PLANES),
+  /** Scales of the Bode plot; logarithmic frequencies and dB where undefined. */
+  frequency_scale: oneOf(search.frequency_scale, ["linear"] as const),
+  magnitude_scale: oneOf(search.magnitude_scale, ["log", "linear"] as const),
   /** The whole spectrum behind the harmonics. */
   full: flag(search.full),
   domain: oneOf(search.domain, ["time", "frequency"] as const),

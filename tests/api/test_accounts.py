@@ -85,6 +85,19 @@ def test_invitation_sets_a_password_once(team: TestClient, accounts_store: Store
     assert _log_in(team).json()["name"] == "Bo"
 
 
+def test_display_units_are_stored_with_the_account(
+    team: TestClient, ann: Member, accounts_store: Store
+) -> None:
+    units = {"units": "us", "frequency_unit": "rad/s"}
+    assert ann.request("put", "session/units", json=units).status_code == 204
+    assert ann.get("session").json() | units == ann.get("session").json()
+    bo = add_member(team, accounts_store, "Bo", AccountRole.VIEWER)
+    assert bo.get("session").json()["units"] == "metric"
+    assert bo.request("put", "session/units", json=units).status_code == 204
+    unknown = ann.request("put", "session/units", json={**units, "units": "cgs"})
+    assert unknown.status_code == 422
+
+
 def test_expired_invitation_is_refused(team: TestClient, accounts_store: Store) -> None:
     account, code = accounts.add_account(accounts_store, "Bo")
     past = datetime.now(UTC) - timedelta(seconds=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,16 @@ def test_decision_report_contains_evidence_and_history(client: TestClient) -> No
     assert "<td>proposed</td>" in text
     assert "Comparison of runs 1, Cm" in text
     assert client.get("/api/v1/reports/decision/9").status_code == 404
+
+
+def test_report_of_a_run_is_in_the_units_that_are_asked_for(client: TestClient) -> None:
+    us = client.get("/api/v1/reports/run/1?units=us&frequency_unit=rad/s").text
+    metric = client.get("/api/v1/reports/run/1").text
+    for text, units in ((us, ("kt", "psf", "slug")), (metric, ("m/s", "Pa", "kg"))):
+        for name, unit in zip(("Airspeed", "Dynamic pressure", "Mass"), units, strict=True):
+            assert re.search(rf"<dt>{name}</dt><dd>[\d.]+ {unit}\b", text), (name, unit)
+    assert "Frequency [rad/s]" in us
+    assert "Frequency [Hz]" not in us
 
 
 def test_custom_template_is_used(flown_url: str, tmp_path: Path) -> None:

@@ -46,6 +46,7 @@ STATES = {
     "run-cancelled": "/runs/{cancelled}",
     "run-frequency-response": "/runs/{fre}?tab=fit",
     "maneuver-windowed": "/maneuvers/2?tab=bode&windowed=true&plane=nyquist",
+    "maneuver-linear": "/maneuvers/2?tab=bode&magnitude_scale=linear&units=us&frequency_unit=rad/s",
     "compare-nothing": "/compare",
     "compare-differences": "/compare?runs={runs}&predictions=1&differences=true&baseline=run-{run}",
     "flutter-nothing": "/flutter",

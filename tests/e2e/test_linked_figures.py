@@ -50,6 +50,31 @@ def test_fits_that_are_compared_share_zoom_and_cursor(page: Page, compared: list
     expect(fits.nth(1).locator(".linked-cursor")).to_be_visible()
 
 
+def test_units_of_the_address_hold_in_figures_tables_and_windows(page: Page):
+    page.goto("/maneuvers/2?tab=spectra&low=1&high=6&units=us&frequency_unit=rad/s")
+    figure = _drawn(page, "spectrum")
+    expect(page.get_by_test_id("band-bar")).to_contain_text("6.28 to 37.7 rad/s")
+    shown = figure.locator(".js-plotly-plot").evaluate("plot => plot.layout.xaxis.range")
+    assert shown == pytest.approx([6.2832, 37.699], rel=1e-3)
+    _brush(page, figure, 0.25, 0.75)
+    expect(page).not_to_have_url(re.compile(r"low=1&"))
+    window = dict(part.split("=") for part in page.url.split("?")[1].split("&"))
+    assert 1.0 < float(window["low"]) < float(window["high"]) < 6.0  # in Hz
+    expect(page.locator("dl.facts").first).to_contain_text(re.compile(r"Airspeed[\d.]+ kt"))
+
+
+def test_units_that_a_user_prefers_hold_on_every_page(page: Page):
+    page.goto("/campaign")
+    page.get_by_test_id("units").click()
+    page.get_by_test_id("units-us").click()
+    expect(page.get_by_role("columnheader", name="V [kt]")).to_be_visible()
+    page.goto("/aircraft")
+    expect(page.get_by_role("columnheader", name="Mass [slug]")).to_be_visible()
+    page.get_by_test_id("units").click()
+    page.get_by_test_id("units-metric").click()
+    expect(page.get_by_role("columnheader", name="Mass [kg]")).to_be_visible()
+
+
 def test_a_window_in_time_holds_in_every_tab_over_time(page: Page):
     page.goto("/maneuvers/2?tab=reconstruction")
     _brush(page, _drawn(page, "reconstruction"), 0.3, 0.6)

@@ -204,6 +204,28 @@ def response(run_id: int | None = None, spread: np.ndarray | None = None) -> Res
     )
 
 
+def test_scales_of_a_bode_plot_change_the_drawing_alone(drawable, numbers):
+    value = Bode(
+        maneuver_id=7,
+        inputs=("bfs",),
+        measured=(response(spread=np.full(4, 0.1)),),
+        models=(),
+        modes=(ModeMarker(name="SW1B", frequency_hz=4.0),),
+    )
+    decibel, linear = draw_bode(value), draw_bode(value, "bode", "linear", "linear")
+    drawable(linear)
+    assert (linear["layout"]["xaxis"]["type"], decibel["layout"]["xaxis"]["type"]) == (
+        "linear",
+        "log",
+    )
+    assert linear["layout"]["annotations"][0]["x"] == 4.0
+    assert "dB" not in linear["layout"]["yaxis"]["title"]["text"]
+    size = np.array(numbers(linear["data"][0]["y"]))
+    assert numbers(decibel["data"][0]["y"]) == pytest.approx(20.0 * np.log10(size))
+    assert numbers(linear["data"][0]["error_y"]["array"]) == pytest.approx(0.2 * size)
+    assert draw_bode(value, "bode", "log", "log")["layout"]["yaxis"]["type"] == "log"
+
+
 def test_bode_is_in_display_units_with_modes_named(drawable, numbers):
     spec = draw_bode(
         Bode(

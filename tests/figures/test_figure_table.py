@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import inspect
 import re
+from pathlib import Path
 
 import pytest
 
+from flexsid import figures
 from flexsid.figure_table import FIGURES, FigureKind
 
 
@@ -24,6 +26,13 @@ def test_every_figure_has_a_name_for_addresses_and_a_description():
     for kind in FIGURES.values():
         assert re.fullmatch("[a-z]+(-[a-z]+)*", kind.name)
         assert kind.description.startswith("Draw ")
+
+
+def test_figures_name_no_unit_that_a_user_may_change():
+    folder = Path(figures.__file__).parent
+    for file in folder.glob("*.py"):
+        fixed = re.findall(r"(?:\[|\} )(?:Hz|m/s|Pa|kPa|kg)\b.?", file.read_text())
+        assert not fixed, (file.name, fixed)
 
 
 def test_lists_are_separated_by_commas_and_empty_by_default():

@@ -266,6 +266,7 @@ _BODIES: dict[str, Any] = {
     },
     "log_in": {"name": "Ann Analyst", "password": "correct horse battery staple"},
     "accept_invitation": {"code": "6mD2...", "password": "correct horse battery staple"},
+    "set_display_units": {"units": "us", "frequency_unit": "rad/s"},
     "create_token": {"name": "nightly batch", "role": "analyst", "days": 90},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
     "check_upload": {"mapping": _MAPPING},
@@ -279,6 +280,8 @@ _SESSION = {
     "name": "Ann Analyst",
     "roles": [{"aircraft_id": 1, "role": "analyst"}],
     "expires_at": "2026-11-23T06:00:00Z",
+    "units": "metric",
+    "frequency_unit": "Hz",
 }
 _TOKEN = {
     "id": 1,

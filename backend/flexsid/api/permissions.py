@@ -38,7 +38,8 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("begin_openid_login", "complete_openid_login"),
     ),
     Permission.ACCOUNT: (
-        *("get_health", "get_metrics", "list_nomenclature", "list_catalogue"),
+        *("get_health", "get_metrics", "list_nomenclature", "list_units"),
+        *("list_catalogue", "set_display_units"),
         *("list_tokens", "create_token", "delete_token"),
     ),
     Permission.VIEWER: (

@@ -118,6 +118,15 @@ class GlossaryEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DisplayUnit:
+    """An SI unit, and the unit in which values are displayed: displayed = factor * SI value."""
+
+    unit: str
+    display_unit: str
+    factor: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AxisNames:
     """Names of one axis: derivatives are coefficient and motion, eta, etadot or surface."""
 

@@ -11,6 +11,7 @@ from flexsid.cli.arguments import parse_list
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_written_file, write_file
 from flexsid.cli.runs import report_progress
+from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem, show_in
 from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER
@@ -37,11 +38,23 @@ def _encode_report(settings: Settings, arguments: argparse.Namespace, suffix: st
     own = arguments.template or settings.report_template
     template = None if own is None else reports.read_template(own)
     with open_store(settings) as store:
-        document = _make_report(store, arguments)
+        with show_in(_read_units(arguments)):
+            document = _make_report(store, arguments)
         html = reports.to_html(document, datetime.now(UTC), template)
         if suffix == ".pdf":
             return sign_content(store.database, reports.to_pdf(html), SignaturePlace.PDF)
         return sign_content(store.database, html.encode(), SignaturePlace.COMMENT)
+
+
+def _read_units(arguments: argparse.Namespace) -> DisplayUnits:
+    if arguments.kind != "run" and (arguments.units or arguments.frequency_unit):
+        raise BadInput(
+            f"--units and --frequency-unit are of the report of a run, not of {arguments.kind}"
+        )
+    return DisplayUnits(
+        UnitSystem(arguments.units or UnitSystem.METRIC),
+        FrequencyUnit(arguments.frequency_unit or FrequencyUnit.HERTZ),
+    )
 
 
 def _make_report(store: Store, arguments: argparse.Namespace) -> reports.Report:

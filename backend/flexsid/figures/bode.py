@@ -26,6 +26,8 @@ from flexsid.figures.spec import (
 from flexsid.records.views import Bode, Response
 
 View = Literal["bode", "nichols", "nyquist"]
+AxisScale = Literal["log", "linear"]
+MagnitudeScale = Literal["dB", "log", "linear"]
 
 _DASHES = ("solid", "dash", "dot", "dashdot")
 _RIGID_DASH = "longdashdot"
@@ -33,10 +35,16 @@ _DB = 20.0 / np.log(10.0)  # dB per unit of relative change
 _MOST_LISTED = 400
 
 
-def draw_bode(value: Bode, view: View = "bode") -> Spec:
+def draw_bode(
+    value: Bode,
+    view: View = "bode",
+    frequency_scale: AxisScale = "log",
+    magnitude_scale: MagnitudeScale = "dB",
+) -> Spec:
     """Draw measured responses as markers with ±2 standard errors, models as curves.
 
-    ``nichols`` draws magnitude over phase, ``nyquist`` the complex plane.
+    ``nichols`` draws magnitude in dB over phase, ``nyquist`` the complex plane. The scales are
+    those of a Bode plot.
     """
     responses = value.measured + value.models
     outputs = {
@@ -48,7 +56,7 @@ def draw_bode(value: Bode, view: View = "bode") -> Spec:
     coherent = any(response.coherence is not None for response in value.measured)
     n_rows = 1 if view != "bode" else 3 if coherent else 2
     layout = (
-        _lay_out_rows(outputs, value, coherent)
+        _lay_out_rows(outputs, value, coherent, frequency_scale, magnitude_scale)
         if view == "bode"
         else _lay_out_planes(outputs, view)
     )
@@ -62,7 +70,7 @@ def draw_bode(value: Bode, view: View = "bode") -> Spec:
         first = n_rows * list(outputs).index(response.output) + 1
         shared = _describe(response, first, value)
         if view == "bode":
-            data += _draw_rows(response, first, shared)
+            data += _draw_rows(response, first, shared, magnitude_scale)
         else:
             data.append(_draw_locus(response, first, shared, view))
     return {"data": data, "layout": {**layout, "showlegend": True, "hovermode": "closest"}}
@@ -82,18 +90,29 @@ def _list_blanked(value: Bode) -> list[Spec]:
     ][:_MOST_LISTED]
 
 
-def _lay_out_rows(outputs: dict[str, list[Response]], value: Bode, coherent: bool) -> Spec:
+def _lay_out_rows(
+    outputs: dict[str, list[Response]],
+    value: Bode,
+    coherent: bool,
+    frequency_scale: AxisScale,
+    magnitude_scale: MagnitudeScale,
+) -> Spec:
+    is_log = frequency_scale == "log"
     axes: list[Spec] = []
     for shown in outputs.values():
-        axes.append(title(_format_magnitude(shown)))
+        up = {"type": "log"} if magnitude_scale == "log" else {}
+        axes.append({**title(_format_magnitude(shown, magnitude_scale)), **up})
         axes.append({**title("Phase [deg]"), "dtick": _find_phase_step(shown)})
         if coherent:
             axes.append({**title("Coherence"), "range": [0, 1.05]})
     heights = [1.4, 1.0, *[0.6] * coherent] * len(outputs)
-    layout = stack({**title("Frequency [Hz]"), "type": "log"}, axes, heights)
+    frequency = quantities.of_unit("Frequency", "Hz")
+    layout = stack({**title(frequency.axis_title), "type": frequency_scale}, axes, heights)
     marks = []
     for mode in value.modes:
-        shape, name = vertical_mark(mode.frequency_hz, quantities.text(mode.name), log=True)
+        shape, name = vertical_mark(
+            frequency.factor * mode.frequency_hz, quantities.text(mode.name), log=is_log
+        )
         if mode.run_id is not None:
             shape["line"] |= {"color": style.VERMILION, "dash": "dash"}
             name["font"] = {"size": 11, "color": style.VERMILION}
@@ -109,7 +128,7 @@ def _lay_out_planes(outputs: dict[str, list[Response]], view: View) -> Spec:
     for number, (domain, (name, shown)) in enumerate(
         zip(rows([1.0] * len(outputs)), outputs.items(), strict=True), start=1
     ):
-        across, up = "Phase [deg]", _format_magnitude(shown)
+        across, up = "Phase [deg]", _format_magnitude(shown, "dB")
         scale = {}
         if view == "nyquist":
             output = quantities.of_channel(name, shown[0].output_unit)
@@ -123,11 +142,12 @@ def _lay_out_planes(outputs: dict[str, list[Response]], view: View) -> Spec:
     return layout
 
 
-def _format_magnitude(shown: list[Response]) -> str:
+def _format_magnitude(shown: list[Response], scale: MagnitudeScale) -> str:
     units = {_get_input_unit(response) for response in shown}
     output = quantities.of_channel(shown[0].output, shown[0].output_unit)
     over = units.pop() if len(units) == 1 else "input unit"
-    return f"|{output.label}/δ|<br>[dB re {quantities.per(output.unit, over)}]"
+    decibel = "dB re " if scale == "dB" else ""
+    return f"|{output.label}/δ|<br>[{decibel}{quantities.per(output.unit, over)}]"
 
 
 def _find_phase_step(shown: list[Response]) -> float:
@@ -169,36 +189,44 @@ def _select_style(response: Response, value: Bode) -> Spec:
     return {"mode": "lines", "line": {"color": colour, "dash": dash, "width": width}}
 
 
-def _draw_rows(response: Response, first: int, shared: Spec) -> list[Spec]:
+def _draw_rows(response: Response, first: int, shared: Spec, scale: MagnitudeScale) -> list[Spec]:
     """Draw magnitude, phase and, where known, coherence; the latter also of blanked points."""
     factor, unit = _scale(response)
+    frequency = quantities.of_unit("Frequency", "Hz")
+    size = _blank(response, response.magnitude * factor)
     with np.errstate(divide="ignore"):
-        decibel = _blank(response, 20.0 * np.log10(response.magnitude * factor))
+        decibel = 20.0 * np.log10(size)
     degrees = _blank(response, np.rad2deg(response.phase_rad))
-    drawn = [(decibel, f"%{{y:.1f}} dB re {unit}"), (degrees, "%{y:.1f} deg")]
+    magnitude = (
+        (decibel, f"%{{y:.1f}} dB re {unit}") if scale == "dB" else (size, f"%{{y:.4g}} {unit}")
+    )
+    drawn = [magnitude, (degrees, "%{y:.1f} deg")]
     if response.coherence is not None:
         drawn.append((response.coherence, "%{y:.2f}"))
     traces = [
         scatter(
-            column(response.frequency_hz, exact=True),
+            column(frequency.factor * response.frequency_hz, exact=True),
             values,
             row=row,
             **{**shared, "showlegend": row == 1},
-            hovertemplate=f"%{{x:.3f}} Hz<br>{hover}<extra>{shared['name']}</extra>",
+            hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}<extra>{shared['name']}</extra>",
         )
         for row, (values, hover) in enumerate(drawn, start=first)
     ]
     if response.relative_std is not None and response.run_id is None:
         reach = np.nan_to_num(_blank(response, N_SIGMA * response.relative_std), posinf=0.0)
         colour = shared["marker"]["color"]
-        for trace, factor in zip(traces, (_DB, np.rad2deg(1.0)), strict=False):
-            trace["error_y"] = error_bars(reach, colour, factor, thickness=1, width=0)
+        of_magnitude = _DB if scale == "dB" else size
+        for trace, factor in zip(traces, (of_magnitude, np.rad2deg(1.0)), strict=False):
+            errors = np.nan_to_num(factor * reach)
+            trace["error_y"] = error_bars(errors, colour, 1.0, thickness=1, width=0)
     return traces
 
 
 def _draw_locus(response: Response, number: int, shared: Spec, view: View) -> Spec:
     """Draw a response in a plane in order of frequency, with frequency in the hover text."""
     factor, unit = _scale(response)
+    frequency = quantities.of_unit("Frequency", "Hz")
     size = _blank(response, response.magnitude * factor)
     if view == "nyquist":
         x, y = size * np.cos(response.phase_rad), size * np.sin(response.phase_rad)
@@ -215,8 +243,8 @@ def _draw_locus(response: Response, number: int, shared: Spec, view: View) -> Sp
         row=number,
         xaxis=axis(number, "x"),
         **shared,
-        customdata=[round(f, 4) for f in response.frequency_hz.tolist()],
-        hovertemplate=f"%{{customdata}} Hz<br>{text}<extra>{shared['name']}</extra>",
+        customdata=(frequency.factor * response.frequency_hz).round(4).tolist(),
+        hovertemplate=f"%{{customdata}} {frequency.unit}<br>{text}<extra>{shared['name']}</extra>",
     )
 
 

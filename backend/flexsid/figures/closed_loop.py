@@ -32,6 +32,7 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
         ],
         "Disk margin [1]": [(m.disk, m.disk_std) for m in value.margins],
     }
+    speed = quantities.of_unit("Airspeed", "m/s")
     data: list[Spec] = []
     for row, curves in enumerate(kinds.values(), start=1):
         for place, (margin, (middle, std)) in enumerate(zip(value.margins, curves, strict=True)):
@@ -40,7 +41,7 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
             shown = np.where(np.isfinite(std), std, 0.0)
             data.append(
                 scatter(
-                    value.airspeed_m_s,
+                    speed.factor * value.airspeed_m_s,
                     middle,
                     "lines+markers",
                     row=row,
@@ -50,14 +51,14 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
                     error_y=error_bars(shown, colour, thickness=1, width=2),
                     line={"color": colour, "width": 1},
                     marker={"color": colour, "symbol": symbol, "size": 6},
-                    hovertemplate=f"%{{x:.1f}} m/s<br>%{{y:.2f}}<extra>{label}</extra>",
+                    hovertemplate=f"%{{x:.1f}} {speed.unit}<br>%{{y:.2f}}<extra>{label}</extra>",
                 )
             )
-    marks = [vertical_mark(value.tested_m_s, "fastest flown")]
+    marks = [vertical_mark(speed.factor * value.tested_m_s, "fastest flown")]
     if value.lost_m_s is not None:
-        marks.append(vertical_mark(value.lost_m_s, "stability limit"))
+        marks.append(vertical_mark(speed.factor * value.lost_m_s, "stability limit"))
     layout = stack(
-        title("Airspeed [m/s]"),
+        title(speed.axis_title),
         [{**title(text), "rangemode": "tozero"} for text in kinds],
         showlegend=True,
         hovermode="closest",
@@ -68,6 +69,7 @@ def draw_closed_loop_margins(value: ClosedLoop) -> Spec:
 
 def draw_closed_loop_roots(value: ClosedLoop) -> Spec:
     """Draw roots with and without the controller, coloured by airspeed."""
+    speed = quantities.of_unit("Airspeed", "m/s")
     data: list[Spec] = []
     reach = 1.5 * max(float(np.abs(np.concatenate(value.open_roots)).max()), 1.0)
     for name, roots, symbol in (
@@ -76,7 +78,7 @@ def draw_closed_loop_roots(value: ClosedLoop) -> Spec:
     ):
         each = [root[(np.imag(root) >= 0.0) & (np.abs(root) < reach)] for root in roots]
         shown = np.concatenate(each)
-        speed = np.repeat(value.airspeed_m_s, [one.size for one in each])
+        flown = np.repeat(speed.factor * value.airspeed_m_s, [one.size for one in each])
         data.append(
             scatter(
                 np.real(shown),
@@ -85,12 +87,12 @@ def draw_closed_loop_roots(value: ClosedLoop) -> Spec:
                 marker={
                     "symbol": symbol,
                     "size": 7,
-                    "color": column(speed),
+                    "color": column(flown),
                     "colorscale": "Cividis",
                     "showscale": name == "Closed loop",
-                    "colorbar": title("Airspeed [m/s]"),
+                    "colorbar": title(speed.axis_title),
                 },
-                text=[f"{v:.1f} m/s" for v in speed.tolist()],
+                text=[f"{v:.1f} {speed.unit}" for v in flown.tolist()],
                 hovertemplate=f"%{{text}}<br>%{{x:.2f}} ± %{{y:.2f}} j rad/s<extra>{name}</extra>",
             )
         )

@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import groupby
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import of_unit, text
 from flexsid.figures.spec import Spec, empty, line_at, plane, scatter, text_at, title
+from flexsid.nomenclature import describe
 from flexsid.records.views import Envelope, EnvelopeMark
 
 
@@ -22,6 +23,7 @@ def draw_envelope(value: Envelope) -> Spec:
     by_fta = sorted(
         value.marks, key=lambda mark: (-1 if mark.fta is None else mark.fta, mark.maneuver_id)
     )
+    speed = describe("airspeed")
     data = []
     for fta, group in groupby(by_fta, key=lambda mark: mark.fta):
         marks = tuple(group)
@@ -29,7 +31,10 @@ def draw_envelope(value: Envelope) -> Spec:
         data.append(
             scatter(
                 [mark.fuel_fraction for mark in marks],
-                [mark.airspeed_ratio if as_ratio else mark.airspeed_m_s for mark in marks],
+                [
+                    mark.airspeed_ratio if as_ratio else speed.display_factor * mark.airspeed_m_s
+                    for mark in marks
+                ],
                 name="no FTA" if fta is None else f"FTA {fta}",
                 marker={"color": colour, "symbol": symbol, "size": 10},
                 customdata=[mark.maneuver_id for mark in marks],
@@ -39,7 +44,7 @@ def draw_envelope(value: Envelope) -> Spec:
         )
     layout = plane(
         {**title("Fuel fraction [1]"), "range": [-0.05, 1.05]},
-        title("V/V<sub>f</sub> [1]" if as_ratio else "True airspeed V [m/s]"),
+        title("V/V<sub>f</sub> [1]" if as_ratio else f"True airspeed {speed.axis_title}"),
         1,
     )
     if as_ratio:
@@ -53,8 +58,9 @@ def draw_envelope(value: Envelope) -> Spec:
 
 def _describe(mark: EnvelopeMark) -> str:
     ratio = "" if mark.airspeed_ratio is None else f"V/V<sub>f</sub> {mark.airspeed_ratio:.2f}, "
+    speed, pressure = of_unit("V", "m/s"), of_unit("dynamic pressure", "Pa")
     return (
-        f"<b>{text(mark.label)}</b><br>{ratio}V {mark.airspeed_m_s:.1f} m/s<br>"
-        f"dynamic pressure {mark.dynamic_pressure_pa:.0f} Pa<br>"
+        f"<b>{text(mark.label)}</b><br>{ratio}{speed.format(mark.airspeed_m_s)}<br>"
+        f"{pressure.format(mark.dynamic_pressure_pa)}<br>"
         f"fuel fraction {mark.fuel_fraction:.2f}"
     )

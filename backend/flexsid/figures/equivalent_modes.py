@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import of_unit, text
 from flexsid.figures.spec import Spec, column, empty, error_bars, scatter, stack, title
 from flexsid.records.flutter import Flutter
 
@@ -14,6 +14,8 @@ def draw_equivalent_modes(value: Flutter) -> Spec:
     """Draw equivalent frequency and damping over dynamic pressure, ±2 standard errors (Eq. 25)."""
     if not value.equivalent_points:
         return empty("No estimated structural modes")
+    pressure = of_unit("Dynamic pressure", "Pa")
+    frequency = of_unit("Equivalent frequency", "Hz")
     data: list[Spec] = []
     lines = {line.mode: line for line in value.equivalents}
     for number, mode in enumerate(dict.fromkeys(p.mode for p in value.equivalent_points)):
@@ -23,12 +25,16 @@ def draw_equivalent_modes(value: Flutter) -> Spec:
         colour, symbol = style.of_index(number)
         name = text(own[0].name)
         for row, (y, std, scale) in enumerate(
-            (("frequency_hz", "frequency_std_hz", 1.0), ("damping", "damping_std", 100.0)), start=1
+            (
+                ("frequency_hz", "frequency_std_hz", frequency.factor),
+                ("damping", "damping_std", 100.0),
+            ),
+            start=1,
         ):
             errors = scale * np.array([getattr(p, std) for p in own], dtype=float)
             data.append(
                 scatter(
-                    column([p.dynamic_pressure_pa for p in own]),
+                    column([pressure.factor * p.dynamic_pressure_pa for p in own]),
                     scale * np.array([getattr(p, y) for p in own], dtype=float),
                     row=row,
                     name=name,
@@ -38,7 +44,8 @@ def draw_equivalent_modes(value: Flutter) -> Spec:
                     marker={"color": colour, "symbol": symbol, "size": 7},
                     text=[text(p.label) for p in own],
                     customdata=[[p.run_id] for p in own],
-                    hovertemplate="%{text}<br>%{x:.0f} Pa<br>%{y:.4g}<extra></extra>",
+                    hovertemplate=f"%{{text}}<br>%{{x:.4~g}} {pressure.unit}<br>%{{y:.4g}}"
+                    "<extra></extra>",
                 )
             )
             if mode in lines:
@@ -56,8 +63,8 @@ def draw_equivalent_modes(value: Flutter) -> Spec:
                     )
                 )
     layout = stack(
-        {**title("Dynamic pressure [Pa]"), "rangemode": "tozero"},
-        [title("Equivalent frequency [Hz]"), title("Equivalent damping [%]")],
+        {**title(pressure.axis_title), "rangemode": "tozero"},
+        [title(frequency.axis_title), title("Equivalent damping [%]")],
         showlegend=True,
         hovermode="closest",
         meta={"rows": 3, "note": "Open markers: in vacuo, extrapolated by linear fits."},

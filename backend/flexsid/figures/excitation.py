@@ -22,22 +22,23 @@ from flexsid.records.views import DesignedExcitation, ExpectedResponse
 
 
 def draw_design_history(value: DesignedExcitation) -> Spec:
-    """Draw one period of every input in its own row. [deg]"""
+    """Draw one period of every input in its own row."""
+    shown = quantities.of_unit("Command", "rad")
     labels = [quantities.of_channel(name).label for name in value.names]
     data = [
         scatter(
             column(value.time_s, exact=True),
-            np.rad2deg(value.command[:, number]),
+            shown.factor * value.command[:, number],
             "lines",
             row=number + 1,
             name=label,
             line={"color": style.of_index(number)[0], "width": 1},
             meta=value.names[number],
-            hovertemplate=f"%{{y:.3f}} deg<extra>{label}</extra>",
+            hovertemplate=f"%{{y:.3f}} {shown.unit}<extra>{label}</extra>",
         )
         for number, label in enumerate(labels)
     ]
-    axes = [title(f"{label} [deg]") for label in labels]
+    axes = [title(f"{label} [{shown.unit}]") for label in labels]
     return {
         "data": data,
         "layout": stack(time_axis(), axes, showlegend=False, hovermode="x"),
@@ -45,18 +46,23 @@ def draw_design_history(value: DesignedExcitation) -> Spec:
 
 
 def draw_design_spectrum(value: DesignedExcitation) -> Spec:
-    """Draw the amplitude of every harmonic, coloured by input. [deg]"""
+    """Draw the amplitude of every harmonic, coloured by input."""
+    shown = quantities.of_unit("Amplitude per harmonic", "rad")
     data: list[Spec] = []
     for number, name in enumerate(value.names):
         label = quantities.of_channel(name).label
-        amplitude = np.rad2deg(value.amplitude[name])
+        amplitude = shown.factor * value.amplitude[name]
         trace = _draw_harmonics(
-            number, value.frequency_hz[name], amplitude, label, f"%{{y:.3f}} deg<extra>{label}"
+            number,
+            value.frequency_hz[name],
+            amplitude,
+            label,
+            f"%{{y:.3f}} {shown.unit}<extra>{label}",
         )
         trace["error_y"] = stems(amplitude, style.of_index(number)[0])
         data.append(trace)
-    y_axis = {**title("Amplitude per harmonic [deg]"), "rangemode": "tozero"}
-    return {"data": data, "layout": plane(title("Frequency [Hz]"), y_axis, 2)}
+    y_axis = {**title(shown.axis_title), "rangemode": "tozero"}
+    return {"data": data, "layout": plane(_title_frequency(), y_axis, 2)}
 
 
 def draw_design_information(value: ExpectedResponse) -> Spec:
@@ -73,7 +79,7 @@ def draw_design_information(value: ExpectedResponse) -> Spec:
             )
         )  # fmt: skip
     y_axis = {**title("Information per harmonic [parameters]"), "rangemode": "tozero"}
-    layout = plane(title("Frequency [Hz]"), y_axis, 2, **_mark_modes(value))
+    layout = plane(_title_frequency(), y_axis, 2, **_mark_modes(value))
     for level, label in enumerate(layout["annotations"]):
         label["y"] = 1.0 - 0.06 * (level % 2)
     return {"data": data, "layout": layout}
@@ -81,22 +87,23 @@ def draw_design_information(value: ExpectedResponse) -> Spec:
 
 def draw_design_signal(value: ExpectedResponse) -> Spec:
     """Draw the signal-to-noise ratio of every output at every harmonic. [dB]"""
+    hertz = quantities.of_unit("Frequency", "Hz")
     frequency = np.concatenate([value.frequency_hz[name] for name in value.names])
     ratio = np.concatenate([value.signal_to_noise[name] for name in value.names])
     order = np.argsort(frequency, kind="stable")
     labels = [quantities.of_channel(name).label for name in value.outputs]
     trace = heatmap(
-        column(frequency[order], exact=True),
+        column(hertz.factor * frequency[order], exact=True),
         labels,
         20.0 * np.log10(np.maximum(ratio[order], 1e-6)).T,
         zmin=-20.0,
         zmax=60.0,
         colorscale="Cividis",
         colorbar=title("SNR [dB]"),
-        hovertemplate="%{y}<br>%{x:.3f} Hz<br>%{z:.1f} dB<extra></extra>",
+        hovertemplate=f"%{{y}}<br>%{{x:.3f}} {hertz.unit}<br>%{{z:.1f}} dB<extra></extra>",
     )
     layout = {
-        "xaxis": title("Frequency [Hz]"),
+        "xaxis": _title_frequency(),
         **_mark_modes(value),
         "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},
         "meta": {"rows": max(2.0, len(labels) / 5)},
@@ -111,15 +118,23 @@ def _draw_harmonics(
     number: int, frequency_hz: np.ndarray, values: np.ndarray, name: str, hover: str
 ) -> Spec:
     colour, symbol = style.of_index(number)
+    frequency = quantities.of_unit("Frequency", "Hz")
     return scatter(
-        column(frequency_hz, exact=True),
+        column(frequency.factor * frequency_hz, exact=True),
         values,
         name=name,
         marker={"color": colour, "symbol": symbol, "size": 6},
-        hovertemplate=f"%{{x:.3f}} Hz<br>{hover}</extra>",
+        hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}</extra>",
     )
 
 
 def _mark_modes(value: ExpectedResponse) -> Spec:
     """Mark the frequencies of identified modes."""
-    return marked(vertical_mark(mode.frequency_hz, mode.name) for mode in value.modes)
+    frequency = quantities.of_unit("Frequency", "Hz")
+    return marked(
+        vertical_mark(frequency.factor * mode.frequency_hz, mode.name) for mode in value.modes
+    )
+
+
+def _title_frequency() -> Spec:
+    return title(quantities.of_unit("Frequency", "Hz").axis_title)

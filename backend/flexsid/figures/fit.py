@@ -28,6 +28,7 @@ def draw_fit(value: FitPlot) -> Spec:
             "marker": {"color": colour, "symbol": "circle-open", "size": 8},
         }
     modelled = value.curve or f"{value.method.value} fit"
+    frequency = quantities.of_unit("Frequency", "Hz")
     axes: list[Spec] = []
     data: list[Spec] = []
     for trace in value.traces:
@@ -46,14 +47,15 @@ def draw_fit(value: FitPlot) -> Spec:
             ):
                 data.append(
                     scatter(
-                        value.frequency_hz,
+                        frequency.factor * value.frequency_hz,
                         y,
                         row=row + index,
                         name=name,
                         legendgroup=name,
                         showlegend=row + index == 1,
                         customdata=[value.run_id],
-                        hovertemplate=f"%{{x:.3f}} Hz<br>{hover}<extra>{name}</extra>",
+                        hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>{hover}"
+                        f"<extra>{name}</extra>",
                         **drawing,
                     )
                 )
@@ -63,7 +65,7 @@ def draw_fit(value: FitPlot) -> Spec:
         for trace, (_, top) in zip(value.traces, rows(heights)[::2], strict=True)
     ]
     layout = stack(
-        title("Frequency [Hz]"),
+        title(frequency.axis_title),
         axes,
         heights,
         showlegend=True,

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import of_unit, text
 from flexsid.figures.spec import (
     Spec,
     band,
-    column,
     empty,
     error_bars,
     heatmap,
@@ -27,21 +26,24 @@ def draw_flutter_forecast(value: Flutter) -> Spec:
     known = [run for run in value.runs if run.airspeed_m_s is not None]
     if not known:
         return empty("No run predicts an instability")
-    std = [run.airspeed_std_m_s for run in known]
+    speed = of_unit("Flutter speed", "m/s")
+    std = _convert([run.airspeed_std_m_s for run in known])
     data: list[Spec] = [
         scatter(
-            column([run.tested_m_s for run in known]),
-            column([run.airspeed_m_s for run in known]),
+            _convert([run.tested_m_s for run in known]),
+            _convert([run.airspeed_m_s for run in known]),
             name="single runs ±2σ",
             error_y=error_bars(std, style.BLUE, thickness=1),
             marker={"color": style.BLUE, "size": 8},
             text=[text(run.label) for run in known],
             customdata=[[run.run_id] for run in known],
-            hovertemplate="%{text}<br>at %{x:.1f} m/s<br>flutter %{y:.2f} m/s<extra></extra>",
+            hovertemplate=f"%{{text}}<br>at %{{x:.1f}} {speed.unit}<br>"
+            f"flutter %{{y:.2f}} {speed.unit}<extra></extra>",
         )
     ]
     data += _draw_progress(value)
-    ends = [min(run.tested_m_s for run in known), max(run.tested_m_s for run in known)]
+    tested = [speed.factor * run.tested_m_s for run in known]
+    ends = [min(tested), max(tested)]
     levels = [
         ("all runs fused", value.airspeed_m_s, style.BLUE, "solid"),
         ("predicted before flight", value.predicted_flutter_m_s, style.GREY, "dash"),
@@ -50,25 +52,28 @@ def draw_flutter_forecast(value: Flutter) -> Spec:
             for k, method in enumerate(value.trackers)
         ),
     ]
-    for name, speed, colour, dash in levels:
-        if speed is not None:
+    for name, level, colour, dash in levels:
+        if level is not None:
             data.append(
                 scatter(
                     ends,
-                    [speed, speed],
+                    [speed.factor * level] * 2,
                     "lines",
                     name=name,
                     line={"color": colour, "dash": dash, "width": 1.8},
-                    hovertemplate=f"%{{y:.2f}} m/s<extra>{name}</extra>",
+                    hovertemplate=f"%{{y:.2f}} {speed.unit}<extra>{name}</extra>",
                 )
             )
-    speed = value.airspeed_m_s
-    view = {} if speed is None else {"range": [0.8 * speed, 1.25 * speed]}
+    view: Spec = {}
+    if value.airspeed_m_s is not None:
+        fused = speed.factor * value.airspeed_m_s
+        view = {"range": [0.8 * fused, 1.25 * fused]}
     shapes: list[Spec] = []
     if value.low_m_s is not None and value.high_m_s is not None:
-        shapes = [band(value.low_m_s, value.high_m_s, style.BLUE, letter="y", opacity=_FILL)]
-    y_axis = {**title("Flutter speed [m/s]"), **view}
-    layout = plane(title("Flown airspeed [m/s]"), y_axis, 3, shapes=shapes)
+        low, high = speed.factor * value.low_m_s, speed.factor * value.high_m_s
+        shapes = [band(low, high, style.BLUE, letter="y", opacity=_FILL)]
+    y_axis = {**title(speed.axis_title), **view}
+    layout = plane(title(of_unit("Flown airspeed", "m/s").axis_title), y_axis, 3, shapes=shapes)
     return {"data": data, "layout": layout}
 
 
@@ -77,11 +82,12 @@ def _draw_progress(value: Flutter) -> list[Spec]:
     known = [step for step in value.progress if step.airspeed_m_s is not None]
     if len(known) < 2:
         return []
-    speed = np.array([step.airspeed_m_s for step in known], dtype=float)
-    high = np.array([step.high_m_s for step in known], dtype=float)
+    unit = of_unit("Flutter speed", "m/s").unit
+    speed = _convert([step.airspeed_m_s for step in known])
+    high = _convert([step.high_m_s for step in known])
     return [
         scatter(
-            column([step.tested_m_s for step in known]),
+            _convert([step.tested_m_s for step in known]),
             speed,
             "lines+markers",
             name="runs up to this airspeed, 95 %",
@@ -89,27 +95,33 @@ def _draw_progress(value: Flutter) -> list[Spec]:
             marker={"color": style.VERMILION, "size": 7, "symbol": "diamond"},
             line={"color": style.VERMILION, "width": 1.2},
             text=[f"{step.n_runs} runs" for step in known],
-            hovertemplate="%{text} up to %{x:.1f} m/s<br>%{y:.2f} m/s<extra></extra>",
+            hovertemplate=f"%{{text}} up to %{{x:.1f}} {unit}<br>%{{y:.2f}} {unit}<extra></extra>",
         )
     ]
+
+
+def _convert(speeds_m_s: list[float | None]) -> np.ndarray:
+    return of_unit("Airspeed", "m/s").factor * np.array(speeds_m_s, dtype=float)
 
 
 def draw_flutter_map(value: FlutterMap) -> Spec:
     """Draw the flutter speed over fuel and altitude."""
     if not np.isfinite(value.airspeed_m_s).any():
         return empty("No instability at the searched loadings and altitudes")
+    speed, altitude = of_unit("Speed", "m/s"), of_unit("Altitude, standard atmosphere", "m")
     trace = heatmap(
         [100.0 * fuel for fuel in value.fuel.tolist()],
-        value.altitude_m.tolist(),
-        value.airspeed_m_s,
+        (altitude.factor * value.altitude_m).tolist(),
+        speed.factor * value.airspeed_m_s,
         name="flutter speed",
         colorscale="Viridis",
-        colorbar=title("m/s"),
-        hovertemplate="fuel %{x:.0f} %<br>altitude %{y:.0f} m<br>%{z:.2f} m/s<extra></extra>",
+        colorbar=title(speed.unit),
+        hovertemplate=f"fuel %{{x:.0f}} %<br>altitude %{{y:.0f}} {altitude.unit}<br>"
+        f"%{{z:.2f}} {speed.unit}<extra></extra>",
     )
     layout = {
         "xaxis": title("Fuel [%]"),
-        "yaxis": title("Altitude, standard atmosphere [m]"),
+        "yaxis": title(altitude.axis_title),
         "meta": {"rows": 3},
     }
     return {"data": [trace], "layout": layout}

@@ -11,6 +11,7 @@ from flexsid.records.views import GroundSpectra
 
 def draw_ground_test(value: GroundSpectra) -> Spec:
     """Draw response power of all gauges and accelerometers over excitation power."""
+    shown = quantities.of_unit("Frequency", "Hz")
     data = []
     for name, (frequency, power), colour, symbol in (
         ("before flight", value.before, style.BLUE, "circle"),
@@ -20,19 +21,22 @@ def draw_ground_test(value: GroundSpectra) -> Spec:
             decibel = 10.0 * np.log10(power)
         data.append(
             scatter(
-                column(frequency, exact=True),
+                column(shown.factor * frequency, exact=True),
                 decibel,
                 "lines+markers",
                 name=name,
                 line={"color": colour, "width": 1.2},
                 marker={"color": colour, "symbol": symbol, "size": 4},
-                hovertemplate=f"%{{x:.3f}} Hz<br>%{{y:.1f}} dB<extra>{name}</extra>",
+                hovertemplate=f"%{{x:.3f}} {shown.unit}<br>%{{y:.1f}} dB<extra>{name}</extra>",
             )
         )
     layout = plane(
-        title("Frequency [Hz]"),
+        title(shown.axis_title),
         title("Response/excitation power,<br>all channels [dB]"),
         2,
-        **marked(vertical_mark(m.frequency_hz, quantities.text(m.name)) for m in value.expected),
+        **marked(
+            vertical_mark(shown.factor * m.frequency_hz, quantities.text(m.name))
+            for m in value.expected
+        ),
     )
     return {"data": data, "layout": layout}

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from flexsid.figures import style
+from flexsid.figures.quantities import of_unit
 from flexsid.figures.spec import (
     BOUNDARY,
     Spec,
@@ -22,26 +25,27 @@ def draw_live_history(value: LiveHistory) -> Spec:
     """Draw the flutter speed with the present airspeed, and damping ratios, ±2 standard errors."""
     if not value.time_s:
         return empty("No estimate")
+    speed = of_unit("Speed", "m/s")
     time = column(value.time_s, exact=True)
     blue, symbol = style.of_index(0)
     data = [
         scatter(
             time,
-            column(value.flutter_m_s),
+            _convert(value.flutter_m_s, speed.factor),
             row=1,
             name="flutter speed",
             marker={"color": blue, "symbol": symbol},
-            error_y=error_bars([std or float("nan") for std in value.flutter_std_m_s], blue),
-            hovertemplate="%{x:.1f} s<br>%{y:.2f} m/s<extra>flutter speed</extra>",
+            error_y=error_bars(_convert(value.flutter_std_m_s, speed.factor), blue),
+            hovertemplate=f"%{{x:.1f}} s<br>%{{y:.2f}} {speed.unit}<extra>flutter speed</extra>",
         ),
         scatter(
             time,
-            column(value.airspeed_m_s),
+            _convert(value.airspeed_m_s, speed.factor),
             "lines",
             row=1,
             name="present airspeed",
             line={"color": style.GREY},
-            hovertemplate="%{x:.1f} s<br>%{y:.2f} m/s<extra>airspeed</extra>",
+            hovertemplate=f"%{{x:.1f}} s<br>%{{y:.2f}} {speed.unit}<extra>airspeed</extra>",
         ),
     ]
     for index, (name, damping) in enumerate(value.damping.items(), start=1):
@@ -57,6 +61,10 @@ def draw_live_history(value: LiveHistory) -> Spec:
                 hovertemplate=f"%{{x:.1f}} s<br>%{{y:.4f}}<extra>{name}</extra>",
             )
         )
-    axes = (title("Speed [m/s]"), title("Damping ratio [1]"))
+    axes = (title(speed.axis_title), title("Damping ratio [1]"))
     stability = line_at(0.0, "y", line=BOUNDARY) | {"yref": "y2", "xref": "paper"}
     return {"data": data, "layout": stack(time_axis(), axes, showlegend=True, shapes=[stability])}
+
+
+def _convert(speeds_m_s: tuple[float | None, ...], factor: float) -> np.ndarray:
+    return factor * np.array(speeds_m_s, dtype=float)

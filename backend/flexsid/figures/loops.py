@@ -11,6 +11,7 @@ from flexsid.records.views import LoopCurve, LoopPlot
 
 def draw_loops(value: LoopPlot) -> Spec:
     """Draw the Nyquist plot of every loop, with margins in the legend."""
+    frequency = quantities.of_unit("Frequency", "Hz")
     data = []
     for number, curve in enumerate(value.curves):
         colour, symbol = style.of_index(number)
@@ -27,9 +28,9 @@ def draw_loops(value: LoopPlot) -> Spec:
                 marker={"color": colour, "symbol": symbol, "size": 5},
                 error_x=bars,
                 error_y=bars,
-                customdata=[[hz] for hz in curve.frequency_hz.round(4).tolist()],
-                hovertemplate="%{customdata[0]:.3f} Hz<br>%{x:.3f} + j %{y:.3f}"
-                f"<extra>{label}</extra>",
+                customdata=[[f] for f in (frequency.factor * curve.frequency_hz).round(4).tolist()],
+                hovertemplate=f"%{{customdata[0]:.3f}} {frequency.unit}<br>"
+                f"%{{x:.3f}} + j %{{y:.3f}}<extra>{label}</extra>",
                 meta=curve.surface,
             )
         )

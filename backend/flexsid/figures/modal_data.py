@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexsid.figures import style
+from flexsid.figures.quantities import of_unit
 from flexsid.figures.spec import (
     Spec,
     axis,
@@ -33,20 +34,23 @@ _LEAST_SHOWN = 0.05
 
 def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
     """Draw frequencies and damping of the modes over fuel, with crossings circled."""
+    frequency = of_unit("Frequency", "Hz")
     data: list[Spec] = []
     for index, name in enumerate(value.names):
         colour, _ = style.of_index(index)
         dash = "solid" if value.symmetric[index] else "dash"
         shared: Spec = {"name": name, "legendgroup": name}
         line = {"color": colour, "width": 1.5, "dash": dash}
-        hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.3f}} Hz<extra></extra>"
+        hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.3f}} {frequency.unit}<extra></extra>"
         data += [
             scatter(
-                value.fuel, column(value.frequency_hz[:, index], exact=True), "lines",
+                value.fuel, column(frequency.factor * value.frequency_hz[:, index], exact=True),
+                "lines",
                 showlegend=True, line=line, hovertemplate=hover, **shared,
             ),
             scatter(
-                value.table_fuel, column(value.table_hz[:, index], exact=True), showlegend=False,
+                value.table_fuel, column(frequency.factor * value.table_hz[:, index], exact=True),
+                showlegend=False,
                 marker={"color": colour, "size": 4}, hovertemplate=hover, **shared,
             ),
         ]  # fmt: skip
@@ -63,24 +67,25 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
         data.append(
             scatter(
                 [mark.fuel for mark in value.crossings],
-                [mark.frequency_hz for mark in value.crossings],
+                [frequency.factor * mark.frequency_hz for mark in value.crossings],
                 name="crossing",
                 text=[" × ".join(mark.names) for mark in value.crossings],
                 marker=ring,
-                hovertemplate="%{text}<br>fuel %{x:.3f}<br>%{y:.2f} Hz<extra>crossing</extra>",
+                hovertemplate=f"%{{text}}<br>fuel %{{x:.3f}}<br>%{{y:.2f}} {frequency.unit}"
+                "<extra>crossing</extra>",
             )
         )
     if value.uncertain:
         data.append(
             scatter(
                 [fuel for fuel, _ in value.uncertain],
-                [hertz for _, hertz in value.uncertain],
+                [frequency.factor * hertz for _, hertz in value.uncertain],
                 name="low MAC",
                 marker={"symbol": "x-open", "size": 11, "color": style.FLAG},
                 hovertemplate="fuel %{x:.3f}: low MAC, tracking uncertain<extra></extra>",
             )
         )
-    titles = ("Frequency [Hz]", "Damping ratio [%]")
+    titles = (frequency.axis_title, "Damping ratio [%]")
     axes = [{**title(text), "rangemode": "tozero"} for text in titles]
     layout = stack(title("Fuel fraction [1]"), axes, [3, 1], meta={"rows": 3})
     return {"data": data, "layout": layout}
@@ -162,6 +167,8 @@ def draw_model_order(value: ModelOrder, derivatives: tuple[str, ...]) -> Spec:
 
 def draw_reduced_responses(value: ReducedResponses) -> Spec:
     """Draw a response of the full, reduced and rigid-sensor models (Fig. 11)."""
+    frequency = of_unit("Frequency", "Hz")
+    x = frequency.factor * value.frequency_hz
     data: list[Spec] = []
     for index, (name, values) in enumerate(value.curves):
         line = {
@@ -170,25 +177,26 @@ def draw_reduced_responses(value: ReducedResponses) -> Spec:
             "dash": "dot" if index == len(value.curves) - 1 else "solid",
         }
         shared = {"line": line, "name": name, "legendgroup": name}
-        hover = f"{name}<br>%{{x:.2f}} Hz<br>%{{y:"
+        hover = f"{name}<br>%{{x:.2f}} {frequency.unit}<br>%{{y:"
         data += [
             scatter(
-                value.frequency_hz, 20.0 * np.log10(np.maximum(np.abs(values), 1e-12)), "lines",
+                x, 20.0 * np.log10(np.maximum(np.abs(values), 1e-12)), "lines",
                 hovertemplate=f"{hover}.1f}} dB<extra></extra>", **shared,
             ),
             scatter(
-                value.frequency_hz, np.degrees(np.unwrap(np.angle(values))), "lines", row=2,
+                x, np.degrees(np.unwrap(np.angle(values))), "lines", row=2,
                 showlegend=False, hovertemplate=f"{hover}.0f}}°<extra></extra>", **shared,
             ),
         ]  # fmt: skip
     titles = (f"|{value.output}/{value.input}| [dB, {value.unit}]", "Phase [deg]")
-    layout = stack({**title("Frequency [Hz]"), "type": "log"}, list(map(title, titles)), [2, 1])
+    layout = stack({**title(frequency.axis_title), "type": "log"}, list(map(title, titles)), [2, 1])
     del layout["meta"]  # the default height
     return {"data": data, "layout": layout}
 
 
 def draw_stabilisation(value: Stabilisation) -> Spec:
     """Draw the stabilisation diagram: poles by model order, over the mean response."""
+    frequency = of_unit("Frequency", "Hz")
     data: list[Spec] = []
     for name, magnitude, line in (
         ("measured", value.magnitude, {"color": style.MEASURED, "width": 1.5}),
@@ -196,11 +204,11 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
     ):
         if name == "measured" or np.isfinite(magnitude).all():
             decibel = 20.0 * np.log10(np.maximum(magnitude, 1e-30))
-            x = column(value.frequency_hz, exact=True)
+            x = column(frequency.factor * value.frequency_hz, exact=True)
             data.append(scatter(x, decibel, "lines", row=2, name=name, line=line, hoverinfo="skip"))
     for index, singular in enumerate(value.indicator.T):
         decibel = 20.0 * np.log10(np.maximum(singular, 1e-30))
-        x = column(value.frequency_hz, exact=True)
+        x = column(frequency.factor * value.frequency_hz, exact=True)
         line = {"color": style.of_index(index)[0], "width": 1.2}
         name = "mode indicator" if index == 0 else f"mode indicator {index + 1}"
         data.append(
@@ -217,24 +225,28 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
     ):
         data.append(
             scatter(
-                column(value.pole_hz[selected], exact=True),
+                column(frequency.factor * value.pole_hz[selected], exact=True),
                 value.pole_order[selected],
                 name=name,
                 customdata=(100.0 * value.pole_damping[selected]).tolist(),
                 marker={"color": colour, "symbol": symbol, "size": size},
-                hovertemplate="%{x:.3f} Hz<br>damping %{customdata:.2f} %<br>order %{y}"
+                hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>damping %{{customdata:.2f}} %<br>"
+                "order %{y}"
                 "<extra></extra>",
             )
         )
     layout = {
         "meta": {"rows": 3},
-        "xaxis": title("Frequency [Hz]"),
+        "xaxis": title(frequency.axis_title),
         "yaxis": title("Model order"),
         "yaxis2": {**title(f"Mean {value.quantity}/force [dB]"), "overlaying": "y",
                    "side": "right", "showgrid": False, "tickmode": "auto"},
         **marked(
-            [vertical_mark(float(hertz), f"{hertz:.2f}") for hertz in value.mode_hz]
-            + [vertical_mark(float(hertz), "not modelled") for hertz in value.unmodelled_hz]
+            [vertical_mark(float(at), f"{at:.2f}") for at in frequency.factor * value.mode_hz]
+            + [
+                vertical_mark(float(at), "not modelled")
+                for at in frequency.factor * np.asarray(value.unmodelled_hz)
+            ]
         ),
     }  # fmt: skip
     stagger(layout["annotations"])

@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import of_unit, text
 from flexsid.figures.spec import Spec, column, empty, error_bars, line_at, plane, scatter, title
 from flexsid.records.run import Pole
 from flexsid.records.views import PoleGroup, PoleMap
@@ -95,9 +95,9 @@ def _describe(pole: Pole) -> str:
     place = f"{name}{real} + j {imag} rad/s"
     if pole.imag == 0 or radius == 0:
         return place
-    return (
-        f"{place}<br>frequency {radius / (2 * np.pi):.3f} Hz<br>damping {-pole.real / radius:.4f}"
-    )
+    shown = of_unit("frequency", "Hz")
+    frequency = f"frequency {shown.factor * radius / (2 * np.pi):.3f} {shown.unit}"
+    return f"{place}<br>{frequency}<br>damping {-pole.real / radius:.4f}"
 
 
 def _format(value: float, error: float | None) -> str:

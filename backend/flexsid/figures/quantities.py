@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from html import escape
 
+from flexsid.display_units import display_unit
 from flexsid.nomenclature import describe
 
 
@@ -21,11 +22,25 @@ class DisplayQuantity:
         """Axis title: label and unit."""
         return f"{self.label}<br>[{self.unit}]"
 
+    @property
+    def axis_title(self) -> str:
+        """Axis title on one line."""
+        return f"{self.label} [{self.unit}]"
+
+    def format(self, value: float) -> str:
+        """Return the label, and an SI value with four significant digits and unit."""
+        return f"{self.label} {self.factor * value:.4g} {self.unit}"
+
 
 def of_channel(name: str, unit: str = "") -> DisplayQuantity:
     """Return the display quantity of a channel in an SI unit."""
     symbol = describe(name, unit)
     return DisplayQuantity(symbol.html, symbol.display_unit or "1", symbol.display_factor)
+
+
+def of_unit(label: str, unit: str) -> DisplayQuantity:
+    """Return the display quantity of values in an SI unit, or in Hz."""
+    return DisplayQuantity(label, *display_unit(unit))
 
 
 def transform(quantity: DisplayQuantity) -> DisplayQuantity:

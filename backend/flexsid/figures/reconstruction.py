@@ -48,13 +48,14 @@ def _draw_histories(value: Reconstruction) -> Spec:
 
 
 def _draw_spectra(value: Reconstruction) -> Spec:
+    frequency = quantities.of_unit("Frequency", "Hz")
     titles, data = [], []
     for row, trace in enumerate(value.traces, start=1):
         quantity = quantities.transform(quantities.of_channel(trace.name, trace.unit))
         titles.append(quantity.title)
         data.append(
             scatter(
-                value.frequency_hz,
+                frequency.factor * value.frequency_hz,
                 trace.spectrum_magnitude * quantity.factor,
                 row=row,
                 name="±2 standard errors",
@@ -63,7 +64,8 @@ def _draw_spectra(value: Reconstruction) -> Spec:
                 error_y=error_bars(trace.spectrum_std * quantity.factor, thickness=1, width=0),
                 marker={"color": style.BLUE, "size": 4},
                 meta=trace.name,
-                hovertemplate=f"%{{x:.3f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
+                hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>%{{y:.3g}} {quantity.unit}"
+                "<extra></extra>",
             )
         )
     titles.append("Condition number [1]")
@@ -75,17 +77,18 @@ def _draw_spectra(value: Reconstruction) -> Spec:
         if selected.any():
             data.append(
                 scatter(
-                    value.frequency_hz[selected],
+                    frequency.factor * value.frequency_hz[selected],
                     value.condition[selected],
                     row=len(titles),
                     name=name,
                     marker={"color": colour, "size": 4},
                     text=[f"rank {rank}" for rank in value.rank[selected].tolist()],
-                    hovertemplate="%{x:.3f} Hz<br>cond. %{y:.3g}<br>%{text}<extra></extra>",
+                    hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>cond. %{{y:.3g}}<br>%{{text}}"
+                    "<extra></extra>",
                 )
             )
     axes = [{**title(text), "type": "log"} for text in titles]
-    layout = stack(title("Frequency [Hz]"), axes, legend=_LEGEND, hovermode="closest")
+    layout = stack(title(frequency.axis_title), axes, legend=_LEGEND, hovermode="closest")
     return {"data": data, "layout": layout | {"meta": _describe(value, len(titles))}}
 
 

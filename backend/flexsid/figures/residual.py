@@ -13,19 +13,20 @@ def draw_residual(value: Residuals) -> Spec:
     """Draw |residual|/rms: noise is uniform, an unmodelled mode is a bright band."""
     if value.relative.size == 0:
         return empty("No fitted data")
+    frequency = quantities.of_unit("Frequency", "Hz")
     labels = [quantities.of_channel(name).label for name in value.outputs]
     trace = heatmap(
-        value.frequency_hz,
+        frequency.factor * value.frequency_hz,
         labels,
         value.relative.T,
         zmin=0,
         zmax=_CEILING,
         colorscale="Cividis",
         colorbar=title("|residual| / rms [1]"),
-        hovertemplate="%{y}<br>%{x:.3f} Hz<br>%{z:.2f} rms<extra></extra>",
+        hovertemplate=f"%{{y}}<br>%{{x:.3f}} {frequency.unit}<br>%{{z:.2f}} rms<extra></extra>",
     )
     layout = {
-        "xaxis": title("Frequency [Hz]"),
+        "xaxis": title(frequency.axis_title),
         "yaxis": {"autorange": "reversed", "type": "category", "automargin": True},
         "meta": {"rows": max(1.0, len(labels) / 5)},
     }

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import DisplayQuantity, of_unit, text
 from flexsid.figures.spec import (
     N_SIGMA,
     Spec,
@@ -22,13 +22,11 @@ from flexsid.figures.spec import (
 )
 from flexsid.records.flutter import Along, FlutterRoots, RootBranch
 
-_HZ = 1.0 / (2.0 * np.pi)
 _FILL = 0.18
 _REAL = 0.05  # rad/s: a root below is real
-_AXES = {  # factor for display, label, unit
-    Along.AIRSPEED: (1.0, "Airspeed [m/s]", "m/s"),
-    Along.DYNAMIC_PRESSURE: (1.0, "Dynamic pressure [Pa]", "Pa"),
-    Along.FUEL: (100.0, "Fuel [%]", "% fuel"),
+_AXES = {
+    Along.AIRSPEED: ("Airspeed", "m/s"),
+    Along.DYNAMIC_PRESSURE: ("Dynamic pressure", "Pa"),
 }
 
 
@@ -37,14 +35,20 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
 
     Modes with fixed derivatives are drawn thin and grey, and do not affect the range.
     """
-    factor, label, unit = _AXES[value.along]
+    across = _describe_axis(value.along)
+    factor, unit = across.factor, across.unit
+    frequency = _describe_frequency()
     x = factor * value.at
     data: list[Spec] = []
     for branch, colour, symbol, width in _select_styles(value):
         name = text(branch.name)
         oscillates = branch.imag > _REAL
         curves = (
-            (np.hypot(branch.real, branch.imag) * _HZ, branch.imag_std * _HZ, "Hz"),
+            (
+                np.hypot(branch.real, branch.imag) * frequency.factor,
+                branch.imag_std * frequency.factor,
+                frequency.unit,
+            ),
             (100.0 * branch.damping, 100.0 * branch.damping_std, "%"),
         )
         for row, (values, std, of_y) in enumerate(curves, start=1):
@@ -68,7 +72,10 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
         data += _draw_tested(value, branch.name, {"color": colour, "symbol": f"{symbol}-open"})
     for branch, name, line in _list_predicted(value):
         for row, (values, of_y) in enumerate(
-            ((np.hypot(branch.real, branch.imag) * _HZ, "Hz"), (100.0 * branch.damping, "%")),
+            (
+                (np.hypot(branch.real, branch.imag) * frequency.factor, frequency.unit),
+                (100.0 * branch.damping, "%"),
+            ),
             start=1,
         ):
             data.append(
@@ -85,8 +92,11 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
                 )
             )
     layout = stack(
-        title(label),
-        [{**title("Frequency [Hz]"), **_find_range(value)}, title("Damping ratio [%]")],
+        title(across.axis_title),
+        [
+            {**title(frequency.axis_title), **_find_range(value, frequency.factor)},
+            title("Damping ratio [%]"),
+        ],
         showlegend=True,
         hovermode="closest",
         meta={"rows": 4, "note": value.note},
@@ -108,7 +118,8 @@ def draw_v_omega_zeta(value: FlutterRoots) -> Spec:
 
 def draw_root_locus(value: FlutterRoots) -> Spec:
     """Draw the roots in the s-plane, with the parameter in the hover text."""
-    factor, label, unit = _AXES[value.along]
+    across = _describe_axis(value.along)
+    factor, unit = across.factor, across.unit
     at = [[float(f"{position:.5g}")] for position in factor * value.at]
     data = [
         scatter(
@@ -146,8 +157,18 @@ def draw_root_locus(value: FlutterRoots) -> Spec:
         3,
         shapes=[line_at(0)],
     )
-    layout["meta"]["note"] = f"Roots with increasing {label.lower()}, from the circle."
+    layout["meta"]["note"] = f"Roots with increasing {across.label.lower()}, from the circle."
     return {"data": data, "layout": layout}
+
+
+def _describe_axis(along: Along) -> DisplayQuantity:
+    return DisplayQuantity("Fuel", "%", 100.0) if along is Along.FUEL else of_unit(*_AXES[along])
+
+
+def _describe_frequency() -> DisplayQuantity:
+    """Describe frequencies in rad/s."""
+    shown = of_unit("Frequency", "Hz")
+    return DisplayQuantity(shown.label, shown.unit, shown.factor / (2.0 * np.pi))
 
 
 def _select_styles(value: FlutterRoots) -> Iterator[tuple[RootBranch, str, str, float]]:
@@ -170,7 +191,7 @@ def _list_predicted(value: FlutterRoots) -> Iterator[tuple[RootBranch, str, Spec
         yield branch, f"{text(branch.name)}, predicted", line
 
 
-def _find_range(value: FlutterRoots, factor: float = _HZ) -> Spec:
+def _find_range(value: FlutterRoots, factor: float) -> Spec:
     """Return the axis range of the identified modes."""
     known = [np.hypot(b.real, b.imag).max() for b in value.branches if not b.held]
     if not known or not any(b.held for b in value.branches):
@@ -201,7 +222,8 @@ def _draw_tested(value: FlutterRoots, name: str, marker: Spec) -> list[Spec]:
     found = [root for root in value.tested if root.name == name]
     if not found:
         return []
-    factor, _, unit = _AXES[value.along]
+    across = _describe_axis(value.along)
+    factor, unit = across.factor, across.unit
     return [
         scatter(
             column([factor * root.at for root in found]),
@@ -216,7 +238,7 @@ def _draw_tested(value: FlutterRoots, name: str, marker: Spec) -> list[Spec]:
             hovertemplate=f"%{{text}}<br>%{{x:.4~g}} {unit}<br>%{{y:.3g}}<extra></extra>",
         )
         for row, y in (
-            (1, [root.frequency * _HZ for root in found]),
+            (1, [root.frequency * _describe_frequency().factor for root in found]),
             (2, [100.0 * root.damping for root in found]),
         )
     ]

@@ -13,9 +13,10 @@ def draw_signal_to_noise(value: SignalToNoise) -> Spec:
     """Draw signal-to-noise ratios as a heat map."""
     if not value.names:
         return empty("No channel selected")
+    frequency = quantities.of_unit("Frequency", "Hz")
     labels = [quantities.of_channel(name).label for name in value.names]
     trace = heatmap(
-        value.frequency_hz,
+        frequency.factor * value.frequency_hz,
         labels,
         value.decibel.T,
         name="SNR",
@@ -23,10 +24,10 @@ def draw_signal_to_noise(value: SignalToNoise) -> Spec:
         zmax=40.0,
         colorscale="Viridis",
         colorbar={**title("SNR [dB]"), "thickness": 12},
-        hovertemplate="%{y} at %{x:.3f} Hz: %{z:.1f} dB<extra></extra>",
+        hovertemplate=f"%{{y}} at %{{x:.3f}} {frequency.unit}: %{{z:.1f}} dB<extra></extra>",
     )
     layout = {
-        "xaxis": title("Frequency [Hz]"),
+        "xaxis": title(frequency.axis_title),
         "yaxis": {"autorange": "reversed", "automargin": True, "tickfont": {"size": 10}},
         "height": 120 + _ROW_PX * len(labels),
         "meta": {"rows": 1},

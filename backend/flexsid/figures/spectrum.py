@@ -16,6 +16,7 @@ def draw_spectrum(value: Spectra) -> Spec:
     if not value.names:
         return empty("No channel selected")
     scale = {"rangemode": "tozero"} if value.background is None else {"type": "log"}
+    frequency = quantities.of_unit("Frequency", "Hz")
     axes, data = [], []
     for index, (name, unit) in enumerate(zip(value.names, value.units, strict=True)):
         quantity = quantities.transform(quantities.of_channel(name, unit))
@@ -25,24 +26,27 @@ def draw_spectrum(value: Spectra) -> Spec:
             seen = np.isfinite(level)
             data.append(
                 _draw_curve(
-                    value, index, "whole spectrum", value.background_hz[seen], level[seen],
+                    value, index, "whole spectrum", frequency.factor * value.background_hz[seen],
+                    level[seen],
                     {"color": style.GREY, "width": 1},
-                    f"%{{x:.2f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
+                    f"%{{x:.2f}} {frequency.unit}<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
                 )
             )  # fmt: skip
         data += _draw_harmonics(value, index, quantity)
         if value.noise is not None:
             data.append(
                 _draw_curve(
-                    value, index, "noise", value.frequency_hz,
+                    value, index, "noise", frequency.factor * value.frequency_hz,
                     value.noise[:, index] * quantity.factor,
                     {"color": style.GREY, "width": 1.2, "dash": "dash"},
-                    f"%{{x:.3f}} Hz<br>%{{y:.3g}} {quantity.unit}<extra>noise</extra>",
+                    f"%{{x:.3f}} {frequency.unit}<br>%{{y:.3g}} {quantity.unit}"
+                    "<extra>noise</extra>",
                 )
             )  # fmt: skip
-    layout = stack(title("Frequency [Hz]"), axes, showlegend=True, hovermode="closest")
+    layout = stack(title(frequency.axis_title), axes, showlegend=True, hovermode="closest")
     if value.background is not None and value.band_hz is not None:  # the modelled band (Fig. 12)
-        layout["shapes"] = [band(*value.band_hz, style.BLUE, opacity=0.08)]
+        low, high = (frequency.factor * end for end in value.band_hz)
+        layout["shapes"] = [band(low, high, style.BLUE, opacity=0.08)]
     return {"data": data, "layout": layout}
 
 
@@ -58,6 +62,7 @@ def _draw_curve(
 
 def _draw_harmonics(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
     """Draw the harmonics of each input in its style, as stems without a spectrum behind them."""
+    frequency = quantities.of_unit("Frequency", "Hz")
     assigned_inputs = np.array(value.assigned_inputs)
     data = []
     for assigned, (colour, symbol) in {
@@ -70,7 +75,7 @@ def _draw_harmonics(value: Spectra, index: int, quantity: quantities.DisplayQuan
         heights = value.magnitude[own, index] * quantity.factor
         name = quantities.of_channel(assigned).label if assigned else _UNASSIGNED
         trace = scatter(
-            value.frequency_hz[own],
+            frequency.factor * value.frequency_hz[own],
             heights,
             row=index + 1,
             name=name,
@@ -79,7 +84,7 @@ def _draw_harmonics(value: Spectra, index: int, quantity: quantities.DisplayQuan
             marker={"color": colour, "symbol": symbol, "size": 4},
             text=_format_signal_to_noise(value, own, index),
             meta={"channel": value.names[index], "assigned_input": assigned},
-            hovertemplate=f"%{{x:.3f}} Hz<br>%{{y:.4g}} {quantity.unit}<br>%{{text}}"
+            hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>%{{y:.4g}} {quantity.unit}<br>%{{text}}"
             f"<extra>{name}</extra>",
         )
         if value.background is None:

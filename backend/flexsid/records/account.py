@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 
+from flexsid.display_units import FrequencyUnit, UnitSystem
+
 NAME_CLAIM = "preferred_username"
 """Usual claim of a provider with the name of the account."""
 
@@ -31,6 +33,7 @@ class Account:
     ``skeleton`` is equal for names that look alike. ``invitation_hash`` is the SHA-256 of
     the code by which a password is set once. An account without a password logs in through the
     organisation only; ``subject`` is issuer and identifier of its user at the OpenID provider.
+    ``unit_system`` and ``frequency_unit`` are the preferred display units.
     """
 
     name: str
@@ -40,6 +43,8 @@ class Account:
     invited_until: datetime | None = None
     disabled_at: datetime | None = None
     subject: str | None = None
+    unit_system: UnitSystem = UnitSystem.METRIC
+    frequency_unit: FrequencyUnit = FrequencyUnit.HERTZ
     created_at: datetime | None = None
     id: int | None = None
 

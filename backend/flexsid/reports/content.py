@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from flexsid.display_units import display_unit
 from flexsid.errors import FlexsidError
 from flexsid.figure_table import draw_figure
 from flexsid.figures.spec import Spec
@@ -98,6 +99,12 @@ def number(value: float | None, digits: int = 4) -> str:
     if -4 <= exponent < 6:
         return f"{value:.{max(0, digits - 1 - exponent)}f}".replace("-", "−")
     return f"{value:.{digits - 1}e}".replace("-", "−")
+
+
+def shown(value: float | None, unit: str, digits: int = 4) -> str:
+    """Format a value in an SI unit, or in Hz, with its display unit."""
+    name, factor = display_unit(unit)
+    return f"{number(None if value is None else factor * value, digits)} {name}"
 
 
 def estimate(value: float, std_error: float | None) -> tuple[str, str]:

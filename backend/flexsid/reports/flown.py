@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from flexsid.records.maneuver import Maneuver
-from flexsid.reports.content import number
+from flexsid.reports.content import shown
 from flexsid.storage.store import Store
 
 
@@ -14,12 +12,16 @@ def condition_facts(maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
     c = maneuver.condition
     ratio = maneuver.airspeed_ratio
     return (
-        ("Airspeed", f"{c.airspeed_m_s:.2f} m/s{'' if ratio is None else f', {ratio:.3f} V/V_f'}"),
-        ("Dynamic pressure", f"{c.dynamic_pressure_pa:.1f} Pa"),
-        ("Density", f"{c.density_kg_m3:.4f} kg/m³"),
+        (
+            "Airspeed",
+            f"{shown(c.airspeed_m_s, 'm/s')}{'' if ratio is None else f', {ratio:.3f} V/V_f'}",
+        ),
+        ("Dynamic pressure", shown(c.dynamic_pressure_pa, "Pa")),
+        ("Density", shown(c.density_kg_m3, "kg/m3")),
         ("Fuel fraction", f"{c.fuel_fraction:.2f}"),
-        ("Mass, pitch inertia", f"{number(c.mass_kg)} kg, {number(c.pitch_inertia_kg_m2)} kg·m²"),
-        ("Angle of attack", f"{math.degrees(c.alpha_rad):.2f}°"),
+        ("Mass", shown(c.mass_kg, "kg")),
+        ("Pitch inertia", shown(c.pitch_inertia_kg_m2, "kg*m2")),
+        ("Angle of attack", shown(c.alpha_rad, "rad")),
         ("Duration", f"{maneuver.duration_s:g} s"),
         ("Flight test aid", "–" if maneuver.fta is None else f"FTA {maneuver.fta}"),
     )

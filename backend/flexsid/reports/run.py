@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import tau
 
+from flexsid.display_units import display_unit
 from flexsid.nomenclature import describe
 from flexsid.records.run import AdequacyState, EstimationRun, ModelAdequacy, RunResult
 from flexsid.reports.content import (
@@ -124,7 +125,8 @@ def _describe_outcome(result: RunResult) -> str:
 
 
 def _format_band(band: tuple[float, float]) -> str:
-    return f"{band[0]:g} to {band[1]:g} Hz"
+    unit, factor = display_unit("Hz")
+    return f"{factor * band[0]:.4g} to {factor * band[1]:.4g} {unit}"
 
 
 def _draw_derivatives(store: Store, run: EstimationRun, result: RunResult) -> tuple[Part, ...]:
@@ -243,6 +245,8 @@ def _report_uncertainty(store: Store, run_id: int) -> tuple[Part, ...]:
 def _report_poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
     if not result.poles:
         return (Words("The estimates are not a complete model, so it has no poles."),)
+    unit, per_hz = display_unit("Hz")
+    factor = per_hz / tau
     rows = []
     for pole in result.poles:
         if pole.imag < 0:
@@ -250,7 +254,10 @@ def _report_poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, .
         frequency, its_error = (
             (number(pole.real), "–")
             if pole.frequency is None
-            else estimate(pole.frequency / tau, _to_hz(pole.frequency_std))
+            else estimate(
+                factor * pole.frequency,
+                None if pole.frequency_std is None else factor * pole.frequency_std,
+            )
         )
         damping, error = (
             ("–", "–") if pole.damping is None else estimate(pole.damping, pole.damping_std)
@@ -264,15 +271,11 @@ def _report_poles(store: Store, run_id: int, result: RunResult) -> tuple[Part, .
             run_ids=[run_id],
         ),
         ReportTable(
-            ("mode", "frequency [Hz]", "σ", "damping ratio", "σ"),
+            ("mode", f"frequency [{unit}]", "σ", "damping ratio", "σ"),
             tuple(rows),
             "Poles; for real roots the value [1/s] instead of the frequency",
         ),
     )
-
-
-def _to_hz(omega: float | None) -> float | None:
-    return None if omega is None else omega / tau
 
 
 def _list_provenance(

@@ -634,6 +634,8 @@ accounts = table(
     moment("invited_until", required=False),
     moment("disabled_at", required=False),
     text("subject", required=False),
+    text("unit_system", length=16),
+    text("frequency_unit", length=16),
     moment("created_at"),
     sa.UniqueConstraint("skeleton"),
     sa.Index(None, "subject", unique=True),

@@ -20,6 +20,13 @@ export type Session = Received<"SessionState">;
 export type Role = Session["roles"][number]["role"];
 export type Token = Received<"TokenItem">;
 export type TokenRequest = Schemas["TokenRequest"];
+export const UNIT_SYSTEMS = ["metric", "us", "si"] as const;
+export const FREQUENCY_UNITS = ["Hz", "rad/s"] as const;
+/** Display units of figures, tables and reports. */
+export interface DisplayUnits {
+  units: (typeof UNIT_SYSTEMS)[number];
+  frequency_unit: (typeof FREQUENCY_UNITS)[number];
+}
 export type ManeuverItem = Received<"ManeuverItem">;
 export type Maneuver = Received<"ManeuverDetail">;
 export type Channel = Received<"Channel">;

@@ -5,6 +5,7 @@ import type { AerodynamicsComparison } from "../api/types";
 import { fixed, significant } from "../lib/format";
 import { ComputedResult } from "./ComputedResult";
 import { DataTable, numeric, type Column } from "./DataTable";
+import { UnitName, WithInterval } from "./Quantity";
 import { Section } from "./Section";
 
 type Fit = AerodynamicsComparison["fits"][number];
@@ -18,12 +19,14 @@ const COLUMNS: Column<Fit>[] = [
   {
     key: "flutter",
     header: "Flutter ±2σ",
-    unit: "m/s",
+    unit: <UnitName unit="m/s" />,
     numeric: true,
     render: (fit) =>
-      fit.flutter_m_s === null
-        ? "none"
-        : `${fixed(fit.flutter_m_s, 2)} ± ${fixed(2 * (fit.flutter_std_m_s ?? NaN), 2)}`,
+      fit.flutter_m_s === null ? (
+        "none"
+      ) : (
+        <WithInterval value={fit.flutter_m_s} std={fit.flutter_std_m_s} unit="m/s" decimals={2} />
+      ),
   },
 ];
 

@@ -9,6 +9,7 @@ import { MainNav, SideNav } from "./MainNav";
 import { NoticeBar } from "./NoticeBar";
 import { Notifications } from "./Notifications";
 import { Tour } from "./Tour";
+import { UnitMenu } from "./UnitMenu";
 
 /** Header with navigation around every page. */
 export function AppFrame() {
@@ -28,6 +29,7 @@ export function AppFrame() {
             <SideNav />
             <Keyboard />
             <Notifications />
+            <UnitMenu />
             <AnalystMenu />
             <Health />
             <ColorSchemeToggle />

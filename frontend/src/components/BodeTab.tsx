@@ -38,6 +38,8 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
     rigid: view.rigid,
     windowed: view.windowed,
     view: view.plane === "loops" ? undefined : view.plane,
+    frequency_scale: view.frequency_scale,
+    magnitude_scale: view.magnitude_scale,
   };
   const overBand = (view.plane ?? "bode") === "bode";
   const campaign = useInfiniteQuery(maneuversQuery({}, "id", 200));
@@ -55,6 +57,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
             onChange({ plane: BODE_PLANES.find((plane) => plane === value) });
           }}
         />
+        {overBand && <BodeScales view={view} onChange={onChange} />}
         <MultiSelect
           label="Models"
           placeholder={view.models === undefined ? "Measured only" : undefined}
@@ -152,7 +155,13 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
               kind="bode"
               title="Frequency responses of the bare airframe"
               params={params}
-              revision={[outputs, inputs, view.plane].join("|")}
+              revision={[
+                outputs,
+                inputs,
+                view.plane,
+                view.frequency_scale,
+                view.magnitude_scale,
+              ].join("|")}
               {...(overBand ? overFrequency(view, onChange) : {})}
             />
             <NotDrawn params={params} />
@@ -160,6 +169,41 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         )}
       </div>
     </div>
+  );
+}
+
+/** Scales of the Bode plot, as stored in the address. */
+function BodeScales({ view, onChange }: Pick<ManeuverTabProps, "view" | "onChange">) {
+  return (
+    <>
+      <Switch
+        label="Logarithmic frequencies"
+        checked={view.frequency_scale !== "linear"}
+        onChange={(event) => {
+          onChange({ frequency_scale: event.currentTarget.checked ? undefined : "linear" });
+        }}
+      />
+      <div>
+        <Text size="sm" fw={500} mb={4}>
+          Magnitude
+        </Text>
+        <SegmentedControl
+          aria-label="Scale of the magnitude"
+          fullWidth
+          data={[
+            { value: "dB", label: "dB" },
+            { value: "log", label: "Log" },
+            { value: "linear", label: "Linear" },
+          ]}
+          value={view.magnitude_scale ?? "dB"}
+          onChange={(value) => {
+            onChange({
+              magnitude_scale: value === "log" || value === "linear" ? value : undefined,
+            });
+          }}
+        />
+      </div>
+    </>
   );
 }
 

@@ -1,17 +1,18 @@
 import { Stack } from "@mantine/core";
 import { classicInputsResult } from "../api/queries";
 import type { ComparedInput, Design, InputComparison } from "../api/types";
-import { degrees, fixed } from "../lib/format";
+import { fixed } from "../lib/format";
 import { ComputedResult } from "./ComputedResult";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
+import { quantity } from "./Quantity";
 
 const RADIAN2 = (180 / Math.PI) ** 2;
 
 const INPUTS: Column<ComparedInput>[] = [
   { key: "kind", header: "Input", render: (row) => row.kind },
   numeric("pulse", "Pulse", (row) => (row.pulse_s === null ? "" : fixed(row.pulse_s, 3)), "s"),
-  numeric("deflection", "Peak deflection", (row) => fixed(degrees(row.deflection), 2), "deg"),
+  quantity("deflection", "Peak deflection", (row) => row.deflection, "rad", 4),
   numeric("load", "Load factor", (row) => fixed(row.load_factor, 3), "g"),
   numeric("energy", "Energy of the commands", (row) => fixed(row.energy * RADIAN2, 1), "deg² s"),
   { key: "lacking", header: "", render: (row) => row.lacking },

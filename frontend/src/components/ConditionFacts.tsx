@@ -1,8 +1,13 @@
 import type { ReactNode } from "react";
 import type { Maneuver } from "../api/types";
-import { degrees, fixed, percent } from "../lib/format";
+import { fixed, percent } from "../lib/format";
+import { quantityFact } from "./Quantity";
 
-export function Facts({ facts }: { facts: [label: ReactNode, value: ReactNode, unit?: string][] }) {
+export function Facts({
+  facts,
+}: {
+  facts: [label: ReactNode, value: ReactNode, unit?: ReactNode][];
+}) {
   return (
     <dl className="facts">
       {facts.map(([label, value, unit], index) => (
@@ -24,19 +29,19 @@ export function ConditionFacts({ maneuver }: { maneuver: Maneuver }) {
   return (
     <Facts
       facts={[
-        ["Airspeed", fixed(condition.airspeed_m_s, 2), "m/s"],
+        quantityFact("Airspeed", condition.airspeed_m_s, "m/s", 2),
         [
           <>
             V/V<sub>f</sub>
           </>,
           fixed(maneuver.airspeed_ratio, 3),
         ],
-        ["Dynamic pressure", fixed(pressure, 1), "Pa"],
+        quantityFact("Dynamic pressure", pressure, "Pa", 1),
         ["Fuel", percent(condition.fuel_fraction), "%"],
-        ["Mass", fixed(condition.mass_kg, 1), "kg"],
-        ["Pitch inertia", fixed(condition.pitch_inertia_kg_m2, 1), "kg m²"],
-        ["Angle of attack", fixed(degrees(condition.alpha_rad), 2), "deg"],
-        ["Air density", fixed(condition.density_kg_m3, 3), "kg/m³"],
+        quantityFact("Mass", condition.mass_kg, "kg", 1),
+        quantityFact("Pitch inertia", condition.pitch_inertia_kg_m2, "kg*m2", 1),
+        quantityFact("Angle of attack", condition.alpha_rad, "rad", 4),
+        quantityFact("Air density", condition.density_kg_m3, "kg/m3", 3),
         ["Length", fixed(maneuver.duration_s, 1), "s"],
         ["Largest input correlation", fixed(maneuver.max_input_correlation, 2)],
       ]}

@@ -7,7 +7,7 @@ export interface Column<Row> {
   header: ReactNode;
   /** Name in the glossary whose meaning is shown when the header is pointed at. */
   help?: string;
-  unit?: string;
+  unit?: ReactNode;
   /** Numbers stand at the right so that their digits line up. */
   numeric?: boolean;
   /** Sentences go over several lines; whatever else there is stays on one. */

@@ -2,10 +2,11 @@ import { Group, NumberInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { designChecksQuery } from "../api/queries";
 import type { Design, DesignChecks } from "../api/types";
-import { degrees, fixed } from "../lib/format";
+import { fixed } from "../lib/format";
 import type { DesignView } from "../views";
-import { DataTable, numeric, type Column } from "./DataTable";
+import { DataTable, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
+import { quantity } from "./Quantity";
 import { Section } from "./Section";
 
 const RADIAN = 180 / Math.PI;
@@ -21,16 +22,10 @@ interface PartProps {
 const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
   { key: "name", header: "Input", render: (row) => row.name },
   { key: "rpf", header: "RPF", numeric: true, render: (row) => fixed(row.peak_factor, 3) },
-  numeric("command", "Command", (row) => fixed(degrees(row.command_peak), 2), "deg"),
-  numeric("deflection", "Deflection", (row) => fixed(degrees(row.deflection_peak), 2), "deg"),
-  numeric("rate", "Rate", (row) => fixed(degrees(row.rate_peak), 1), "deg/s"),
-  {
-    key: "acceleration",
-    header: "Acceleration",
-    unit: "deg/s²",
-    numeric: true,
-    render: (row) => fixed(degrees(row.acceleration_peak), 0),
-  },
+  quantity("command", "Command", (row) => row.command_peak, "rad", 4),
+  quantity("deflection", "Deflection", (row) => row.deflection_peak, "rad", 4),
+  quantity("rate", "Rate", (row) => row.rate_peak, "rad/s", 3),
+  quantity("acceleration", "Acceleration", (row) => row.acceleration_peak, "rad/s2", 2),
   {
     key: "limits",
     header: "Limits",

@@ -13,7 +13,8 @@ import { useState } from "react";
 import { address, type QueryValue } from "../api/client";
 import { asProblem } from "../api/problem";
 import { figureQuery } from "../api/queries";
-import { figureHeight } from "../lib/figureLayout";
+import { useConversion, useUnitParameters } from "../api/units";
+import { figureHeight, rounded } from "../lib/figureLayout";
 import { Empty } from "./Empty";
 import { FigureBoundary } from "./FigureBoundary";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
@@ -30,15 +31,21 @@ interface Props extends FigureEvents {
   height?: number;
   /** Zoom is retained while this is unchanged; by default while the figure is the same. */
   revision?: string;
-  /** Window of the x axis that figures share; they hand it on by `onWindow`. */
+  /** Window of the x axis that figures share [s] or [Hz]; they hand it on by `onWindow`. */
   window?: [number, number];
 }
 
 /** A figure that the server built: fetched, drawn in the page's colors, downloadable. */
-export function Figure({ kind, params, title, height, revision, window, ...events }: Props) {
+export function Figure({ kind, params: given, title, height, revision, window, ...events }: Props) {
   const scheme = useComputedColorScheme("light");
+  const params = { ...given, ...useUnitParameters() };
+  const perHertz = useConversion()("Hz").factor;
+  // The page's windows over frequency are in Hz, whatever the figure shows.
+  const factor = events.link === "frequency" ? perHertz : 1;
+  const shown = window && ([factor * window[0], factor * window[1]] as [number, number]);
   const figure = useQuery(figureQuery(kind, params));
   const [handle, setHandle] = useState<PlotlyHandle | null>(null);
+  const { onWindow } = events;
   const spec = figure.data;
   const note = (spec?.layout.meta as { note?: unknown } | undefined)?.note;
   const tall = height ?? (spec ? figureHeight(spec.layout) : 380);
@@ -125,10 +132,16 @@ export function Figure({ kind, params, title, height, revision, window, ...event
             spec={spec}
             scheme={scheme}
             height={tall}
-            revision={`${revision ?? JSON.stringify(params)} ${window?.join() ?? ""}`}
-            window={window}
+            revision={`${revision ?? JSON.stringify(params)} ${shown?.join() ?? ""}`}
+            window={shown}
             onReady={setHandle}
             {...events}
+            onWindow={
+              onWindow &&
+              ((next) => {
+                onWindow(next && [rounded(next[0] / factor), rounded(next[1] / factor)]);
+              })
+            }
           />
         </FigureBoundary>
       )}

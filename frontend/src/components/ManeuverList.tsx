@@ -3,6 +3,7 @@ import { Link } from "@tanstack/react-router";
 import { METHODS, type ManeuverItem } from "../api/types";
 import { fixed, flightNumber, percent } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
+import { Quantity, UnitName } from "./Quantity";
 import { RunBadge } from "./RunBadge";
 import { selectColumn } from "./selectColumn";
 import { Tags } from "./Tags";
@@ -64,10 +65,10 @@ export function ManeuverList({ maneuvers, selected, onSelect, sort, onSort }: Pr
     {
       key: "airspeed",
       header: "V",
-      unit: "m/s",
+      unit: <UnitName unit="m/s" />,
       sort: "airspeed_m_s",
       numeric: true,
-      render: (one) => fixed(one.airspeed_m_s, 1),
+      render: (one) => <Quantity value={one.airspeed_m_s} unit="m/s" decimals={1} />,
     },
     {
       key: "fuel",

@@ -1,11 +1,13 @@
 import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
+import type { ReactNode } from "react";
 import { modalTableQuery } from "../api/queries";
 import type { ModalTable, ModalTableDetail } from "../api/types";
-import { fixed, hertz, percent } from "../lib/format";
+import { hertz, percent } from "../lib/format";
 import { someFuels } from "../lib/modes";
 import { DataTable, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
+import { Quantity, UnitName } from "./Quantity";
 import { Section } from "./Section";
 
 interface Row {
@@ -50,9 +52,9 @@ export function ModalTableView({ table }: { table: ModalTable }) {
 function columnsOf(modal: ModalTableDetail): Column<Row>[] {
   const over = (
     kind: string,
-    unit: string,
+    unit: ReactNode,
     values: number[][] | null,
-    show: (value: number | undefined) => string,
+    show: (value: number | undefined) => ReactNode,
   ): Column<Row>[] =>
     (values === null ? [] : someFuels(modal.fuel)).map((index) => ({
       key: `${kind}${index}`,
@@ -65,9 +67,9 @@ function columnsOf(modal: ModalTableDetail): Column<Row>[] {
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
     { key: "name", header: "Shape", render: (row) => row.name },
     { key: "symmetric", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
-    ...over("f", "Hz", modal.omega, (value) =>
-      fixed(value === undefined ? undefined : hertz(value), 2),
-    ),
+    ...over("f", <UnitName unit="Hz" />, modal.omega, (value) => (
+      <Quantity value={value === undefined ? undefined : hertz(value)} unit="Hz" decimals={2} />
+    )),
     ...over("ζ", "%", modal.zeta, (value) => percent(value, 2)),
   ];
 }

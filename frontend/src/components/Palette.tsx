@@ -13,6 +13,7 @@ import {
   structuresQuery,
   decisionsQuery,
 } from "../api/queries";
+import { useDisplayUnits } from "../api/units";
 import { flightName } from "../lib/format";
 import { VIEWS } from "../views";
 import { SearchIcon } from "./icons";
@@ -119,7 +120,7 @@ function useFound(typed: string): Found[] {
     enabled,
   });
   const runs = useInfiniteQuery({ ...runListQuery({ search: asked }, "-id", MOST), enabled });
-  const glossary = useQuery({ ...glossaryQuery, enabled });
+  const glossary = useQuery({ ...glossaryQuery(useDisplayUnits()), enabled });
   const structures = useQuery({ ...structuresQuery(), enabled });
   const decisions = useQuery({ ...decisionsQuery({}), enabled });
   const designs = useQuery({ ...designsQuery, enabled });

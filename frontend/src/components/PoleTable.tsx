@@ -1,7 +1,9 @@
 import type { Pole } from "../api/types";
+import { useConversion, useDisplayUnits } from "../api/units";
 import { fixed, hertz, withError } from "../lib/format";
 import { oscillation, upperHalf } from "../lib/poles";
 import { DataTable, numeric, type Column } from "./DataTable";
+import { UnitName } from "./Quantity";
 
 /** The server's figures with their errors; without them those of the eigenvalue alone. */
 function known(pole: Pole) {
@@ -27,14 +29,20 @@ function WithSigma({ value, sigma }: { value: number; sigma: number | null }) {
   );
 }
 
+function Frequency({ pole }: { pole: Pole }) {
+  const { hertz: value, hertzStd: std } = known(pole);
+  const { factor } = useConversion()("Hz");
+  return <WithSigma value={factor * value} sigma={std === null ? null : factor * std} />;
+}
+
 const columns: Column<Pole>[] = [
   { key: "name", header: "Mode", render: (pole) => pole.name || "–" },
   {
     key: "hertz",
     header: "Frequency",
-    unit: "Hz",
+    unit: <UnitName unit="Hz" />,
     numeric: true,
-    render: (pole) => <WithSigma value={known(pole).hertz} sigma={known(pole).hertzStd} />,
+    render: (pole) => <Frequency pole={pole} />,
   },
   numeric("omega", "Frequency", (pole) => fixed(known(pole).omega, 2), "rad/s"),
   {
@@ -48,11 +56,12 @@ const columns: Column<Pole>[] = [
 
 /** Eigenvalues of the identified model as frequency and damping. */
 export function PoleTable({ poles }: { poles: Pole[] }) {
+  const { frequency_unit: unit } = useDisplayUnits();
   return (
     <DataTable
       label="Poles"
       testId="pole-table"
-      columns={columns}
+      columns={unit === "Hz" ? columns : columns.filter((one) => one.key !== "omega")}
       rows={upperHalf(poles)}
       rowKey={(pole) => `${pole.real} ${pole.imag}`}
     />

@@ -6,6 +6,7 @@ import { ComputedResult } from "./ComputedResult";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Figure } from "./Figure";
+import { quantity } from "./Quantity";
 import { Section } from "./Section";
 
 const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
@@ -23,7 +24,7 @@ const EXPECTED_COLUMNS: Column<ExpectedError>[] = [
 
 const MODE_COLUMNS: Column<ExpectedMode>[] = [
   { key: "name", header: "Mode", render: (mode) => mode.name },
-  numeric("frequency", "Frequency", (mode) => fixed(mode.frequency_hz, 2), "Hz"),
+  quantity("frequency", "Frequency", (mode) => mode.frequency_hz, "Hz", 2),
   { key: "damping", header: "ζ", numeric: true, render: (mode) => fixed(mode.damping, 3) },
   numeric("harmonics", "Harmonics in half-power band", (mode) => mode.n_harmonics),
   { key: "output", header: "Best output", render: (mode) => mode.output ?? "not excited" },

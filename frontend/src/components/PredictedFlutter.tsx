@@ -7,6 +7,7 @@ import { Facts } from "./ConditionFacts";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
+import { Quantity, quantityFact } from "./Quantity";
 import { Section } from "./Section";
 
 /** The flutter analysis of a prediction: its job, then its result. */
@@ -38,24 +39,31 @@ function PredictedFlutter({ result }: { result: Result }) {
   return (
     <Section
       title="Flutter of the prediction"
-      note={`${result.source}; modes ${result.modes.join(" ")}, from ${fixed(result.searched_from_m_s, 1)} to ${fixed(result.searched_to_m_s, 1)} m/s`}
+      note={
+        <>
+          {result.source}; modes {result.modes.join(" ")}, from{" "}
+          <Quantity value={result.searched_from_m_s} unit="m/s" decimals={1} /> to{" "}
+          <Quantity value={result.searched_to_m_s} unit="m/s" decimals={1} named />
+        </>
+      }
     >
       <Alert variant="light" role="status" mb="sm" data-testid="predicted-flutter">
         {result.sentence}
       </Alert>
       <Facts
         facts={[
-          ["p-k method", fixed(result.airspeed_m_s, 2), "m/s"],
-          [
+          quantityFact("p-k method", result.airspeed_m_s, "m/s", 2),
+          quantityFact(
             "±2σ",
-            fixed(result.airspeed_std_m_s === null ? null : 2 * result.airspeed_std_m_s, 2),
+            result.airspeed_std_m_s === null ? null : 2 * result.airspeed_std_m_s,
             "m/s",
-          ],
-          ["Rational functions", fixed(result.rational_airspeed_m_s, 2), "m/s"],
+            2,
+          ),
+          quantityFact("Rational functions", result.rational_airspeed_m_s, "m/s", 2),
           ["Frequency", fixed(result.frequency_rad_s, 2), "rad/s"],
           ["Reduced frequency", fixed(result.reduced_frequency, 3)],
           ["Fuel", percent(result.fuel_fraction), "%"],
-          ["Air density", fixed(result.density_kg_m3, 3), "kg/m³"],
+          quantityFact("Air density", result.density_kg_m3, "kg/m3", 3),
           ["Mode participation", parts.join(", ") || "–"],
         ]}
       />

@@ -1,8 +1,7 @@
 import type { SurfaceQuality } from "../api/types";
 import { fixed, percent } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
-
-const DEGREES = 180 / Math.PI;
+import { Quantity, UnitName } from "./Quantity";
 
 const columns: Column<SurfaceQuality>[] = [
   { key: "name", header: "Surface", render: (one) => one.name },
@@ -23,9 +22,9 @@ const columns: Column<SurfaceQuality>[] = [
   {
     key: "frequency",
     header: <span title="Natural frequency of the servo">Frequency</span>,
-    unit: "Hz",
+    unit: <UnitName unit="Hz" />,
     numeric: true,
-    render: (one) => fixed(one.natural_frequency_hz, 2),
+    render: (one) => <Quantity value={one.natural_frequency_hz} unit="Hz" decimals={2} />,
   },
   {
     key: "damping",
@@ -41,12 +40,17 @@ const columns: Column<SurfaceQuality>[] = [
   {
     key: "motion",
     header: <span title="Largest oscillation that was not commanded">Uncommanded</span>,
-    unit: "deg",
+    unit: <UnitName unit="rad" />,
     numeric: true,
     render: (one) =>
-      one.motion === null
-        ? "–"
-        : `${fixed(scaled(one.motion, DEGREES), 3)} at ${fixed(one.motion_hz, 2)} Hz`,
+      one.motion === null ? (
+        "–"
+      ) : (
+        <>
+          <Quantity value={one.motion} unit="rad" decimals={5} /> at{" "}
+          <Quantity value={one.motion_hz} unit="Hz" decimals={2} named />
+        </>
+      ),
   },
   {
     key: "rate",
@@ -55,14 +59,15 @@ const columns: Column<SurfaceQuality>[] = [
         Rate limit
       </span>
     ),
-    unit: "deg/s",
+    unit: <UnitName unit="rad/s" />,
     numeric: true,
     render: (one) =>
       one.rate_limit === null ? (
         "–"
       ) : (
         <b>
-          {fixed(scaled(one.rate_limit, DEGREES), 0)} ({percent(one.rate_limited, 1)} %)
+          <Quantity value={one.rate_limit} unit="rad/s" decimals={2} /> (
+          {percent(one.rate_limited, 1)} %)
         </b>
       ),
   },

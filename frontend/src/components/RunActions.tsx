@@ -2,6 +2,7 @@ import { Button, Menu } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
+import { useUnitParameters } from "../api/units";
 import { csv, saveText } from "../lib/csv";
 import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "./ButtonLink";
@@ -15,6 +16,7 @@ export function RunActions({ run }: { run: Run }) {
   const methods = latestPerMethod(others.data ?? []).filter(
     (one) => one.method !== run.method || one.axis !== axis,
   );
+  const units = useUnitParameters();
   const done = run.state === "succeeded";
   return (
     <>
@@ -27,7 +29,7 @@ export function RunActions({ run }: { run: Run }) {
       >
         Run again with changes
       </ButtonLink>
-      {done && <ReportMenu of={`run/${run.id}`} />}
+      {done && <ReportMenu of={`run/${run.id}`} query={{ ...units }} />}
       {done && (
         <Menu position="bottom-end">
           <Menu.Target>

@@ -9,6 +9,7 @@ import { DerivativeName } from "./DerivativeName";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
+import { UnitName, WithInterval } from "./Quantity";
 import { Section } from "./Section";
 
 interface Props {
@@ -132,13 +133,20 @@ function Candidates({ search, result }: CandidatesProps) {
     {
       key: "flutter",
       header: "Flutter ±2σ",
-      unit: "m/s",
+      unit: <UnitName unit="m/s" />,
       numeric: true,
       render: ({ one }) => (
         <span title={one.flutter}>
-          {one.flutter_m_s === null
-            ? "none"
-            : `${fixed(one.flutter_m_s, 2)} ± ${fixed(2 * (one.flutter_std_m_s ?? 0), 2)}`}
+          {one.flutter_m_s === null ? (
+            "none"
+          ) : (
+            <WithInterval
+              value={one.flutter_m_s}
+              std={one.flutter_std_m_s ?? 0}
+              unit="m/s"
+              decimals={2}
+            />
+          )}
         </span>
       ),
     },

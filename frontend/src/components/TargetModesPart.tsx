@@ -6,18 +6,13 @@ import { fixed } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Loaded } from "./Loaded";
+import { Quantity, quantity, UnitName } from "./Quantity";
 import { Section } from "./Section";
 
 const COLUMNS: Column<TargetMode>[] = [
   { key: "name", header: "Mode", render: (mode) => mode.name },
   { key: "group", header: "Target", render: (mode) => mode.group },
-  {
-    key: "frequency",
-    header: "Frequency",
-    unit: "Hz",
-    numeric: true,
-    render: (mode) => fixed(mode.frequency_hz, 2),
-  },
+  quantity("frequency", "Frequency", (mode) => mode.frequency_hz, "Hz", 2),
   {
     key: "damping",
     header: "Damping ratio",
@@ -27,9 +22,14 @@ const COLUMNS: Column<TargetMode>[] = [
   {
     key: "about",
     header: "Band about it",
-    unit: "Hz",
+    unit: <UnitName unit="Hz" />,
     numeric: true,
-    render: (mode) => `${fixed(mode.low_hz, 2)}–${fixed(mode.high_hz, 2)}`,
+    render: (mode) => (
+      <>
+        <Quantity value={mode.low_hz} unit="Hz" decimals={2} />–
+        <Quantity value={mode.high_hz} unit="Hz" decimals={2} />
+      </>
+    ),
   },
   {
     key: "harmonics",

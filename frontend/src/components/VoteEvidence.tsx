@@ -1,11 +1,13 @@
 import { Text } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
+import type { ReactNode } from "react";
 import type { VoteEvidence } from "../api/types";
 import { fixed, percent, significant, withError } from "../lib/format";
 import { Facts } from "./ConditionFacts";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { AdequacyBadge } from "./ModelAdequacy";
+import { Quantity, quantity, quantityFact } from "./Quantity";
 import { StructureLink } from "./StructureLink";
 
 type Run = VoteEvidence["runs"][number];
@@ -38,7 +40,7 @@ const RUNS: Column<Run>[] = [
       </Link>
     ),
   },
-  numeric("airspeed", "Airspeed", (one) => fixed(one.airspeed_m_s, 1), "m/s"),
+  quantity("airspeed", "Airspeed", (one) => one.airspeed_m_s, "m/s", 1),
   numeric("fuel", "Fuel", (one) => percent(one.fuel_fraction), "%"),
   { key: "outcome", header: "Outcome", render: (one) => one.outcome },
   numeric("r2", "Lowest R²", (one) => fixed(one.lowest_r_squared, 3)),
@@ -89,7 +91,7 @@ const MOVED: Column<Moved>[] = [
 /** Flutter speed with its interval; a link to the prediction where none is stored. */
 function FlutterSpeed({ flutter }: { flutter: Flutter }) {
   if (flutter.run_ids.length === 0) return <>no run to predict it from</>;
-  const link = (text: string) => (
+  const link = (text: ReactNode) => (
     <Link to="/flutter" search={{ runs: flutter.run_ids }} className="link">
       {text}
     </Link>
@@ -97,12 +99,18 @@ function FlutterSpeed({ flutter }: { flutter: Flutter }) {
   if (flutter.sentence === null) return <>not computed ({link("predict flutter")})</>;
   if (flutter.airspeed_m_s === null) return link("no flutter speed found");
   const interval =
-    flutter.low_m_s === null
-      ? ", interval unknown"
-      : ` (${fixed(flutter.low_m_s, 1)} to ${fixed(flutter.high_m_s, 1)} m/s, 95 %)`;
+    flutter.low_m_s === null ? (
+      ", interval unknown"
+    ) : (
+      <>
+        {" "}
+        (<Quantity value={flutter.low_m_s} unit="m/s" decimals={1} /> to{" "}
+        <Quantity value={flutter.high_m_s} unit="m/s" decimals={1} named />, 95 %)
+      </>
+    );
   return (
     <>
-      {link(`${fixed(flutter.airspeed_m_s, 1)} m/s`)}
+      {link(<Quantity value={flutter.airspeed_m_s} unit="m/s" decimals={1} named />)}
       {interval}
     </>
   );
@@ -154,13 +162,7 @@ export function EvidenceSummary({ evidence }: { evidence: VoteEvidence }) {
                   ],
                 ] as [string, string | number][])),
             ["Flutter speed", <FlutterSpeed key="flutter" flutter={flutter} />],
-            ...(change === null
-              ? []
-              : ([["Change of flutter speed", fixed(change, 1), "m/s"]] as [
-                  string,
-                  string,
-                  string,
-                ][])),
+            ...(change === null ? [] : [quantityFact("Change of flutter speed", change, "m/s", 1)]),
           ]}
         />
       )}
@@ -252,7 +254,7 @@ function ReferencePart({ reference, flutter }: { reference: Reference; flutter: 
         facts={[
           ["Flutter speed, proposed", <FlutterSpeed key="proposed" flutter={flutter} />],
           ["Flutter speed, baseline", <FlutterSpeed key="baseline" flutter={reference.flutter} />],
-          ["Change", fixed(reference.flutter_change_m_s, 1), "m/s"],
+          quantityFact("Change", reference.flutter_change_m_s, "m/s", 1),
         ]}
       />
     </>

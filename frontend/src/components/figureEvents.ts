@@ -1,7 +1,7 @@
 export interface FigureEvents {
   /** A point with an id was clicked. */
   onPick?: (id: number) => void;
-  /** The x axis was zoomed to a window, in its units, or reset (null). */
+  /** The x axis was zoomed to a window, over frequency in Hz, or reset (null). */
   onWindow?: (window: [number, number] | null) => void;
   /** Quantity of the x axis, where figures of the page share a cursor over it. */
   link?: string;

@@ -53,7 +53,7 @@ export function inUnits(layout: Layout, range: [number, number]): [number, numbe
 }
 
 /** Enough digits for any zoom, few enough for an address. */
-const rounded = (value: number) => Number(value.toPrecision(6));
+export const rounded = (value: number) => Number(value.toPrecision(6));
 
 /** Shows a window of the x axis; all panels that stand over it follow. */
 export function windowed(layout: Layout, window: [number, number] | undefined): Layout {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { elapsed, fixed, relativeError, significant, withError } from "./format";
+import { converted, elapsed, fixed, relativeError, significant, withError } from "./format";
 
 describe("numbers", () => {
   it("shows a dash where there is none", () => {
@@ -41,4 +41,14 @@ describe("numbers", () => {
 it("writes values that round to zero without a sign", () => {
   expect(fixed(-0.0004, 3)).toBe("0.000");
   expect(fixed(-0.0006, 3)).toBe("−0.001");
+});
+
+describe("converted", () => {
+  it("has about the resolution of the SI value", () => {
+    expect(converted(23.15, 3600 / 1852, 1)).toBe("45.0");
+    expect(converted(980, 1 / 47.88025898, 0)).toBe("20.47");
+    expect(converted(0.0349066, 180 / Math.PI, 4)).toBe("2.00");
+    expect(converted(2.5, 2 * Math.PI, 2)).toBe("15.7");
+    expect(converted(null, 2, 1)).toBe("–");
+  });
 });

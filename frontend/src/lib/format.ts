@@ -15,6 +15,12 @@ export function fixed(value: Maybe, decimals: number): string {
   return signed(value.toFixed(decimals));
 }
 
+/** An SI value in another unit, with about the resolution of its decimals in SI. */
+export function converted(value: Maybe, factor: number, decimals: number): string {
+  const places = Math.ceil(decimals - Math.log10(factor) - 0.25);
+  return fixed(value == null ? value : factor * value, Math.min(Math.max(0, places), 9));
+}
+
 /** Significant digits; powers of ten only where plain digits would mislead. */
 export function significant(value: Maybe, digits = 4): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;

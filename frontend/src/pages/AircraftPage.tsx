@@ -11,6 +11,7 @@ import { DataTable, numeric } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
 import { ModalTableView } from "../components/ModalTableView";
+import { quantity } from "../components/Quantity";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
 import { ThrustSection } from "../components/ThrustSection";
@@ -104,27 +105,25 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
             label="Mass properties"
             columns={[
               numeric("fuel", "Fuel", (row: number) => percent(mass.fuel[row]), "%"),
-              numeric("mass", "Mass", (row: number) => fixed(mass.mass_kg[row], 2), "kg"),
-              {
-                key: "inertia",
-                header: "Pitch inertia",
-                unit: "kg m²",
-                numeric: true,
-                render: (row) => fixed(mass.pitch_inertia_kg_m2[row], 2),
-              },
-              numeric("cg", "x c.g.", (row: number) => fixed(mass.x_cg_m[row], 4), "m"),
+              quantity("mass", "Mass", (row: number) => mass.mass_kg[row], "kg", 2),
+              quantity(
+                "inertia",
+                "Pitch inertia",
+                (row: number) => mass.pitch_inertia_kg_m2[row],
+                "kg*m2",
+                2,
+              ),
+              quantity("cg", "x c.g.", (row: number) => mass.x_cg_m[row], "m", 4),
               ...(flutter
                 ? [
-                    {
-                      key: "flutter",
-                      header: "Flutter speed",
-                      unit: "m/s",
-                      numeric: true,
-                      render: (row: number) => {
-                        const index = flutter.fuel.indexOf(mass.fuel[row] ?? NaN);
-                        return fixed(flutter.speed_m_s[index], 1);
-                      },
-                    },
+                    quantity(
+                      "flutter",
+                      "Flutter speed",
+                      (row: number) =>
+                        flutter.speed_m_s[flutter.fuel.indexOf(mass.fuel[row] ?? NaN)],
+                      "m/s",
+                      1,
+                    ),
                   ]
                 : []),
             ]}

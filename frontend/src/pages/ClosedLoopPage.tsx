@@ -18,6 +18,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { Quantity, quantity } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { degrees, fixed } from "../lib/format";
@@ -33,13 +34,7 @@ const withStd = (value: number | null, std: number | null, digits: number) =>
   value === null ? "" : `${fixed(value, digits)} ± ${fixed(2 * (std ?? 0), digits)}`;
 
 const MARGINS: Column<MarginRow>[] = [
-  {
-    key: "airspeed",
-    header: "Airspeed",
-    unit: "m/s",
-    numeric: true,
-    render: (row) => fixed(row.airspeed_m_s, 1),
-  },
+  quantity("airspeed", "Airspeed", (row) => row.airspeed_m_s, "m/s", 1),
   { key: "surface", header: "Loop", render: (row) => row.surface },
   {
     key: "gain",
@@ -252,8 +247,8 @@ function Stability({ result }: { result: ClosedLoopStability }) {
         data-testid="closed-loop-result"
       >
         {result.controller}, fuel {fixed(100 * result.fuel_fraction, 0)} %, fastest point flown{" "}
-        {fixed(result.tested_m_s, 1)} m/s. The interval and the margin errors include the covariance
-        of the runs and the spread between model structures.
+        <Quantity value={result.tested_m_s} unit="m/s" decimals={1} named />. The interval and the
+        margin errors include the covariance of the runs and the spread between model structures.
       </Alert>
       <DerivedRuns runs={result.derived_runs} />
     </>

@@ -36,6 +36,7 @@ import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { StoredPredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
+import { Quantity, UnitName, WithInterval } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { fixed, percent } from "../lib/format";
@@ -406,7 +407,9 @@ function Structures({ result }: { result: Flutter }) {
           <Table.Th>Modes estimated</Table.Th>
           <Table.Th>Other modes</Table.Th>
           <Table.Th ta="right">Runs</Table.Th>
-          <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
+          <Table.Th ta="right">
+            Flutter ±2σ [<UnitName unit="m/s" />]
+          </Table.Th>
           <Table.Th ta="right">Frequency [rad/s]</Table.Th>
         </Table.Tr>
       </Table.Thead>
@@ -420,9 +423,16 @@ function Structures({ result }: { result: Flutter }) {
             <Table.Td>{describeUnmodelledModes(one)}</Table.Td>
             <Table.Td ta="right">{one.run_ids.length}</Table.Td>
             <Table.Td ta="right">
-              {one.airspeed_m_s === null
-                ? one.sentence
-                : `${fixed(one.airspeed_m_s, 2)} ± ${fixed(2 * (one.airspeed_std_m_s ?? 0), 2)}`}
+              {one.airspeed_m_s === null ? (
+                one.sentence
+              ) : (
+                <WithInterval
+                  value={one.airspeed_m_s}
+                  std={one.airspeed_std_m_s ?? 0}
+                  unit="m/s"
+                  decimals={2}
+                />
+              )}
             </Table.Td>
             <Table.Td ta="right">{fixed(one.frequency_rad_s, 2)}</Table.Td>
           </Table.Tr>
@@ -440,8 +450,12 @@ function Runs({ result }: { result: Flutter }) {
           <Table.Tr>
             <Table.Th>Run</Table.Th>
             <Table.Th>Maneuver</Table.Th>
-            <Table.Th ta="right">Airspeed [m/s]</Table.Th>
-            <Table.Th ta="right">Flutter ±2σ [m/s]</Table.Th>
+            <Table.Th ta="right">
+              Airspeed [<UnitName unit="m/s" />]
+            </Table.Th>
+            <Table.Th ta="right">
+              Flutter ±2σ [<UnitName unit="m/s" />]
+            </Table.Th>
             <Table.Th ta="right">Separation</Table.Th>
             <Table.Th>Model adequacy</Table.Th>
           </Table.Tr>
@@ -455,11 +469,20 @@ function Runs({ result }: { result: Flutter }) {
                 </Link>
               </Table.Td>
               <Table.Td>{run.label}</Table.Td>
-              <Table.Td ta="right">{fixed(run.tested_m_s, 1)}</Table.Td>
               <Table.Td ta="right">
-                {run.airspeed_m_s === null
-                  ? run.sentence
-                  : plusMinus(run.airspeed_m_s, run.airspeed_std_m_s ?? 0, 2)}
+                <Quantity value={run.tested_m_s} unit="m/s" decimals={1} />
+              </Table.Td>
+              <Table.Td ta="right">
+                {run.airspeed_m_s === null ? (
+                  run.sentence
+                ) : (
+                  <WithInterval
+                    value={run.airspeed_m_s}
+                    std={run.airspeed_std_m_s ?? 0}
+                    unit="m/s"
+                    decimals={2}
+                  />
+                )}
               </Table.Td>
               <Table.Td ta="right">{fixed(run.separation, 2)}</Table.Td>
               <Table.Td>
@@ -483,8 +506,12 @@ function Equivalents({ result }: { result: Flutter }) {
         <Table.Thead>
           <Table.Tr>
             <Table.Th>Mode</Table.Th>
-            <Table.Th ta="right">Modal table [Hz]</Table.Th>
-            <Table.Th ta="right">Frequency [Hz]</Table.Th>
+            <Table.Th ta="right">
+              Modal table [<UnitName unit="Hz" />]
+            </Table.Th>
+            <Table.Th ta="right">
+              Frequency [<UnitName unit="Hz" />]
+            </Table.Th>
             <Table.Th ta="right">Damping [%]</Table.Th>
             <Table.Th ta="right">CQη</Table.Th>
             <Table.Th ta="right">CQη̇</Table.Th>
@@ -494,9 +521,16 @@ function Equivalents({ result }: { result: Flutter }) {
           {result.equivalents.map((line) => (
             <Table.Tr key={line.mode}>
               <Table.Td>{line.name}</Table.Td>
-              <Table.Td ta="right">{fixed(line.table_hz, 3)}</Table.Td>
               <Table.Td ta="right">
-                {plusMinus(line.frequency_hz, line.frequency_std_hz, 3)}
+                <Quantity value={line.table_hz} unit="Hz" decimals={3} />
+              </Table.Td>
+              <Table.Td ta="right">
+                <WithInterval
+                  value={line.frequency_hz}
+                  std={line.frequency_std_hz}
+                  unit="Hz"
+                  decimals={3}
+                />
               </Table.Td>
               <Table.Td ta="right">{plusMinus(line.damping, line.damping_std, 2, 100)}</Table.Td>
               <Table.Td ta="right">
@@ -519,7 +553,9 @@ function Methods({ result }: { result: Flutter }) {
       <Table.Thead>
         <Table.Tr>
           <Table.Th>Method</Table.Th>
-          <Table.Th ta="right">Flutter [m/s]</Table.Th>
+          <Table.Th ta="right">
+            Flutter [<UnitName unit="m/s" />]
+          </Table.Th>
           <Table.Th>Basis</Table.Th>
         </Table.Tr>
       </Table.Thead>
@@ -527,7 +563,9 @@ function Methods({ result }: { result: Flutter }) {
         {result.trackers.map((tracker) => (
           <Table.Tr key={tracker.name}>
             <Table.Td>{tracker.name}</Table.Td>
-            <Table.Td ta="right">{fixed(tracker.airspeed_m_s, 2)}</Table.Td>
+            <Table.Td ta="right">
+              <Quantity value={tracker.airspeed_m_s} unit="m/s" decimals={2} />
+            </Table.Td>
             <Table.Td>
               <Text size="sm" className="quiet">
                 {tracker.sentence}
@@ -537,7 +575,9 @@ function Methods({ result }: { result: Flutter }) {
         ))}
         <Table.Tr>
           <Table.Td>Prediction before flight</Table.Td>
-          <Table.Td ta="right">{fixed(result.predicted_flutter_m_s, 2)}</Table.Td>
+          <Table.Td ta="right">
+            <Quantity value={result.predicted_flutter_m_s} unit="m/s" decimals={2} />
+          </Table.Td>
           <Table.Td />
         </Table.Tr>
       </Table.Tbody>

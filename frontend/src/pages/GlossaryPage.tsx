@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { glossaryQuery } from "../api/queries";
+import { useDisplayUnits } from "../api/units";
 import type { GlossaryEntry } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -30,7 +31,7 @@ function Subscripts({ text }: { text: string }) {
 export function GlossaryPage() {
   const { search = "" } = route.useSearch();
   const navigate = route.useNavigate();
-  const glossary = useQuery(glossaryQuery);
+  const glossary = useQuery(glossaryQuery(useDisplayUnits()));
   const query = search.toLowerCase();
   return (
     <>

@@ -3,13 +3,14 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { streamsQuery } from "../api/queries";
 import type { LiveStream } from "../api/types";
-import { DataTable, numeric, type Column } from "../components/DataTable";
+import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { StartStream } from "../components/live/StartStream";
 import { Loaded } from "../components/Loaded";
+import { quantity } from "../components/Quantity";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
-import { dateTime, fixed } from "../lib/format";
+import { dateTime } from "../lib/format";
 import { tint } from "../lib/tint";
 
 const route = getRouteApi("/live");
@@ -55,7 +56,7 @@ const COLUMNS: Column<LiveStream>[] = [
       </Link>
     ),
   },
-  numeric("next", "Next test point", (stream) => fixed(stream.next_airspeed_m_s, 1), "m/s"),
+  quantity("next", "Next test point", (stream) => stream.next_airspeed_m_s, "m/s", 1),
   { key: "author", header: "By", render: (stream) => stream.author },
   {
     key: "created",

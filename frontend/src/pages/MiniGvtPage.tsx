@@ -7,9 +7,10 @@ import { Empty } from "../components/Empty";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
+import { Quantity, UnitName } from "../components/Quantity";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
-import { fixed, percent } from "../lib/format";
+import { percent } from "../lib/format";
 
 const route = getRouteApi("/flights/$id/mini-gvt");
 
@@ -92,8 +93,12 @@ function PeakTable({ test }: { test: GroundTest }) {
       <Table.Thead>
         <Table.Tr>
           <Table.Th>Mode</Table.Th>
-          <Table.Th ta="right">Before [Hz]</Table.Th>
-          <Table.Th ta="right">After [Hz]</Table.Th>
+          <Table.Th ta="right">
+            Before [<UnitName unit="Hz" />]
+          </Table.Th>
+          <Table.Th ta="right">
+            After [<UnitName unit="Hz" />]
+          </Table.Th>
           <Table.Th ta="right">Change [%]</Table.Th>
           <Table.Th ta="right">Explained by fuel [%]</Table.Th>
           <Table.Th ta="right">Residual ±2σ [%]</Table.Th>
@@ -105,9 +110,15 @@ function PeakTable({ test }: { test: GroundTest }) {
         {test.peaks.map((peak) => (
           <Table.Tr key={peak.mode}>
             <Table.Td>{peak.name}</Table.Td>
-            <Table.Td ta="right">{fixed(peak.before_hz, 3)}</Table.Td>
             <Table.Td ta="right">
-              {peak.after_hz === null ? "not found" : fixed(peak.after_hz, 3)}
+              <Quantity value={peak.before_hz} unit="Hz" decimals={3} />
+            </Table.Td>
+            <Table.Td ta="right">
+              {peak.after_hz === null ? (
+                "not found"
+              ) : (
+                <Quantity value={peak.after_hz} unit="Hz" decimals={3} />
+              )}
             </Table.Td>
             <Table.Td ta="right">{percent(peak.change, 2)}</Table.Td>
             <Table.Td ta="right">{percent(peak.explained, 2)}</Table.Td>

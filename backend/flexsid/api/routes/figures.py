@@ -1,4 +1,7 @@
-"""Figures as Plotly specifications; colours and fonts are set by the frontend."""
+"""Figures as Plotly specifications; colours and fonts are set by the frontend.
+
+Of all routes, only figures, reports and the glossary are in display units; everything else is SI.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 
 from flexsid.api.context import TheStore
+from flexsid.api.display_units import TheUnits
 from flexsid.api.export import FILES, Form, respond_with_figure
+from flexsid.display_units import show_in
 from flexsid.figure_table import FIGURES, FigureKind, draw_figure
 
 router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
@@ -24,8 +29,10 @@ class Figure:
 
 
 def _add_route(kind: FigureKind) -> None:
-    def respond(store: TheStore, parameters: Any, form: Form = "json") -> Response:
-        return respond_with_figure(draw_figure(store, kind.name, **dict(parameters)), form)
+    def respond(store: TheStore, parameters: Any, units: TheUnits, form: Form = "json") -> Response:
+        with show_in(units):
+            spec = draw_figure(store, kind.name, **dict(parameters))
+        return respond_with_figure(spec, form)
 
     respond.__annotations__["parameters"] = Annotated[kind.parameters, Query()]
     router.add_api_route(

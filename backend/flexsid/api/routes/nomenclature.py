@@ -6,8 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from flexsid.api.responses import AxisNames, GlossaryEntry, extend_record
+from flexsid.api.display_units import TheUnits
+from flexsid.api.responses import AxisNames, DisplayUnit, GlossaryEntry, extend_record
 from flexsid.api.serialization import JsonRoute
+from flexsid.display_units import list_display_units, show_in
 from flexsid.nomenclature import GLOSSARY, TERMS, explain
 from flexsid.storage.paging import Page
 from flexsid.sysid.model.axes import RIGID_BODIES
@@ -18,6 +20,7 @@ router = APIRouter(prefix="/nomenclature", tags=["nomenclature"], route_class=Js
 
 @router.get("")
 def list_nomenclature(
+    units: TheUnits,
     names: Annotated[
         str | None,
         Query(
@@ -29,7 +32,21 @@ def list_nomenclature(
     """List all quantities and terms with unit and meaning, or those of the given names."""
     requested = split_names(names)
     symbols = (*GLOSSARY, *TERMS) if requested is None else tuple(map(explain, requested))
-    return Page(items=[extend_record(GlossaryEntry, symbol) for symbol in symbols])
+    with show_in(units):
+        return Page(items=[extend_record(GlossaryEntry, symbol) for symbol in symbols])
+
+
+@router.get("/units")
+def list_units(units: TheUnits) -> Page[DisplayUnit]:
+    """List the SI units, and Hz, with their display unit: displayed = factor * SI value."""
+    with show_in(units):
+        shown = list_display_units()
+    return Page(
+        items=[
+            DisplayUnit(unit=unit, display_unit=name, factor=factor)
+            for unit, (name, factor) in shown.items()
+        ]
+    )
 
 
 @router.get("/axes")

@@ -9,11 +9,13 @@ from fastapi import APIRouter, Query, Response
 
 from flexsid import reports
 from flexsid.api.context import Context, TheContext
+from flexsid.api.display_units import TheUnits
 from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity
+from flexsid.display_units import show_in
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.text import split_ids
 
@@ -33,9 +35,13 @@ _POLICY = (
 
 
 @router.get("/run/{run_id}", response_class=Response)
-def report_run(context: TheContext, run_id: Identity, form: Form = "html") -> Response:
+def report_run(
+    context: TheContext, run_id: Identity, units: TheUnits, form: Form = "html"
+) -> Response:
     """Return the report of a run: structure, derivatives, fit, uncertainty, poles, provenance."""
-    return _respond_with_report(context, reports.run_report(context.store, run_id), form)
+    with show_in(units):
+        report = reports.run_report(context.store, run_id)
+    return _respond_with_report(context, report, form)
 
 
 @router.get("/comparison", response_class=Response)

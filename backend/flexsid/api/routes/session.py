@@ -22,6 +22,7 @@ from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Title
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
+from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.account import AccountRole, ApiToken, OpenIdProvider
 from flexsid.settings import Mode, Settings
@@ -61,6 +62,13 @@ class TokenRequest(requests.Request):
     aircraft_id: Id | None = None
 
 
+class DisplayUnitsRequest(requests.Request):
+    """Preferred display units of an account."""
+
+    units: UnitSystem
+    frequency_unit: FrequencyUnit
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignRole:
     """Role in the campaign of an aircraft; in every campaign if it is null."""
@@ -73,7 +81,8 @@ class CampaignRole:
 class SessionState:
     """How this server is used, and who is logged in; null is nobody.
 
-    With ``has_provider`` users log in at the OpenID provider of the organisation.
+    With ``has_provider`` users log in at the OpenID provider of the organisation. ``units`` and
+    ``frequency_unit`` are the preferred display units; null without an account.
     """
 
     mode: Mode
@@ -81,6 +90,8 @@ class SessionState:
     name: str | None = None
     roles: tuple[CampaignRole, ...] = ()
     expires_at: datetime | None = None
+    units: UnitSystem | None = None
+    frequency_unit: FrequencyUnit | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,6 +206,13 @@ def log_out(request: Request, store: TheStore) -> Response:
     return response
 
 
+@router.put("/session/units", status_code=204)
+def set_display_units(request: Request, store: TheStore, body: DisplayUnitsRequest) -> None:
+    """Set the display units that the account prefers; the API itself remains in SI."""
+    account = _require_account(request).account
+    accounts.set_display_units(store, account, body.units, body.frequency_unit)
+
+
 @router.post("/invitations", status_code=204)
 def accept_invitation(request: Request, store: TheStore, body: InvitationRequest) -> None:
     """Set the password of an invited account; the code is valid once."""
@@ -289,6 +307,8 @@ def _describe(settings: Settings, identity: sessions.Identity | None) -> Session
         name=identity.account.name,
         roles=roles,
         expires_at=identity.expires_at,
+        units=identity.account.unit_system,
+        frequency_unit=identity.account.frequency_unit,
     )
 
 

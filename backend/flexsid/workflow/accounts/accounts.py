@@ -13,6 +13,7 @@ from functools import cache
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
+from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.account import Account, AccountRole, Membership
 from flexsid.storage.store import Store
@@ -157,6 +158,17 @@ def accept_invitation(store: Store, code: str, password: str) -> Account:
         invited = _find_invited(store, code)
         return store.accounts.replace(
             replace(invited, password_hash=password_hash, invitation_hash=None, invited_until=None)
+        )
+
+
+def set_display_units(
+    store: Store, account: Account, system: UnitSystem, frequency_unit: FrequencyUnit
+) -> Account:
+    """Store the display units that an account prefers."""
+    with store.transaction():
+        present = store.accounts.get(account.id or 0)
+        return store.accounts.replace(
+            replace(present, unit_system=system, frequency_unit=frequency_unit)
         )
 
 

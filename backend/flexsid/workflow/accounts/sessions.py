@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 import sqlalchemy as sa
 
+from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
 from flexsid.records.account import Account, AccountRole, ApiToken, LoginSession
 from flexsid.storage.store import Store
@@ -117,9 +118,10 @@ def find_session(store: Store, secret: str) -> Identity | None:
     """Return who a session belongs to; None if it is unknown or has expired."""
     # One statement, as every request asks.
     columns = (login_sessions.c.expires_at, memberships.c.aircraft_id, memberships.c.role)
+    shown = (accounts.c.unit_system, accounts.c.frequency_unit)
     own = memberships.c.account_id == login_sessions.c.account_id
     query = (
-        sa.select(accounts.c.id, accounts.c.name, accounts.c.skeleton, *columns)
+        sa.select(accounts.c.id, accounts.c.name, accounts.c.skeleton, *shown, *columns)
         .select_from(login_sessions.join(accounts).outerjoin(memberships, own))
         .where(
             login_sessions.c.secret_hash == hash_secret(secret),
@@ -131,7 +133,13 @@ def find_session(store: Store, secret: str) -> Identity | None:
         rows = connection.execute(query).all()
     if not rows:
         return None
-    account = Account(id=rows[0].id, name=rows[0].name, skeleton=rows[0].skeleton)
+    account = Account(
+        id=rows[0].id,
+        name=rows[0].name,
+        skeleton=rows[0].skeleton,
+        unit_system=UnitSystem(rows[0].unit_system),
+        frequency_unit=FrequencyUnit(rows[0].frequency_unit),
+    )
     roles = {row.aircraft_id: AccountRole(row.role) for row in rows if row.role is not None}
     return Identity(account, roles, rows[0].expires_at)
 

@@ -1,8 +1,9 @@
 /** Log-in, log-out, invitations and API tokens. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
+import { storeUnits } from "../units";
 import { sessionQuery } from "../queries";
-import type { TokenRequest } from "../types";
+import type { DisplayUnits, TokenRequest } from "../types";
 
 export function useLogIn() {
   const cache = useQueryClient();
@@ -12,6 +13,19 @@ export function useLogIn() {
     onSuccess: (session) => {
       cache.setQueryData(sessionQuery.queryKey, session);
     },
+  });
+}
+
+/** Stores the display units with the account, or without one in this browser. */
+export function useSetUnits() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: async (units: DisplayUnits) => {
+      const session = await cache.query({ ...sessionQuery, staleTime: "static" });
+      if (session.units == null) storeUnits(units);
+      else await body(api.PUT("/api/v1/session/units", { body: units }));
+    },
+    onSuccess: () => cache.invalidateQueries({ queryKey: sessionQuery.queryKey }),
   });
 }
 

@@ -1,7 +1,7 @@
 /** The workbench itself: its health, glossary, figures and saved views. */
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, items, json, type QueryValue } from "../client";
-import type { FigureSpec } from "../types";
+import type { DisplayUnits, FigureSpec } from "../types";
 
 const RETRY_MS = 1500;
 
@@ -13,14 +13,24 @@ export const healthQuery = queryOptions({
   retry: false,
 });
 
-export const meaningQuery = (name: string) =>
+export const meaningQuery = (name: string, units: DisplayUnits) =>
   queryOptions({
-    queryKey: ["nomenclature", name],
+    queryKey: ["nomenclature", name, units],
     queryFn: async ({ signal }) => {
-      const query = { names: name };
+      const query = { names: name, ...units };
       const found = await items(api.GET("/api/v1/nomenclature", { params: { query }, signal }));
       return found[0] ?? null;
     },
+    staleTime: Infinity,
+  });
+
+/** SI units, and Hz, with their display unit. */
+export const displayUnitsQuery = (query: DisplayUnits) =>
+  queryOptions({
+    queryKey: ["nomenclature", "display-units", query],
+    queryFn: ({ signal }) =>
+      items(api.GET("/api/v1/nomenclature/units", { params: { query }, signal })),
+    placeholderData: keepPreviousData,
     staleTime: Infinity,
   });
 
@@ -39,11 +49,12 @@ export const unitsQuery = (names: readonly string[]) =>
     enabled: names.length > 0,
   });
 
-export const glossaryQuery = queryOptions({
-  queryKey: ["nomenclature"],
-  queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature", { signal })),
-  staleTime: Infinity,
-});
+export const glossaryQuery = (query: DisplayUnits) =>
+  queryOptions({
+    queryKey: ["nomenclature", query],
+    queryFn: ({ signal }) => items(api.GET("/api/v1/nomenclature", { params: { query }, signal })),
+    staleTime: Infinity,
+  });
 
 export const axesQuery = queryOptions({
   queryKey: ["nomenclature", "axes"],

@@ -9,6 +9,7 @@ import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
+import { quantity } from "../Quantity";
 import { Section } from "../Section";
 import { tableTitle, type TableProps } from "./tables";
 
@@ -161,8 +162,8 @@ const PAIRS: Column<PairedMode>[] = [
     onlyIf: (row) => row.cross_orthogonality !== null,
     render: (row) => fixed(row.cross_orthogonality, 3),
   },
-  numeric("hz", "Frequency", (row) => fixed(row.frequency_hz, 3), "Hz"),
-  numeric("other_hz", "Other", (row) => fixed(row.other_hz, 3), "Hz"),
+  quantity("hz", "Frequency", (row) => row.frequency_hz, "Hz", 3),
+  quantity("other_hz", "Other", (row) => row.other_hz, "Hz", 3),
   numeric("change", "Difference", (row) => percent(row.frequency_change, 2), "%"),
   numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
   numeric("other_damping", "Other", (row) => percent(row.other_damping, 2), "%"),

@@ -10,6 +10,7 @@ import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
+import { quantity } from "../Quantity";
 import { Section } from "../Section";
 import { hasShapes, type TableProps } from "./tables";
 
@@ -79,7 +80,7 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
     { key: "name", header: "Name", render: (row) => row.name },
     { key: "symmetry", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
-    numeric("frequency", "Frequency", (row) => fixed(row.frequency_hz, 3), "Hz"),
+    quantity("frequency", "Frequency", (row) => row.frequency_hz, "Hz", 3),
     numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
     numeric("mass", "Generalised mass", (row) => significant(row.mass_kg_m2, 4), "kg m²"),
     numeric("followed", "Lowest MAC over fuel", (row) => fixed(row.followed, 3)),

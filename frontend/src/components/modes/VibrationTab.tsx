@@ -20,6 +20,7 @@ import { Empty } from "../Empty";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
+import { Quantity, UnitName } from "../Quantity";
 import { Section } from "../Section";
 import { hasShapes, tableTitle, type TabProps } from "./tables";
 
@@ -167,9 +168,14 @@ function Found({ found, query, usable, onChange }: FoundProps) {
             {
               key: "hz",
               header: "Frequency",
-              unit: "Hz",
+              unit: <UnitName unit="Hz" />,
               numeric: true,
-              render: (row) => `${fixed(row.frequency_hz, 3)} ± ${significant(row.std_hz, 2)}`,
+              render: (row) => (
+                <>
+                  <Quantity value={row.frequency_hz} unit="Hz" decimals={3} /> ±{" "}
+                  <Quantity value={row.std_hz} unit="Hz" decimals={4} />
+                </>
+              ),
             },
             {
               key: "damping",

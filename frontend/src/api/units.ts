@@ -1,0 +1,89 @@
+/** Display units: those of the address, else those that the user prefers. */
+import { useQuery } from "@tanstack/react-query";
+import { useSearch } from "@tanstack/react-router";
+import { useCallback, useMemo, useSyncExternalStore } from "react";
+import { displayUnitsQuery, sessionQuery } from "./queries";
+import { FREQUENCY_UNITS, UNIT_SYSTEMS, type DisplayUnits } from "./types";
+
+export const DEFAULT_UNITS: DisplayUnits = { units: "metric", frequency_unit: "Hz" };
+
+const KEY = "flexsid.units";
+const CHANGED = "flexsid-units";
+
+/** The units that are known among those that an address or the storage names. */
+function known(given: { units?: unknown; frequency_unit?: unknown }): Partial<DisplayUnits> {
+  return {
+    units: UNIT_SYSTEMS.find((one) => one === given.units),
+    frequency_unit: FREQUENCY_UNITS.find((one) => one === given.frequency_unit),
+  };
+}
+
+function read(text: string): Partial<DisplayUnits> {
+  try {
+    const parsed: unknown = JSON.parse(text);
+    return typeof parsed === "object" && parsed !== null ? known(parsed) : {};
+  } catch {
+    return {}; // of an earlier release, or by hand
+  }
+}
+
+const stored = () => localStorage.getItem(KEY) ?? "";
+
+/** Stores the preference of a user without an account, in this browser. */
+export function storeUnits(units: DisplayUnits): void {
+  localStorage.setItem(KEY, JSON.stringify(units));
+  window.dispatchEvent(new Event(CHANGED));
+}
+
+function subscribe(changed: () => void) {
+  window.addEventListener(CHANGED, changed);
+  window.addEventListener("storage", changed);
+  return () => {
+    window.removeEventListener(CHANGED, changed);
+    window.removeEventListener("storage", changed);
+  };
+}
+
+/** The units that the user prefers: of the account, else of this browser. */
+export function usePreferredUnits(): DisplayUnits {
+  const { data } = useQuery(sessionQuery);
+  const text = useSyncExternalStore(subscribe, stored);
+  return useMemo(() => {
+    const given = data?.units != null ? known(data) : read(text);
+    return {
+      units: given.units ?? DEFAULT_UNITS.units,
+      frequency_unit: given.frequency_unit ?? DEFAULT_UNITS.frequency_unit,
+    };
+  }, [data, text]);
+}
+
+/** The units of this address, else the preferred ones. */
+export function useDisplayUnits(): DisplayUnits {
+  const preferred = usePreferredUnits();
+  const { units, frequency_unit } = known(useSearch({ strict: false }));
+  return {
+    units: units ?? preferred.units,
+    frequency_unit: frequency_unit ?? preferred.frequency_unit,
+  };
+}
+
+/** The parameters of figures and reports, without those that are the default of the API. */
+export function useUnitParameters(): Partial<DisplayUnits> {
+  const { units, frequency_unit } = useDisplayUnits();
+  return {
+    units: units === DEFAULT_UNITS.units ? undefined : units,
+    frequency_unit: frequency_unit === DEFAULT_UNITS.frequency_unit ? undefined : frequency_unit,
+  };
+}
+
+/** Name and factor of the display unit of an SI unit, or of Hz: displayed = factor * SI value. */
+export function useConversion(): (unit: string) => { name: string; factor: number } {
+  const { data } = useQuery(displayUnitsQuery(useDisplayUnits()));
+  return useCallback(
+    (unit) => {
+      const found = data?.find((one) => one.unit === unit);
+      return { name: found?.display_unit ?? unit, factor: found?.factor ?? 1 };
+    },
+    [data],
+  );
+}

@@ -1,0 +1,68 @@
+import type { ReactNode } from "react";
+import { useConversion } from "../api/units";
+import { converted, fixed } from "../lib/format";
+import type { Column } from "./DataTable";
+
+type Maybe = number | null | undefined;
+
+interface Props {
+  /** In SI, or in Hz. */
+  value: Maybe;
+  unit: string;
+  /** Decimals of the SI value; the displayed value has about the same resolution. */
+  decimals: number;
+  /** Followed by its unit. */
+  named?: boolean;
+}
+
+/** A physical quantity in the display unit. */
+export function Quantity({ value, unit, decimals, named }: Props) {
+  const { name, factor } = useConversion()(unit);
+  const shown = converted(value, factor, decimals);
+  return <>{named === true ? `${shown} ${name}` : shown}</>;
+}
+
+/** Name of the display unit of an SI unit, or of Hz. */
+export function UnitName({ unit }: { unit: string }) {
+  return <>{useConversion()(unit).name}</>;
+}
+
+/** An estimate with two standard errors in the display unit. */
+export function WithInterval({ value, std, unit, decimals }: Props & { std: Maybe }) {
+  const { factor } = useConversion()(unit);
+  const spread = std == null ? fixed(null, 0) : converted(2 * std, factor, decimals);
+  return (
+    <>
+      {converted(value, factor, decimals)} ± {spread}
+    </>
+  );
+}
+
+/** A column of a physical quantity. */
+export function quantity<Row>(
+  key: string,
+  header: ReactNode,
+  value: (row: Row) => Maybe,
+  unit: string,
+  decimals: number,
+): Column<Row> {
+  return {
+    key,
+    header,
+    unit: <UnitName unit={unit} />,
+    numeric: true,
+    render: (row) => <Quantity value={value(row)} unit={unit} decimals={decimals} />,
+  };
+}
+
+/** A physical quantity among facts: label, value and unit. */
+export const quantityFact = (
+  label: ReactNode,
+  value: Maybe,
+  unit: string,
+  decimals: number,
+): [ReactNode, ReactNode, ReactNode] => [
+  label,
+  <Quantity key="value" value={value} unit={unit} decimals={decimals} />,
+  <UnitName key="unit" unit={unit} />,
+];
