@@ -133,6 +133,12 @@ const run = createRoute({
   component: page(() => import("./pages/RunPage"), "RunPage"),
 });
 
+const runTemplates = createRoute({
+  getParentRoute: () => root,
+  path: "/run-templates",
+  component: page(() => import("./pages/RunTemplatesPage"), "RunTemplatesPage"),
+});
+
 const runs = createRoute({
   getParentRoute: () => root,
   path: "/runs",
@@ -335,6 +341,7 @@ export const router = createRouter({
     start,
     campaign,
     runs,
+    runTemplates,
     glossary,
     maneuver,
     miniGvt,

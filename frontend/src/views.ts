@@ -87,7 +87,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
         to: "/runs",
         label: "Runs",
         key: "r",
-        at: /^\/(runs|batches|maneuvers\/\d+\/new-run)/,
+        at: /^\/(runs|run-templates|batches|maneuvers\/\d+\/new-run)/,
       },
       { to: "/model-structures", label: "Model structures", key: "t", at: /^\/model-structures/ },
       { to: "/search", label: "Structure search", key: "h" },
@@ -254,6 +254,8 @@ export const newRunView = view((search) => ({
   methods: words(search.methods)?.flatMap((word) => oneOf<Method>(word, METHODS) ?? []),
   /** Run whose choices are the starting point. */
   template_run: integer(search.template_run),
+  /** Template whose settings are the starting point. */
+  run_template: integer(search.run_template),
   /** Further maneuvers that get the same run. */
   additional_maneuvers: integers(search.additional_maneuvers),
   /** One run over all of them instead of one each. */

@@ -43,7 +43,8 @@ from flexsid.records.live import (
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
 from flexsid.records.modal_data import MeasuredResponses
 from flexsid.records.note import NoteRevision, NoteSubject
-from flexsid.records.run import Batch
+from flexsid.records.run import Batch, Method, RunSettings
+from flexsid.records.run_template import RunTemplate
 from flexsid.records.saved_view import SavedView
 from flexsid.settings import Mode
 from flexsid.storage import access, job_log, tables
@@ -110,6 +111,9 @@ def _fill(client: TestClient, store: Store) -> None:
             NoteRevision(
                 aircraft_id=1, subject=NoteSubject.RUN, key="1", text="t", author="Ann Analyst"
             )
+        )
+        store.run_templates.add(
+            RunTemplate(aircraft_id=1, name="t", method=Method.EE, settings=RunSettings())
         )
         store.controllers.add(
             Controller(aircraft_id=1, name="c", reads=("q",), drives=("bfs",), laws=(), delay_s=0.0)

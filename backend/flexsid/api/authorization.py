@@ -69,6 +69,7 @@ _NAMED = {
     "mapping_id": "mappings",
     "view_id": "saved_views",
     "note_id": "notes",
+    "run_template_id": "run_templates",
     **dict.fromkeys(("figure_id", "figure_ids"), "frozen_figures"),
     "responses_id": "measured_responses",
     "summary_id": "flutter_summaries",
@@ -88,6 +89,7 @@ _NOUNS = {
     "global_model_versions": "version of a global model",
     "live_streams": "stream",
     "live_test_points": "test point",
+    "run_templates": "template of runs",
 }
 
 

@@ -157,6 +157,12 @@ _BODIES: dict[str, Any] = {
     "comment_decision": {"text": "within 2 σ of zero everywhere", "derivative": "CZ_q"},
     "vote_on_decision": {"revision": 1, "vote": "approve", "text": "agreed"},
     "withdraw_decision": {"revision": 1, "text": "the record was cut wrongly"},
+    "add_run_template": {
+        "run_id": 1,
+        "name": "our standard EE",
+        "note": "all flights of the first campaign",
+    },
+    "edit_run_template": {"run_id": 1, "revision": 1, "note": "with retained modes"},
     "add_note": {
         "subject": "derivative",
         "key": "CZ_q",

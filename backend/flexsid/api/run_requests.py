@@ -28,7 +28,9 @@ from flexsid.records.run import (
     RunSettings,
     Start,
 )
+from flexsid.storage.store import Store
 from flexsid.sysid.model.axes import ModelAxis
+from flexsid.workflow.runs.run_templates import apply_run_template
 
 ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
 Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, le=LARGEST_NUMBER)]]
@@ -89,12 +91,16 @@ Priority = Annotated[int, Field(strict=True, ge=-100, le=100)]
 
 
 class RunOptions(Request):
-    """Settings, modal tables, prediction and limits of runs; omitted ids are the latest."""
+    """Settings, modal tables, prediction and limits of runs; omitted ids are the latest.
+
+    With ``run_template_id``, settings that are omitted are those of the template.
+    """
 
     settings: SettingsRequest | None = None
     modal_table_id: Id | None = None
     damping_table_id: Id | None = None
     prediction_id: Id | None = None
+    run_template_id: Id | None = None
     priority: Priority = 0
     limits: LimitsRequest | None = None
 
@@ -102,6 +108,13 @@ class RunOptions(Request):
         """Return a run to be queued, with its resolved structure."""
         settings = (self.settings or SettingsRequest()).make_record(RunSettings)
         return self.make_record(EstimationRun, settings=settings, **more)
+
+    def apply_template(self, store: Store, run: EstimationRun) -> EstimationRun:
+        """Return a run with the settings of the template, if one is named."""
+        if self.run_template_id is None:
+            return run
+        given = frozenset(() if self.settings is None else self.settings.model_fields_set)
+        return apply_run_template(store, run, self.run_template_id, given)
 
 
 class RunRequest(RunOptions):
@@ -118,6 +131,22 @@ class RunRequest(RunOptions):
     structure_id: Id | None = None
     structure_version: Version | None = None
     author: Author = ""
+
+
+class RunTemplateRequest(Request):
+    """A run whose method and settings are saved under a name."""
+
+    run_id: Id
+    name: Title
+    note: Text = ""
+
+
+class RunTemplateEditRequest(Request):
+    """A run whose method and settings follow ``revision`` of a template."""
+
+    run_id: Id
+    revision: Version
+    note: Text = ""
 
 
 class BatchStructure(Request):

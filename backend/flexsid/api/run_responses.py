@@ -23,9 +23,11 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
+from flexsid.records.run_template import RunTemplate
 from flexsid.storage.content import find_changes
 from flexsid.storage.job_list import JobError
 from flexsid.storage.store import Store
+from flexsid.workflow.runs.run_templates import get_run_template, list_changed_settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +49,32 @@ class RunBlock:
 
     name: str
     outputs: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunTemplateItem:
+    """A template of runs in one revision; ``id`` is that of all its revisions."""
+
+    id: int
+    aircraft_id: int
+    name: str
+    method: Method
+    settings: RunSettings
+    note: str
+    author: str
+    revision: int
+    is_deleted: bool
+    created_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UsedTemplate:
+    """Template of a run, in the revision it was requested with, and settings that differ."""
+
+    id: int
+    name: str
+    revision: int
+    changed_settings: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,6 +128,7 @@ class Run:
     proposal: ProposalBasis | None = None
     derived_from_run_id: int | None
     derivation: Derivation | None
+    template: UsedTemplate | None
     repeated: bool
 
 
@@ -125,5 +154,23 @@ def build_run_response(store: Store, run: EstimationRun, *, repeated: bool = Fal
         retained=result and result.retained,
         error=run.error and JobError(**run.error),
         changed_since=None if run.rests_on is None else changed,
+        template=_describe_template(store, run),
         repeated=repeated,
+    )
+
+
+def build_template_response(template: RunTemplate) -> RunTemplateItem:
+    """Make the response of a revision of a template."""
+    return extend_record(RunTemplateItem, template, id=template.original_id or template.id)
+
+
+def _describe_template(store: Store, run: EstimationRun) -> UsedTemplate | None:
+    if run.run_template_id is None:
+        return None
+    template = get_run_template(store, run.run_template_id, run.run_template_revision)
+    return UsedTemplate(
+        id=run.run_template_id,
+        name=template.name,
+        revision=template.revision,
+        changed_settings=list_changed_settings(run, template),
     )

@@ -120,6 +120,8 @@ def build_parser() -> argparse.ArgumentParser:
 
     _add_import_options(add("import", "data:import_files", "import files with a mapping"))
     _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
+    summary = "list, save or delete templates: settings of runs under a name"
+    _add_template_options(add("template", "run_templates:templates", summary))
 
     predict = add("predict", "predictions:predict", "compute derivatives from a planform")
     meaning = "TOML: aircraft_id, source, panels or deck_file, surfaces, mach, reference_k"
@@ -212,21 +214,30 @@ def _add_run_options(command: argparse.ArgumentParser) -> None:
     _add_model_options(command, modes, "derivatives to estimate")
     meaning = "further free parameters: delay_q, scale_alpha, omega_7 and so on"
     option("--extra-parameters", default="", metavar="A,B", help=meaning)
-    option("--start", choices=_STARTS, default=_STARTS[0], help="starting values")
+    meaning = "template of runs, by name or id, whose settings hold unless they are given here"
+    option("--template", metavar="NAME", help=meaning)
+    option("--start", choices=_STARTS, help=f"starting values; default: {_STARTS[0]}")
     meaning = "prior standard deviation of derivatives about the prediction, relative to their size"
     option("--prior-spread", type=float, metavar="SHARE", help=meaning)
     meaning = (
         "modes outside the model structure: retained as nuisance parameters with a prior at the "
-        "prediction, or omitted"
+        "prediction, or omitted; default: retained"
     )
-    option("--out-of-band-modes", choices=("retained", "omitted"), default="retained", help=meaning)
-    meaning = "derivatives constant, or with the frequency shape of a computed prediction"
-    choices = ("quasi-steady", "shaped")
-    option("--aerodynamics", choices=choices, default="quasi-steady", help=meaning)
+    option("--out-of-band-modes", choices=("retained", "omitted"), help=meaning)
+    meaning = "derivatives constant (default), or with the frequency shape of a computed prediction"
+    option("--aerodynamics", choices=("quasi-steady", "shaped"), help=meaning)
     meaning = "additional maneuvers, estimated jointly with common derivatives"
     option("--additional-maneuvers", default="", metavar="ID,ID", help=meaning)
     meaning = "execute the run now, instead of queueing it for a server"
     option("--wait", action="store_true", help=meaning)
+
+
+def _add_template_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("action", choices=("list", "save", "delete"))
+    option("name", nargs="?", metavar="NAME", help="name of the template; to delete, or its id")
+    option("--run", type=int, metavar="ID", help="run whose method and settings are saved")
+    option("--note", default="", metavar="TEXT", help="what the template is for")
 
 
 def _add_search_options(command: argparse.ArgumentParser) -> None:

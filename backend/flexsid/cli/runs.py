@@ -36,6 +36,7 @@ from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
+from flexsid.workflow.runs.run_templates import apply_run_template, find_run_template
 
 
 def run(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -50,6 +51,7 @@ def run(settings: Settings, arguments: argparse.Namespace) -> int:
         for done, maneuver in enumerate(maneuvers, start=1):
             try:
                 one = replace(requested, maneuver_id=maneuver)
+                one = _apply_template(store, one, arguments)
                 one = _complete_structure(store, one, arguments)
                 stored = _submit(store, one, wait=arguments.wait)
             except FlexsidError as error:
@@ -78,14 +80,33 @@ def _read_request(arguments: argparse.Namespace) -> EstimationRun:
         method=Method(arguments.method),
         structure=read_structure(arguments, arguments.extra_parameters),
         settings=RunSettings(
-            start=Start(arguments.start),
+            start=Start(arguments.start or Start.BEST),
             band_hz=parse_band(arguments.band),
             prior_spread=arguments.prior_spread,
-            out_of_band_modes=OutOfBandModes(arguments.out_of_band_modes),
-            aerodynamics=Aerodynamics(arguments.aerodynamics),
+            out_of_band_modes=OutOfBandModes(
+                arguments.out_of_band_modes or OutOfBandModes.RETAINED
+            ),
+            aerodynamics=Aerodynamics(arguments.aerodynamics or Aerodynamics.QUASI_STEADY),
             additional_maneuver_ids=parse_list(additional, int, "--additional-maneuvers"),
         ),
     )
+
+
+def _apply_template(
+    store: Store, requested: EstimationRun, arguments: argparse.Namespace
+) -> EstimationRun:
+    if arguments.template is None:
+        return requested
+    options = {
+        "start": arguments.start,
+        "band_hz": arguments.band,
+        "prior_spread": arguments.prior_spread,
+        "out_of_band_modes": arguments.out_of_band_modes,
+        "aerodynamics": arguments.aerodynamics,
+    }
+    given = frozenset(name for name, value in options.items() if value is not None)
+    template = find_run_template(store, arguments.template)
+    return apply_run_template(store, requested, template.original_id or template.id or 0, given)
 
 
 def _complete_structure(

@@ -45,12 +45,19 @@ class Connection:
 
     def post(self, path: str, body: Any, query: Mapping[str, Any]) -> bytes:
         """Return the response of a POST request with a JSON body and a query."""
+        return self._send_json("POST", self._address(path, query), body)
+
+    def put(self, path: str, body: Any) -> bytes:
+        """Return the response of a PUT request with a JSON body."""
+        return self._send_json("PUT", self._address(path, {}), body)
+
+    def _send_json(self, method: str, address: str, body: Any) -> bytes:
         return self._send(
             Request(
-                self._address(path, query),
+                address,
                 data=json.dumps(body).encode(),
                 headers={"Content-Type": "application/json"},
-                method="POST",
+                method=method,
             )
         )
 

@@ -29,6 +29,7 @@ _REQUEST = frozenset(
     {
         *("modal_table_id", "damping_table_id", "prediction_id"),
         *("structure_id", "structure_version", "author", "priority", "limits"),
+        "run_template_id",
     }
 )
 _PAGE = 1000  # most items of one response
@@ -215,7 +216,8 @@ class Workbench:
             Fields of the structure (``inputs``, ``outputs``, ``free``, ``fixed``, ``absent``,
             ``free_delays``, ``extra_parameters`` ...), of the settings (``start``, ``band_hz``,
             ``noise``, ``priors``, ``prior_spread`` ...) and of the request (``structure_id``,
-            ``modal_table_id``, ``prediction_id``, ``priority`` ...) of the interface.
+            ``modal_table_id``, ``prediction_id``, ``run_template_id``, ``priority`` ...) of the
+            interface.
 
         Raises
         ------
@@ -234,6 +236,29 @@ class Workbench:
             **request,
         }
         return self.post("runs", body)["id"]
+
+    def run_templates(self, **query: Any) -> pandas.DataFrame:
+        """Return templates of runs in their newest revision; filter by ``aircraft_id``."""
+        return self.table("run-templates", **query)
+
+    def save_run_template(self, run_id: int, name: str, note: str = "") -> int:
+        """Save method and settings of a run as a template of its campaign; return its id.
+
+        Additional maneuvers, the run to start from and priors by value are not part of it.
+
+        Raises
+        ------
+        RequestRefused
+            If the campaign has a template of this name.
+        """
+        body = {"run_id": run_id, "name": name, "note": note}
+        return self.post("run-templates", body)["id"]
+
+    def revise_run_template(self, template_id: int, run_id: int, note: str = "") -> int:
+        """Save method and settings of a run as the next revision; return its number."""
+        path = f"run-templates/{template_id}"
+        body = {"run_id": run_id, "revision": self.get(path)["revision"], "note": note}
+        return json.loads(self._connection.put(path, body))["revision"]
 
     def wait(
         self, *run_ids: int, timeout_s: float | None = None, show_progress: bool = True

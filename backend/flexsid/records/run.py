@@ -409,7 +409,8 @@ class EstimationRun:
     ``rests_on`` are the hashes of the records it was computed from (None: not recorded, by an
     earlier release). ``result_hash`` was stored with the result; ``altered`` is whether the
     result or the request was changed since. ``proposal`` is set if the model structure was
-    proposed, ``derivation`` if the run was derived from ``derived_from_run_id``.
+    proposed, ``derivation`` if the run was derived from ``derived_from_run_id``, and
+    ``run_template_id`` with its revision if the settings are those of a template.
     """
 
     maneuver_id: int
@@ -444,6 +445,8 @@ class EstimationRun:
     proposal: ProposalBasis | None = None
     derived_from_run_id: int | None = None
     derivation: Derivation | None = None
+    run_template_id: int | None = None
+    run_template_revision: int | None = None
     id: int | None = None
 
 

@@ -31,6 +31,7 @@ from flexsid.workflow.comparison.derivative_comparison import compare, list_coef
 from flexsid.workflow.fits.estimators import find_estimator
 from flexsid.workflow.model_structures.run_results import describe_data_changes
 from flexsid.workflow.review.notes import list_notes
+from flexsid.workflow.runs.run_templates import get_run_template, list_changed_settings
 from flexsid.workflow.views.run import read_finished_run
 
 _MOST_TESTS = 20  # of a table in a report
@@ -305,11 +306,21 @@ def _list_provenance(
             if prediction is None
             else format_record(prediction, store.predictions.get(prediction).source),
         ),
+        ("Template", _describe_template(store, run)),
         ("Start", run.settings.start.value),
         ("Noise", run.settings.noise),
         ("Covariance", result.covariance),
         ("Versions", listed(f"{k} {v}" for k, v in (run.versions or {}).items())),
     )
+
+
+def _describe_template(store: Store, run: EstimationRun) -> str:
+    if run.run_template_id is None:
+        return "none"
+    template = get_run_template(store, run.run_template_id, run.run_template_revision)
+    changed = list_changed_settings(run, template)
+    text = f"{template.name}, revision {template.revision}"
+    return f"{text}, changed: {listed(changed)}" if changed else text
 
 
 def _describe_structure(run: EstimationRun) -> str:

@@ -35,6 +35,7 @@ from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.records.note import NoteRevision
 from flexsid.records.quality import ManeuverQuality
 from flexsid.records.run import Batch
+from flexsid.records.run_template import RunTemplate
 from flexsid.records.saved_view import SavedView
 from flexsid.records.search import StructureSearch
 from flexsid.storage import tables
@@ -136,6 +137,9 @@ class Store:
         self.runs = Runs(database, self.jobs)
         self.searches = Repository(database, tables.searches, StructureSearch, "search")
         self.saved_views = Repository(database, tables.saved_views, SavedView, "saved view")
+        self.run_templates = Repository(
+            database, tables.run_templates, RunTemplate, "template of runs"
+        )
         self.notes = Repository(database, tables.notes, NoteRevision, "note")
         self.batches = Repository(database, tables.batches, Batch, "batch")
         self.audit_events = Repository(

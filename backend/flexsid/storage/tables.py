@@ -387,6 +387,22 @@ notes = table(
     sa.UniqueConstraint("original_id", "revision"),
 )
 
+run_templates = table(
+    "run_templates",
+    identity(),
+    refers_to("aircraft_id", "aircraft"),
+    text("name"),
+    text("method", length=8),
+    json("settings"),
+    text("note"),
+    text("author"),
+    integer("revision"),
+    refers_to("original_id", "run_templates", required=False, index=False),
+    sa.Column("is_deleted", sa.Boolean, nullable=False),
+    moment("created_at"),
+    sa.UniqueConstraint("original_id", "revision"),
+)
+
 review_rules = table(
     "review_rules",
     identity(),
@@ -558,6 +574,8 @@ runs = table(
     text("result_hash", length=64, required=False),
     json("proposal", required=False),
     refers_to("derived_from_run_id", "runs", required=False),
+    refers_to("run_template_id", "run_templates", required=False),
+    integer("run_template_revision", required=False),
     json("derivation", required=False),
     # Lists filter and sort by these indices: a row has tens of kilobytes.
     sa.Index(

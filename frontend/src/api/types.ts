@@ -27,6 +27,7 @@ export interface DisplayUnits {
   units: (typeof UNIT_SYSTEMS)[number];
   frequency_unit: (typeof FREQUENCY_UNITS)[number];
 }
+export type RunTemplate = Received<"RunTemplateItem">;
 export type ManeuverItem = Received<"ManeuverItem">;
 export type Maneuver = Received<"ManeuverDetail">;
 export type Channel = Received<"Channel">;

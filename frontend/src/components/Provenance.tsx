@@ -43,6 +43,9 @@ export function Provenance({ run }: { run: Run }) {
       <Section title="Settings">
         <Facts
           facts={[
+            ...(run.template === null
+              ? []
+              : [["Template", templateText(run.template)] as [string, ReactNode]]),
             ["Start", settings.start.replaceAll("-", " ")],
             ["Band", settings.band_hz?.join(" to ") ?? "as excited", settings.band_hz ? "Hz" : ""],
             ["Maximum iterations", settings.max_iterations],
@@ -69,6 +72,11 @@ export function Provenance({ run }: { run: Run }) {
       </Section>
     </Stack>
   );
+}
+
+function templateText({ name, revision, changed_settings: changed }: NonNullable<Run["template"]>) {
+  const text = `${name}, revision ${revision}`;
+  return changed.length === 0 ? text : `${text}, changed: ${changed.join(", ")}`;
 }
 
 function fixedIn({ fixed, fixed_to }: Run["structure"]): string[] {

@@ -8,6 +8,7 @@ import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "./ButtonLink";
 import { CompareLink } from "./CompareLink";
 import { ReportMenu } from "./ReportMenu";
+import { TemplateMenu } from "./TemplateMenu";
 
 /** Actions on a run: compare, repeat, export, delete. */
 export function RunActions({ run }: { run: Run }) {
@@ -29,6 +30,7 @@ export function RunActions({ run }: { run: Run }) {
       >
         Run again with changes
       </ButtonLink>
+      <TemplateMenu run={run} />
       {done && <ReportMenu of={`run/${run.id}`} query={{ ...units }} />}
       {done && (
         <Menu position="bottom-end">

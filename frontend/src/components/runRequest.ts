@@ -7,6 +7,7 @@ import type {
   RunProposal,
   BatchRequest,
   RunRequest,
+  RunTemplate,
   StructureVersion as Origin,
 } from "../api/types";
 import { excitedInputs } from "../lib/channels";
@@ -27,6 +28,8 @@ export const asAxis = (axis: string): "longitudinal" | "lateral" =>
 
 interface RunContext {
   template?: Run;
+  /** Template of runs that the draft started from. */
+  runTemplate?: RunTemplate;
   /** Stored structure that the run refers to. */
   origin?: Origin;
   additionalManeuvers?: number[];
@@ -39,7 +42,7 @@ export function runRequest(
   method: RunRequest["method"],
   maneuver: number,
   excited: string[],
-  { template, origin, additionalManeuvers, outOfBand = [] }: RunContext,
+  { template, runTemplate, origin, additionalManeuvers, outOfBand = [] }: RunContext,
 ): RunRequest {
   const band = bandOf(draft);
   const inputs = draft.inputs.length > 0 ? draft.inputs : excited;
@@ -82,6 +85,7 @@ export function runRequest(
     modal_table_id: draft.modalTable,
     damping_table_id: draft.dampingTable,
     prediction_id: draft.prediction,
+    run_template_id: runTemplate?.method === method ? runTemplate.id : null,
   };
 }
 
@@ -95,7 +99,7 @@ export function batchRequest(
   template: RunRequest,
 ): BatchRequest {
   const { structure, structure_id, structure_version, settings } = template;
-  const { modal_table_id, damping_table_id, prediction_id } = template;
+  const { modal_table_id, damping_table_id, prediction_id, run_template_id } = template;
   return {
     name: `${draft.methods.join(", ")} of ${maneuvers.length} maneuvers`,
     maneuver_ids: maneuvers,
@@ -105,6 +109,8 @@ export function batchRequest(
     modal_table_id,
     damping_table_id,
     prediction_id,
+    // A template is of one method.
+    run_template_id: draft.methods.length === 1 ? run_template_id : null,
     from_equation_error:
       draft.start === "equation-error" && draft.methods.includes("EE") && draft.methods.length > 1,
     priority: 0,
@@ -116,6 +122,7 @@ interface Beginning {
   tables: ModalTable[];
   predictions: Prediction[];
   template?: Run;
+  runTemplate?: RunTemplate;
   origin?: Origin;
   proposal?: RunProposal;
   methods?: RunDraft["methods"];
@@ -125,8 +132,12 @@ interface Beginning {
 
 /** The choices of an earlier run, or defaults that suit the maneuver. */
 export function firstDraft(beginning: Beginning): RunDraft {
-  const { band } = beginning;
-  const draft = draftOfOrigin(beginning);
+  const { band, runTemplate } = beginning;
+  const begun = draftOfOrigin(beginning);
+  const draft =
+    runTemplate === undefined
+      ? begun
+      : { ...withSettings(begun, runTemplate.settings), methods: [runTemplate.method] };
   return band === undefined ? draft : { ...draft, band: [String(band[0]), String(band[1])] };
 }
 
@@ -151,16 +162,9 @@ function draftOfOrigin(beginning: Beginning): RunDraft {
   }
   const { structure, settings } = template;
   const draft: RunDraft = {
-    ...EMPTY_DRAFT,
+    ...withSettings(EMPTY_DRAFT, settings),
     axis: structure.axis,
     methods: [template.method],
-    start: STARTS.find((one) => one === settings.start) ?? "best",
-    band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
-    noise: settings.noise === "full" ? "full" : "diagonal",
-    priorSpread: settings.prior_spread,
-    outOfBandModes: settings.out_of_band_modes,
-    aerodynamics: settings.aerodynamics === "quasi-steady" ? "quasi-steady" : "shaped",
-    maxIterations: settings.max_iterations,
     modalTable: template.modal_table_id ?? sources.modalTable,
     dampingTable: template.damping_table_id,
     prediction: template.prediction_id ?? sources.prediction,
@@ -181,4 +185,32 @@ function freeNames(structure: Structure, inputs: readonly string[]): string[] {
   return derivativeNames(structure.modes, inputs, structure.axis).filter(
     (name) => stateOf(structure, name) === "free",
   );
+}
+
+/** The draft with the settings of a run or of a template. */
+export function withSettings(draft: RunDraft, settings: Run["settings"]): RunDraft {
+  return {
+    ...draft,
+    start: STARTS.find((one) => one === settings.start) ?? "best",
+    band: [String(settings.band_hz?.[0] ?? ""), String(settings.band_hz?.[1] ?? "")],
+    noise: settings.noise === "full" ? "full" : "diagonal",
+    priorSpread: settings.prior_spread,
+    outOfBandModes: settings.out_of_band_modes,
+    aerodynamics: settings.aerodynamics === "quasi-steady" ? "quasi-steady" : "shaped",
+    maxIterations: settings.max_iterations,
+  };
+}
+
+/** Settings in one line, as lists show them. */
+export function settingsText(settings: Run["settings"]): string {
+  const parts = [
+    `start: ${settings.start.replaceAll("-", " ")}`,
+    settings.band_hz == null ? "excited band" : `${settings.band_hz.join(" to ")} Hz`,
+    `${settings.noise} noise`,
+    `out-of-band modes ${settings.out_of_band_modes}`,
+    settings.aerodynamics.replaceAll("-", " "),
+  ];
+  if (settings.prior_spread != null)
+    parts.push(`priors at the prediction, ${settings.prior_spread}`);
+  return `${parts.join("; ")}; at most ${settings.max_iterations} iterations`;
 }

@@ -1,4 +1,4 @@
-import { Box, SegmentedControl, Text } from "@mantine/core";
+import { Box, SegmentedControl, Select, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useSubmitBatch, useSubmitRuns } from "../api/commands";
@@ -9,8 +9,17 @@ import {
   predictionsQuery,
   runProposalQuery,
   runQuery,
+  runTemplatesQuery,
 } from "../api/queries";
-import type { Aircraft, Maneuver, ModalTable, Prediction, Run, RunProposal } from "../api/types";
+import type {
+  Aircraft,
+  Maneuver,
+  ModalTable,
+  Prediction,
+  Run,
+  RunProposal,
+  RunTemplate,
+} from "../api/types";
 import { AxisPicker } from "../components/AxisPicker";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
@@ -32,6 +41,7 @@ import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
 import { axisNames } from "../lib/derivatives";
 import { listOutOfBandModes } from "../lib/runDraft";
+import { integer } from "../lib/urlState";
 import { useDraft } from "../lib/useDraft";
 
 const route = getRouteApi("/maneuvers/$id/new-run");
@@ -39,13 +49,13 @@ const route = getRouteApi("/maneuvers/$id/new-run");
 /** Form of new runs: model structure, methods, data and settings. */
 export function NewRunPage() {
   const { id } = route.useParams();
-  const { template_run: template, structure, version, axis } = route.useSearch();
+  const { template_run: template, run_template, structure, version, axis } = route.useSearch();
   const maneuver = useQuery(maneuverQuery(id));
   return (
     <Loaded query={maneuver} page="New run">
       {(data) => (
         <WithTables
-          key={`${id} ${template} ${structure} ${version} ${axis}`}
+          key={`${id} ${template} ${run_template} ${structure} ${version} ${axis}`}
           maneuver={data}
           template={template}
         />
@@ -60,6 +70,7 @@ function WithTables({ maneuver, template }: { maneuver: Maneuver; template?: num
   const predictions = useQuery(predictionsQuery(maneuver.aircraft_id));
   const before = useQuery({ ...runQuery(template ?? 0), enabled: template !== undefined });
   const view = route.useSearch();
+  const templates = useQuery(runTemplatesQuery(maneuver.aircraft_id));
   const begun = useRunOrigin(maneuver.id, view, template);
   const proposal = useQuery({
     ...runProposalQuery(maneuver.id, windowOf(view), view.axis),
@@ -84,12 +95,13 @@ function WithTables({ maneuver, template }: { maneuver: Maneuver; template?: num
                       tables={modal}
                       predictions={sources}
                       template={run}
+                      templates={templates.data ?? []}
                       origin={begun.origin}
                       proposal={proposal.data}
                     />
                   </>
                 );
-                if (begun.loading || proposal.isPending) return null;
+                if (begun.loading || proposal.isPending || templates.isPending) return null;
                 return template === undefined ? form() : <Loaded query={before}>{form}</Loaded>;
               }}
             </Loaded>
@@ -106,23 +118,27 @@ interface FormProps {
   tables: ModalTable[];
   predictions: Prediction[];
   template?: Run;
+  templates: RunTemplate[];
   origin?: RunOrigin;
   proposal?: RunProposal;
 }
 
-function Form({ maneuver, aircraft, tables, predictions, template, origin, proposal }: FormProps) {
+function Form(props: FormProps) {
+  const { maneuver, aircraft, tables, predictions, template, templates, origin, proposal } = props;
   const view = route.useSearch();
   const navigate = route.useNavigate();
   const submit = useSubmitRuns();
   const all = useSubmitBatch();
   const band = windowOf(view);
+  const runTemplate = templates.find((one) => one.id === view.run_template);
   const { draft, setDraft, discard } = useDraft<RunDraft>(
-    `flexsid.new-run.${maneuver.id}.${template?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}.${view.axis ?? ""}`,
+    `flexsid.new-run.${maneuver.id}.${template?.id ?? ""}.${origin?.structure.id ?? ""}.${band?.join() ?? ""}.${view.axis ?? ""}.${runTemplate?.id ?? ""}.${runTemplate?.revision ?? ""}`,
     firstDraft({
       maneuver,
       tables,
       predictions,
       template,
+      runTemplate,
       origin: origin?.structure,
       proposal,
       methods: view.methods,
@@ -156,6 +172,7 @@ function Form({ maneuver, aircraft, tables, predictions, template, origin, propo
       draft.methods.map((method) =>
         runRequest(draft, method, id, excitedInputs(maneuver), {
           template,
+          runTemplate,
           origin: unchanged ? origin?.structure : undefined,
           outOfBand: listOutOfBandModes(draft, ofAxis, predicted),
           additionalManeuvers: view.joint === true ? others : undefined,
@@ -204,6 +221,29 @@ function Form({ maneuver, aircraft, tables, predictions, template, origin, propo
         ]}
         aside={
           <>
+            {templates.length > 0 && (
+              <Select
+                aria-label="Template"
+                placeholder="Template"
+                clearable
+                w={220}
+                data-testid="run-template"
+                data={templates.map((one) => ({
+                  value: String(one.id),
+                  label: `${one.name} (${one.method})`,
+                }))}
+                value={runTemplate === undefined ? null : String(runTemplate.id)}
+                onChange={(value) =>
+                  void navigate({
+                    search: (previous) => ({
+                      ...previous,
+                      run_template: integer(value ?? undefined),
+                    }),
+                    replace: true,
+                  })
+                }
+              />
+            )}
             {maneuver.axis === "combined" && (
               <AxisPicker
                 value={asAxis(draft.axis)}

@@ -5,6 +5,7 @@ import { useCallback } from "react";
 import { runFacetsQuery, runListQuery } from "../api/queries";
 import type { RunFilters, RunItem } from "../api/types";
 import { BulkActions } from "../components/BulkActions";
+import { ButtonLink } from "../components/ButtonLink";
 import { CompareLink } from "../components/CompareLink";
 import { Empty } from "../components/Empty";
 import { ListFilters } from "../components/ListFilters";
@@ -56,6 +57,9 @@ export function RunsPage() {
                 <CompareSelected runs={selectedRuns} selected={selected} />
               </BulkActions>
             )}
+            <ButtonLink to="/run-templates" variant="default">
+              Templates
+            </ButtonLink>
             <SavedViews page="runs" />
           </>
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fastapi import APIRouter, status
 
@@ -11,10 +11,11 @@ from flexsid.api.context import TheContext, TheStore
 from flexsid.api.run_requests import BatchRequest
 from flexsid.api.serialization import After, Identity, Json, Limit
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Batch
+from flexsid.records.run import Batch, EstimationRun
 from flexsid.storage import batches
 from flexsid.storage.batches import BatchProgress
 from flexsid.storage.paging import Page
+from flexsid.storage.store import Store
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs.batch import queue_batch
 
@@ -46,6 +47,7 @@ def request_batch(context: TheContext, body: BatchRequest, analyst: TheAnalyst) 
         templates.append(body.make_template(structure, item.structure_id, version, analyst))
     if not body.structures:
         templates.append(body.make_template(Structure(fixed={}), None, None, analyst))
+    templates = [_apply_run_template(store, body, one) for one in templates]
     queued = queue_batch(
         store,
         Batch(name=body.name, author=analyst),
@@ -63,6 +65,12 @@ def request_batch(context: TheContext, body: BatchRequest, analyst: TheAnalyst) 
     return Json(
         response, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/batches/{queued.batch.id}"}
     )
+
+
+def _apply_run_template(store: Store, body: BatchRequest, run: EstimationRun) -> EstimationRun:
+    """Return the common part of runs with the settings of the template, of every method."""
+    applied = [body.apply_template(store, replace(run, method=one)) for one in body.methods]
+    return applied[0]
 
 
 @router.get("", response_model=Page[BatchProgress])

@@ -73,11 +73,12 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
     reference = (body.structure_id, body.structure_version)
     author = choose_author(body.author, analyst)
     if given is None and reference == (None, None):
-        run = apply_proposal(store, body.make_run(structure=Structure(fixed={}), author=author))
+        run = body.make_run(structure=Structure(fixed={}), author=author)
+        run = apply_proposal(store, body.apply_template(store, run))
     else:
         structure, version = model_structures.get_structure_of_run(store, given, *reference)
         run = body.make_run(structure=structure, structure_version=version, author=author)
-        run = attach_proposal_basis(store, run)
+        run = attach_proposal_basis(store, body.apply_template(store, run))
     run = add_default_priors(store, run)
     task = estimation.prepare(store, run)
     stored, is_new = batches.add_once(store, add_hashes(store, run))

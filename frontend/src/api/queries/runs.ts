@@ -32,6 +32,15 @@ export const runsQuery = (filters: RunFilters) =>
       items(api.GET("/api/v1/runs", { params: { query: { ...filters, limit: 200 } }, signal })),
   });
 
+export const runTemplatesQuery = (aircraft?: number) =>
+  queryOptions({
+    queryKey: ["run-templates", aircraft],
+    queryFn: ({ signal }) =>
+      items(
+        api.GET("/api/v1/run-templates", { params: { query: { aircraft_id: aircraft } }, signal }),
+      ),
+  });
+
 export const runQuery = (id: number) =>
   queryOptions({
     queryKey: ["run", id],
