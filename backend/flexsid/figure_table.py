@@ -48,6 +48,7 @@ from flexsid.figures.signal_to_noise import draw_signal_to_noise
 from flexsid.figures.spec import Spec
 from flexsid.figures.spectrum import draw_spectrum
 from flexsid.figures.time_check import draw_time_check
+from flexsid.figures.time_comparison import Arrangement, draw_time_comparison
 from flexsid.figures.time_history import draw_time_history
 from flexsid.figures.trend import draw_trend
 from flexsid.figures.validation import draw_cross_predictions, draw_residual_correlation
@@ -138,6 +139,7 @@ from flexsid.workflow.views.run import (
     read_poles,
 )
 from flexsid.workflow.views.time_check import check_in_time
+from flexsid.workflow.views.time_comparison import compare_in_time
 
 _MOST_COUNTS = 10
 
@@ -435,6 +437,18 @@ class _TimeCheck(_Run):
     outputs: _Names = None
     maneuver_id: _Reference = None
     points: _Points = POINTS
+
+
+class _TimeComparison(FigureParameters):
+    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
+    output: _Text = Field(None, max_length=64, description="By default the first of the first run.")
+    maneuver_ids: _Ids = Field(
+        None,
+        description="Maneuvers under whose inputs every run is simulated, separated by commas; by "
+        "default each run under those of its own.",
+    )
+    points: _Points = POINTS
+    arrangement: Arrangement = "rows"
 
 
 class _PredictedResiduals(_Run):
@@ -735,6 +749,9 @@ _KINDS = (
         "Draw the cost over the iterations."),
     FigureKind("time-check", _TimeCheck, check_in_time, draw_time_check,
         "Draw recorded outputs and the response of the identified model to the recorded inputs."),
+    FigureKind("time-comparison", _TimeComparison, compare_in_time, draw_time_comparison,
+        "Draw one output of several maneuvers and the responses of models, with their fit in %.",
+        drawing=("arrangement",)),
     FigureKind("cross-prediction", CrossPredictionParameters, _get_cross_predictions,
         draw_cross_predictions,
         "Draw R² of the outputs of maneuvers that are predicted by the models of runs."),

@@ -307,6 +307,7 @@ export const COMPARE_TABS = [
   "trends",
   "responses",
   "poles",
+  "time",
   "setup",
 ] as const;
 export const AGAINST = ["dynamic_pressure", "airspeed_ratio", "fuel", "fta"] as const;
@@ -329,6 +330,12 @@ export const compareView = view((search) => ({
   output: text(search.output),
   low: number(search.low),
   high: number(search.high),
+  /** Window from the start of the maneuvers [s], all of them in one plot, and every pair of
+   *  run and maneuver. */
+  from: number(search.from),
+  to: number(search.to),
+  arrangement: oneOf(search.arrangement, ["overlay"] as const),
+  every: flag(search.every),
 }));
 export type CompareView = ReturnType<typeof compareView>;
 

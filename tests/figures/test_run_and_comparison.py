@@ -12,6 +12,7 @@ from flexsid.figures.iterations import draw_iterations
 from flexsid.figures.parameter_correlation import draw_parameter_correlation
 from flexsid.figures.poles import draw_poles
 from flexsid.figures.residual import draw_residual
+from flexsid.figures.time_comparison import draw_time_comparison
 from flexsid.figures.trend import draw_trend
 from flexsid.records.comparison import (
     Against,
@@ -25,6 +26,7 @@ from flexsid.records.comparison import (
 )
 from flexsid.records.run import Iteration, Method, Pole
 from flexsid.records.views import (
+    ComparedRecord,
     Convergence,
     FitPlot,
     FitTrace,
@@ -32,6 +34,8 @@ from flexsid.records.views import (
     PoleGroup,
     PoleMap,
     Residuals,
+    SimulatedOutput,
+    TimeComparison,
 )
 
 G = 9.80665
@@ -236,3 +240,41 @@ def test_a_trend_has_points_a_band_and_predictions(drawable, against):
     assert (low["y"], high["y"], line["y"], predicted["y"]) == ([-1.2], [-0.8], [-1.0], [-1.1])
     assert points["customdata"] == [[7, 3]]
     assert points["x"] == (["506"] if against is Against.FTA else [506.0])
+
+
+def test_time_comparison_is_in_order_of_the_condition_with_the_fit(drawable):
+    time_s = np.arange(50) / 25.0
+    records = tuple(
+        ComparedRecord(
+            maneuver_id=number,
+            label=f"maneuver <{number}>",
+            airspeed_m_s=airspeed,
+            dynamic_pressure_pa=0.6 * airspeed**2,
+            fuel_fraction=0.5,
+            time_s=time_s,
+            measured=np.sin(time_s),
+            simulated=(
+                SimulatedOutput(
+                    run_id=10 + number,
+                    method=Method.OE,
+                    values=0.9 * np.sin(time_s),
+                    fit_percent=90.0,
+                ),
+            ),
+        )
+        for number, airspeed in ((1, 30.0), (2, 40.0))
+    )
+    value = TimeComparison(output="q", unit="rad/s", points=500, records=records)
+    rows = draw_time_comparison(value)
+    drawable(rows)
+    assert [trace["yaxis"] for trace in rows["data"]] == ["y", "y", "y2", "y2"]
+    texts = [note["text"] for note in rows["layout"]["annotations"]]
+    assert texts[0] == (
+        "<b>maneuver &lt;1&gt;</b>, V 30 m/s, q̄ 540 Pa, fuel 50 %. Fit: run 11, OE: 90.0 %"
+    )
+    overlay = draw_time_comparison(value, "overlay")
+    drawable(overlay)
+    assert {trace["yaxis"] for trace in overlay["data"]} == {"y"}
+    colours = [trace["line"]["color"] for trace in overlay["data"]]
+    assert colours[0] == colours[1] != colours[2] == colours[3]
+    assert "90.0 %" in overlay["data"][1]["name"]

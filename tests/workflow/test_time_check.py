@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
@@ -14,6 +15,7 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 from flexsid.workflow.views.time_check import check_in_time
+from flexsid.workflow.views.time_comparison import compare_in_time, compute_fit_percent
 
 
 @pytest.mark.parametrize("ratio", [0.65, 1.09])
@@ -44,3 +46,19 @@ def test_model_follows_the_recording_also_beyond_flutter(store: Store, ratio: fl
     assert [trace.r_squared > 0.95 for trace in check.traces] == [True, True]
     with pytest.raises(BadInput, match="no output 'nose'"):
         check_in_time(store, run.id, ["nose"])
+    compared = compare_in_time(store, [run.id], "q")
+    (record,) = compared.records
+    assert (record.maneuver_id, record.time_s[0]) == (maneuver.id, 0.0)
+    fit = record.simulated[0].fit_percent
+    # Without a mean in the record, R2 is one minus the square of the normalised error.
+    assert fit == pytest.approx(100.0 * (1.0 - np.sqrt(1.0 - check.traces[0].r_squared)), abs=0.1)
+    with pytest.raises(BadInput, match="at most 12"):
+        compare_in_time(store, [run.id], "q", range(1, 18))
+
+
+def test_fit_is_that_of_the_system_identification_toolbox():
+    record = np.array([1.0, 3.0, 1.0, 3.0])
+    assert compute_fit_percent(record, record) == 100.0
+    assert compute_fit_percent(record, np.full(4, 2.0)) == pytest.approx(0.0)
+    assert compute_fit_percent(record, record + 0.5) == pytest.approx(50.0)
+    assert compute_fit_percent(np.ones(4), record) is None

@@ -253,6 +253,40 @@ class TimeCheck:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedOutput:
+    """Output of the model of a run, with its fit in percent; None for a constant record."""
+
+    run_id: int
+    method: Method
+    values: np.ndarray
+    fit_percent: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ComparedRecord:
+    """One output of a maneuver from its start, with the outputs of models."""
+
+    maneuver_id: int
+    label: str
+    airspeed_m_s: float
+    dynamic_pressure_pa: float
+    fuel_fraction: float
+    time_s: np.ndarray
+    measured: np.ndarray
+    simulated: tuple[SimulatedOutput, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TimeComparison:
+    """One output of several maneuvers and runs, in order of the flight condition."""
+
+    output: str
+    unit: str
+    points: int
+    records: tuple[ComparedRecord, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroundSpectra:
     """Power of all gauges and accelerometers before and after a flight.
 

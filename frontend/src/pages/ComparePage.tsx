@@ -9,6 +9,7 @@ import { CompareAgreement } from "../components/CompareAgreement";
 import { CompareDerivatives, type CompareTabProps } from "../components/CompareDerivatives";
 import { ComparePoles, CompareResponses } from "../components/CompareModels";
 import { CompareSetup } from "../components/CompareSetup";
+import { CompareTime } from "../components/CompareTime";
 import { CompareTrends } from "../components/CompareTrends";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
@@ -98,6 +99,7 @@ const TABS: Record<(typeof COMPARE_TABS)[number], string> = {
   trends: "Trends",
   responses: "Responses",
   poles: "Poles and fits",
+  time: "Time",
   setup: "Setup",
 };
 
@@ -107,6 +109,7 @@ const CONTENT: Record<(typeof COMPARE_TABS)[number], ComponentType<CompareTabPro
   trends: CompareTrends,
   responses: CompareResponses,
   poles: ComparePoles,
+  time: CompareTime,
   setup: CompareSetup,
 };
 

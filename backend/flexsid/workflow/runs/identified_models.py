@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare
@@ -31,6 +32,17 @@ class IdentifiedModel:
     priors: Mapping[str, tuple[float, float]] = field(
         default_factory=dict[str, tuple[float, float]]
     )
+
+    def select_outputs(self, names: Sequence[str]) -> IdentifiedModel:
+        """Return the same model with these of its outputs."""
+        places = [self.model.outputs.index(name) for name in names]
+        rows = SensorRows(tuple(names), self.model.sensors.polynomial[:, places])
+        return replace(
+            self,
+            model=replace(self.model, sensors=rows),
+            delays=self.delays[places],
+            scales=self.scales[places],
+        )
 
     def response(self, omega: np.ndarray) -> FrequencyResponse:
         """Compute frequency responses with the estimated delays and scale factors."""

@@ -58,11 +58,10 @@ def check_in_time(
             output=unknown[0],
         )
     aircraft = insert_instruments(store.aircraft.get(maneuver.aircraft_id), run.structure)
-    time_s, simulated = _simulate(store, maneuver, aircraft, found)
+    time_s, simulated = _simulate(store, maneuver, aircraft, found.select_outputs(names))
     traces = [
         _compare(store, maneuver, aircraft, name, time_s, simulated[:, k])
-        for name in names
-        for k in [found.model.outputs.index(name)]
+        for k, name in enumerate(names)
     ]
     return TimeCheck(
         run_id=run_id, method=run.method, maneuver_id=maneuver.id or 0, points=points,
