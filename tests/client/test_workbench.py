@@ -94,6 +94,17 @@ def test_a_run_is_submitted_waited_for_and_read(workbench: Workbench) -> None:
     assert sigma == pytest.approx(parameters.loc["Cm_alpha", "std_error"])
 
 
+def test_settings_of_a_run_are_saved_and_used_as_a_template(workbench: Workbench) -> None:
+    template = workbench.save_run_template(1, "our standard EE", "all flights")
+    assert workbench.revise_run_template(template, 1, "with note") == 2
+    listed = workbench.run_templates(aircraft_id=1)
+    assert listed[["name", "revision", "note"]].values.tolist() == [
+        ["our standard EE", 2, "with note"]
+    ]
+    run = workbench.submit(1, "EE", max_iterations=9, run_template_id=template)
+    assert workbench.run(run)["template"]["changed_settings"] == ["max_iterations"]
+
+
 def test_runs_and_predictions_are_compared(workbench: Workbench) -> None:
     other = workbench.submit(1, "EE", [7])
     workbench.wait(other, timeout_s=PATIENCE_S)
