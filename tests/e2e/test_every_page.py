@@ -123,7 +123,7 @@ def test_a_page_has_no_errors_overflow_or_violations(
 
 
 def _set_storage(page: Page, name: str) -> None:
-    """Forget what the page before has stored in the browser."""
+    """Delete what the page before has stored in the browser."""
     page.goto("/api/v1/health")  # of the same origin, without the page
     stored = {"flexsid.analyst": "Bo"}
     if name == "start":  # an unnamed analyst has to enter a name before a proposal

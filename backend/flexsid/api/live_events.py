@@ -43,7 +43,7 @@ class JobUpdate:
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _LastRead:
     """What was read last; without a database nothing is known."""
 
     running: list[JobItem]
@@ -125,7 +125,7 @@ class LiveEvents:
 
     async def _run(self) -> None:
         last: int | None = None
-        before: _State | None = None
+        before: _LastRead | None = None
         while not self._stopped:
             self._notified.clear()
             if self._listeners:
@@ -144,12 +144,12 @@ class LiveEvents:
             except TimeoutError:
                 continue
 
-    def _read(self, last: int | None, before: _State | None) -> tuple[int, JobUpdate, _State]:
+    def _read(self, last: int | None, before: _LastRead | None) -> tuple[int, JobUpdate, _LastRead]:
         store = self._store
         events = [] if last is None else job_log.read_since(store, last, _MAX_EVENTS)
         if last is None:
             last = job_log.find_newest(store)
-        state = _State(job_list.list_running(store), read_totals(store), self._check_health())
+        state = _LastRead(job_list.list_running(store), read_totals(store), self._check_health())
         if before is None:
             update = JobUpdate(events, state.running, changed=_HEALTH)
         else:
