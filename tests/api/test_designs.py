@@ -331,7 +331,7 @@ def test_optimal_design_is_stored_and_within_limits(client: TestClient):
 
 
 def test_predicted_response_by_mode_harmonic_and_surface(client: TestClient):
-    run = output_error_run(client)
+    run = output_error_run(client, "retained")
     made = client.post(URL, json=FTA_503 | {"peaks": [0.02, 0.04, 0.08]})
     where = made.headers["location"]
     result = read_result(client, f"{where}/expected-response?run_id={run}&level=0")

@@ -206,6 +206,7 @@ def test_fdata_to_a_table_of_derivatives(
         check_cells("fdata", list(estimates.values()))
 
 
+@pytest.mark.long
 @pytest.mark.skipif(
     not MAEWING1.is_dir(),
     reason="the mAEWing1 data are not here; examples/maewing1 names the source",

@@ -47,6 +47,7 @@ def estimated(
         yield url
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("name", PAGES)
 def test_the_pictures_of_the_documentation_can_be_taken(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexsid.figures import style
-from flexsid.figures.quantities import text
+from flexsid.figures.quantities import of_unit, text
 from flexsid.figures.spec import (
     Spec,
     column,
@@ -43,15 +43,20 @@ def draw_flutter_summary(value: SummaryDiagram) -> Spec:
     shown = value.roots
     if not shown.roots:
         return empty("No root in this analysis")
+    speed, frequency = of_unit("Airspeed", "m/s"), of_unit("Frequency", "Hz")
     data: list[Spec] = []
     for root, colour, symbol, width in _select_styles(shown.roots):
         name = _name(root)
         for row, (values, of_y) in enumerate(
-            ((root.damping_g, ""), (root.frequency_hz, " Hz")), start=1
+            (
+                (np.asarray(root.damping_g), ""),
+                (frequency.factor * np.asarray(root.frequency_hz), f" {frequency.unit}"),
+            ),
+            start=1,
         ):
             data.append(
                 scatter(
-                    column(root.airspeed_m_s, exact=True),
+                    column(speed.factor * np.asarray(root.airspeed_m_s), exact=True),
                     column(values, exact=True),
                     "lines+markers",
                     row=row,
@@ -60,7 +65,8 @@ def draw_flutter_summary(value: SummaryDiagram) -> Spec:
                     showlegend=row == 1,
                     line={"color": colour, "width": width},
                     marker={"color": colour, "symbol": symbol, "size": 3.0 * width + 1.0},
-                    hovertemplate=f"%{{x:.4~g}} m/s<br>%{{y:.4~g}}{of_y}<extra>{name}</extra>",
+                    hovertemplate=f"%{{x:.4~g}} {speed.unit}<br>%{{y:.4~g}}{of_y}"
+                    f"<extra>{name}</extra>",
                 )
             )
     if value.predicted is not None:
@@ -68,10 +74,10 @@ def draw_flutter_summary(value: SummaryDiagram) -> Spec:
             data += _draw_predicted(branch, value.predicted.at)
     data += _draw_points(shown.points, shown.g)
     layout = stack(
-        title("Airspeed [m/s]"),
+        title(speed.axis_title),
         [
             {**title("Structural damping g"), "range": _find_range(shown.roots)},
-            {**title("Frequency [Hz]"), "rangemode": "tozero"},
+            {**title(frequency.axis_title), "rangemode": "tozero"},
         ],
         showlegend=True,
         hovermode="closest",
@@ -86,7 +92,7 @@ def draw_flutter_summary(value: SummaryDiagram) -> Spec:
     for kind in Instability:
         seen = [point.airspeed_m_s for point in shown.points if point.kind is kind]
         if seen:
-            shape, note = vertical_mark(min(seen), kind.value)
+            shape, note = vertical_mark(speed.factor * min(seen), kind.value)
             layout["shapes"].append(shape)
             layout["annotations"].append(note)
     return {"data": data, "layout": layout}
@@ -114,9 +120,10 @@ def _draw_predicted(branch: RootBranch, airspeed: np.ndarray) -> list[Spec]:
     oscillates = branch.imag > _REAL
     imag = np.where(oscillates, branch.imag, np.nan)
     name = f"{text(branch.name)}, predicted"
+    speed, frequency = of_unit("Airspeed", "m/s"), of_unit("Frequency", "Hz")
     return [
         scatter(
-            column(airspeed, exact=True),
+            column(speed.factor * airspeed, exact=True),
             column(values),
             "lines",
             row=row,
@@ -124,10 +131,14 @@ def _draw_predicted(branch: RootBranch, airspeed: np.ndarray) -> list[Spec]:
             legendgroup=name,
             showlegend=row == 1,
             line={"color": style.GREY, "dash": "dash", "width": 1.4},
-            hovertemplate=f"%{{x:.4~g}} m/s<br>%{{y:.4~g}}{of_y}<extra>{name}</extra>",
+            hovertemplate=f"%{{x:.4~g}} {speed.unit}<br>%{{y:.4~g}}{of_y}<extra>{name}</extra>",
         )
         for row, (values, of_y) in enumerate(
-            ((2.0 * branch.real / imag, ""), (imag / (2.0 * np.pi), " Hz")), start=1
+            (
+                (2.0 * branch.real / imag, ""),
+                (frequency.factor * imag / (2.0 * np.pi), f" {frequency.unit}"),
+            ),
+            start=1,
         )
     ]
 
@@ -136,6 +147,7 @@ def _draw_points(points: tuple[FlutterPoint, ...], g: float) -> list[Spec]:
     """Draw where roots become unstable: at the damping g, and on the axis of frequency."""
     if not points:
         return []
+    speed, frequency = of_unit("Airspeed", "m/s"), of_unit("Frequency", "Hz")
     symbols = [
         "triangle-left-open"
         if point.is_bound
@@ -150,7 +162,7 @@ def _draw_points(points: tuple[FlutterPoint, ...], g: float) -> list[Spec]:
     at = [0.0 if point.kind is Instability.DIVERGENCE else g for point in points]
     return [
         scatter(
-            column([point.airspeed_m_s for point in points], exact=True),
+            column([speed.factor * point.airspeed_m_s for point in points], exact=True),
             column(y),
             row=row,
             name="instabilities",
@@ -158,11 +170,11 @@ def _draw_points(points: tuple[FlutterPoint, ...], g: float) -> list[Spec]:
             showlegend=row == 1,
             marker={"color": style.FLAG, "symbol": symbols, "size": 10},
             text=labels,
-            hovertemplate="%{text}<br>%{x:.4~g} m/s<extra></extra>",
+            hovertemplate=f"%{{text}}<br>%{{x:.4~g}} {speed.unit}<extra></extra>",
         )
         for row, y in (
             (1, at),
-            (2, [point.omega_rad_s / (2.0 * np.pi) for point in points]),
+            (2, [frequency.factor * point.omega_rad_s / (2.0 * np.pi) for point in points]),
         )
     ]
 

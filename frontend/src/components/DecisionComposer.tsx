@@ -46,8 +46,9 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
   const empty = text.trim() === "";
   const busy = comment.isPending || vote.isPending || withdraw.isPending;
   const done = {
+    // The event of a comment can arrive before the response, and the next text be typed meanwhile.
     onSuccess: () => {
-      setText("");
+      setDraft((now) => (now.text === text ? { text: "" } : now));
     },
   };
   // A vote on an old revision is explained above the proposal.
