@@ -1,7 +1,7 @@
 """The numbers of the tutorials are reproduced by their commands.
 
-``RENEW_NUMBERS=1 .venv/bin/pytest tests/docs/test_tutorials.py`` updates the tables; check the
-text beside them afterwards.
+``RENEW_NUMBERS=1 .venv/bin/pytest -m "" tests/docs/test_tutorials.py`` updates the tables;
+check the text beside them afterwards.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The pictures of README and documentation, taken of the workbench as it is.
 
-``RENEW_PICTURES=1 .venv/bin/pytest tests/e2e/test_pictures.py`` puts them in place.
+``RENEW_PICTURES=1 .venv/bin/pytest -m long tests/e2e/test_pictures.py`` puts them in place.
 """
 
 from __future__ import annotations
