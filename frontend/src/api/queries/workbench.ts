@@ -4,12 +4,14 @@ import { address, api, body, items, json, type QueryValue } from "../client";
 import type { DisplayUnits, FigureSpec } from "../types";
 
 const RETRY_MS = 1500;
+const WATCH_MS = 10_000;
 
 export const healthQuery = queryOptions({
   queryKey: ["health"],
   queryFn: ({ signal }) => body(api.GET("/api/v1/health", { signal })),
-  // The only poll: a server that cannot be reached sends no event when it is there again.
-  refetchInterval: ({ state }) => (state.status === "error" ? RETRY_MS : false),
+  // The only poll: a server that cannot be reached sends no event, and a connection that is lost
+  // without being closed reports no error.
+  refetchInterval: ({ state }) => (state.status === "error" ? RETRY_MS : WATCH_MS),
   retry: false,
 });
 
