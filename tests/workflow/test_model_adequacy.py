@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 import sqlalchemy as sa
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
@@ -61,24 +64,47 @@ def test_a_correct_model_is_consistent_and_one_without_a_mode_suspect(flown_url:
     store.close()
 
 
-def test_turbulence_near_flutter_is_reported_and_counted(store: Store):
-    """Feedback correlates the surfaces with the turbulence: the estimate is biased."""
+def fit_near_flutter_in_turbulence(store: Store, method: Method, *, with_commands: bool):
     aircraft = add_aircraft(store)
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
     flown = fly(airspeed_ratio=0.95, seed=104, modes_in_truth=2, turbulence=Turbulence("light"))
+    if not with_commands:
+        kept = tuple(c for c in flown.channels if not c.name.endswith("_command"))
+        assert len(kept) < len(flown.channels)
+        flown = replace(flown, channels=kept)
     run = EstimationRun(
         maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
-        method=Method.OE,
+        method=method,
         structure=Structure(modes=(7, 9), fixed={}),
         settings=RunSettings(),
     )
     found = compute_run(prepare(store, run), lambda _: None)
-    assert found.adequacy.state is AdequacyState.SUSPECT
-    assert "turbulence" in found.adequacy.reason
-    assert found.adequacy.reason in found.warnings
     truth = flown.truth.named()
     deviation = found.estimate.values - np.array([truth[n] for n in found.estimate.names])
     assert np.mean(np.abs(deviation) < 2.0 * found.estimate.std_errors) > 0.9
+    return found, deviation
+
+
+@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
+def test_recorded_commands_remove_the_bias_of_turbulence_near_flutter(
+    store: Store, method: Method
+):
+    """Feedback correlates the surfaces with the turbulence, but not the commands."""
+    found, deviation = fit_near_flutter_in_turbulence(store, method, with_commands=True)
+    assert found.adequacy.state is AdequacyState.CONSISTENT
+    assert not any("turbulence" in warning for warning in found.warnings)
+    assert found.estimate.noise is not None
+    assert "errors in variables" in found.estimate.noise.description
+    at = found.estimate.names.index("Cm_alpha")
+    assert abs(deviation[at]) < 0.05 * abs(found.estimate.values[at])
+
+
+def test_without_commands_turbulence_near_flutter_is_reported_and_counted(store: Store):
+    """The estimate is biased."""
+    found, _ = fit_near_flutter_in_turbulence(store, Method.OE, with_commands=False)
+    assert found.adequacy.state is AdequacyState.SUSPECT
+    assert "turbulence" in found.adequacy.reason
+    assert found.adequacy.reason in found.warnings
 
 
 def test_equation_error_is_tested_and_runs_of_earlier_releases_are_not(flown_url: str):

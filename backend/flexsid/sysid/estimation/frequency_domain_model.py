@@ -10,7 +10,8 @@ With a frequency shape the variable j of row i is s_ij w_j: every row has variab
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -139,6 +140,24 @@ class FrequencyDomainModel:
         if delayed is not None:
             outputs *= delayed
         return ModelResponse(motion, outputs, unit_motion, sensors, delayed, free)
+
+    def respond_to_inputs(
+        self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
+    ) -> Complex[np.ndarray, "n_omega n_y n_u"]:
+        """Compute the outputs per unit of each input, from the response at theta."""
+        n_u = self.experiment.inputs.shape[1]
+        load = self._factors[:, -n_u:] * self.parameters.table(theta).values[:, -n_u:]
+        if self.factors is not None:
+            load = load * self.factors[:, :, -n_u:]
+        outputs = response.sensors @ (response.unit_motion @ load)
+        return outputs if response.delayed is None else outputs * response.delayed[:, :, None]
+
+    def with_inputs(self, inputs: Complex[np.ndarray, "n_omega n_u"]) -> FrequencyDomainModel:
+        """Return the model with other inputs; it shares the memory of its sensitivities."""
+        other = copy(self)
+        other.experiment = replace(self.experiment, inputs=inputs)
+        other._inputs = np.ascontiguousarray(inputs.T)
+        return other
 
     def _compute_free_motion(self, theta: Float[np.ndarray, " n_theta"]) -> FreeMotion:
         """Compute the free motion per end state, as the instruments record it."""

@@ -53,10 +53,7 @@ def compute_input_noise_errors(
     information += 0.5 * np.diag(
         [known[n][1] ** -2.0 if n in known else 0.0 for n in estimate.names]
     )
-    n_u = experiment.inputs.shape[1]
-    table = parameters.table(estimate.values).values
-    load = (model.rows[:, None] * table * model.columns)[:, -n_u:]
-    H = sensitivity.forces @ load
+    H = model.respond_to_inputs(estimate.values, response)
     spread = (H * input_noise[:, None, :]) @ H.conj().transpose(0, 2, 1)
     per_frequency = noise.SpectralMatrix(spread, np.arange(len(spread)))
     middle, _ = form.equations(sensitivity, residuals, per_frequency.between(W))

@@ -58,7 +58,10 @@ class SpectralMatrix:
         return self.blocks if self.blocks.shape[0] == 1 else self.blocks[self.block]
 
     def between(self, weights: SpectralMatrix) -> SpectralMatrix:
-        """Compute W S W, for weights whose blocks are unions of blocks of this density S."""
+        """Compute W S W, for blocks of the weights that are unions or parts of those of S."""
+        if weights.blocks.shape[0] > self.blocks.shape[0]:
+            each = np.arange(self.block.size)
+            return SpectralMatrix(self.blocks[self.block], each).between(weights)
         first = np.searchsorted(self.block, np.arange(self.blocks.shape[0]))
         W, S = weights.blocks[weights.block[first]], self.blocks
         both = W[:, :, None] * S * W[:, None, :] if weights.is_diagonal else W @ S @ W

@@ -16,7 +16,7 @@ from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.noise import SEGMENT, SpectralMatrix
 
-_NEIGHBOURS = 3  # segments on either side of the one whose noise is estimated
+_NEIGHBOURS = 3  # segments on either side, by default
 _PER_OUTPUT = 3  # frequencies per output in a band of independent noise; fewer: no estimate
 _WIDEST = 100  # frequencies in a band of independent noise, where there are as many
 _SMALLEST = 1e-140  # whose square is a number
@@ -37,9 +37,16 @@ class NoiseSpectrum:
 
 
 def estimate_noise_spectrum(
-    residuals: Complex[np.ndarray, "n_omega n_y"],
+    residuals: Complex[np.ndarray, "n_omega n_y"], neighbours: int = _NEIGHBOURS
 ) -> NoiseSpectrum | None:
     """Estimate the spectral matrix of residuals in order of frequency; None with too few.
+
+    Parameters
+    ----------
+    residuals
+        By frequency, of independent noise.
+    neighbours
+        Segments on either side of the one whose noise is estimated.
 
     Notes
     -----
@@ -56,7 +63,7 @@ def estimate_noise_spectrum(
     Source: spiked covariance model, Donoho, Gavish and Johnstone, Ann. Statist. 46 (2018).
     """
     n, n_y = residuals.shape
-    width = 2 * _NEIGHBOURS + 1
+    width = 2 * neighbours + 1
     if n < max(_PER_OUTPUT * n_y, width * SEGMENT):
         return None
     scale = np.sqrt(_estimate_independent_noise(residuals))
@@ -66,7 +73,7 @@ def estimate_noise_spectrum(
     blocks = np.empty((n_segments, n_y, n_y), dtype=complex)
     n_directions = 0
     for k in range(n_segments):
-        first = int(np.clip(k - _NEIGHBOURS, 0, n_segments - width)) * SEGMENT
+        first = int(np.clip(k - neighbours, 0, n_segments - width)) * SEGMENT
         near = np.r_[first : min(first + width * SEGMENT, n)]
         window = x[near[segment[near] != k]]
         values, vectors = np.linalg.eigh(window.T @ window.conj() / len(window))

@@ -51,3 +51,13 @@ def compute_step_size(N: np.ndarray, delta: np.ndarray) -> float:
 def is_gradient_small(N: np.ndarray, g: np.ndarray) -> bool:
     """Whether every single parameter would move by less than ``_SMALL_GRADIENT``."""
     return bool(np.max(np.abs(g) / np.sqrt(np.maximum(np.diag(N), 1e-300))) < _SMALL_GRADIENT)
+
+
+def compute_bounds(N: Float[np.ndarray, "n_theta n_theta"]) -> np.ndarray | None:
+    """Compute the Cramer-Rao standard errors; None for a matrix that is not positive."""
+    size = 1.0 / np.sqrt(np.diag(N))
+    factor, info = lapack.dpotrf(N * np.outer(size, size), lower=False)
+    if info != 0:
+        return None
+    inverse = lapack.dpotri(factor, lower=False)[0]
+    return size * np.sqrt(0.5 * np.diag(inverse))

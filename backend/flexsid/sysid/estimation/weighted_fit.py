@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import lapack
 
 from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance
 from flexsid.sysid.estimation.estimate import Estimate, NoiseEstimate, Outcome
@@ -27,6 +26,7 @@ from flexsid.sysid.estimation.likelihood import (
 from flexsid.sysid.estimation.noise import SpectralMatrix
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.steps import compute_bounds
 
 _COVERED = 0.9  # share of the source's frequencies between the outermost ones that have a
 # response; less: inputs are omitted
@@ -46,9 +46,11 @@ class _Weighted:
     source: FrequencyDomainModel
 
     def estimate_noise(
-        self, theta: Float[np.ndarray, " n_theta"]
+        self, theta: Float[np.ndarray, " n_theta"], known: NoiseSpectrum | None
     ) -> tuple[NoiseSpectrum, SpectralMatrix] | None:
         """Estimate the noise spectrum at the parameters, and the weights of the data points.
+
+        A known noise spectrum of the source is not estimated.
 
         Notes
         -----
@@ -59,7 +61,10 @@ class _Weighted:
         is_common = (source.omega >= own.omega.min()) & (source.omega <= own.omega.max())
         if own.omega.size < _COVERED * np.count_nonzero(is_common):
             return None  # inputs outside the model move the outputs of the source
-        found = estimate_noise_spectrum(source.measured - self.source.respond(theta).outputs)
+        found = known
+        if found is None:
+            residuals = source.measured - self.source.respond(theta).outputs
+            found = estimate_noise_spectrum(residuals)
         if found is None:
             return None
         weights = found.density.inverse()
@@ -80,6 +85,7 @@ def weight_by_noise_spectrum(
     report: Callable[[int], None] = lambda iteration: None,
     max_rounds: int = ROUNDS,
     start: Float[np.ndarray, " n_theta"] | None = None,
+    known: Sequence[NoiseSpectrum] | None = None,
 ) -> Estimate:
     """Estimate again with weights from the noise spectrum of each maneuver.
 
@@ -93,6 +99,9 @@ def weight_by_noise_spectrum(
         Largest number of noise spectra in sequence.
     start
         Where to start; by default at the estimate.
+    known
+        Noise spectrum of each maneuver, or of the data points from which its own were computed;
+        by default estimated from the residuals.
 
     Returns
     -------
@@ -109,7 +118,8 @@ def weight_by_noise_spectrum(
     W is independent of nu at the same frequency, so that the solution is consistent for any
     W. Covariance: the sandwich of ``covariance`` with the residuals of each segment, on which
     its weights do not depend. Feedback correlates the measured inputs with turbulence; the
-    weights remove most of it, but near flutter a bias of some standard errors remains.
+    weights remove most of it, but near flutter a bias of some standard errors remains, unless
+    the inputs are those of ``feedback_noise``.
     """
     used = describe_common_noise(experiments, settings)
     fallback = replace(estimate, noise=used)
@@ -124,7 +134,8 @@ def weight_by_noise_spectrum(
     for number in range(1, max_rounds + 1):
         report(number)
         try:
-            noises = [one.estimate_noise(theta) for one in maneuvers]
+            pairs = zip(maneuvers, known or [None] * len(maneuvers), strict=True)
+            noises = [one.estimate_noise(theta, spectrum) for one, spectrum in pairs]
         except np.linalg.LinAlgError:  # a step to parameters without a finite response
             return failed
         if any(found is None for found in noises):
@@ -135,7 +146,7 @@ def weight_by_noise_spectrum(
         for _ in range(_STEPS):
             N, g = _expand(maneuvers, weights, theta, mean, prior)
             step = _solve(N, g)
-            bounds = None if step is None else _compute_bounds(N)
+            bounds = None if step is None else compute_bounds(N)
             if step is None or bounds is None or not np.isfinite(step).all():
                 return failed
             theta = theta + step
@@ -229,16 +240,6 @@ def _compute_weighted_power(final: FinalSpectra) -> float:
     """Compute sum nu^H W nu."""
     weighted = final.weights.times(final.residuals[:, :, None])[:, :, 0]
     return float(np.real(np.vdot(final.residuals, weighted)))
-
-
-def _compute_bounds(N: Float[np.ndarray, "n_theta n_theta"]) -> np.ndarray | None:
-    """Compute the Cramer-Rao standard errors; None for a matrix that is not positive."""
-    size = 1.0 / np.sqrt(np.diag(N))
-    factor, info = lapack.dpotrf(N * np.outer(size, size), lower=False)
-    if info != 0:
-        return None
-    inverse = lapack.dpotri(factor, lower=False)[0]
-    return size * np.sqrt(0.5 * np.diag(inverse))
 
 
 def _build(

@@ -51,7 +51,7 @@ def fit_equation_error(
                     spectra.inputs,
                     parameters,
                     input_noise=spectra.input_noise,
-                    commands=_assign_commands(spectra),
+                    commands=assign_commands(spectra),
                 )
             )
         fused = fuse_estimates(estimates, labels)
@@ -80,7 +80,7 @@ def fit_equation_error(
     return EquationErrorFit(fused, (), tuple(warnings))
 
 
-def _assign_commands(spectra: MeasuredSpectra) -> AssignedCommands | None:
+def assign_commands(spectra: MeasuredSpectra) -> AssignedCommands | None:
     """Return the command of every harmonic; None where some are not recorded."""
     excited = spectra.excited
     if excited.commands is None or (excited.assigned_input < 0).any():

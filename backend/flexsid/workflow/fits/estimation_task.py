@@ -72,6 +72,7 @@ class EstimationTask:
     out-of-band modes from ``predicted``. ``nuisance`` is the prior of the derivatives of the
     retained modes, which follow those of the model structure in every model. ``modal_std`` are
     the standard deviations of derivatives due to the modal table, which the data do not reduce.
+    ``corrected`` are the data of the maneuvers in place of those of their transforms, if any.
     """
 
     method: Method
@@ -89,6 +90,7 @@ class EstimationTask:
     provenance: Provenance
     modal_std: dict[str, float]
     nuisance: NuisancePrior | None = None
+    corrected: tuple[ManeuverData, ...] = ()
 
     @property
     def retained(self) -> tuple[int, ...]:
@@ -126,7 +128,7 @@ class EstimationTask:
     @cached_property
     def maneuvers(self) -> tuple[ManeuverData, ...]:
         """Data of all maneuvers; transformed at the first access, in the worker."""
-        return tuple(one.transform() for one in self.maneuver_tasks)
+        return self.corrected or tuple(one.transform() for one in self.maneuver_tasks)
 
     @property
     def extras(self) -> tuple[str, ...]:

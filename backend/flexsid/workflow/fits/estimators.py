@@ -35,6 +35,7 @@ from flexsid.workflow.fits.estimation_task import (
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.fits.feedback_correction import CorrectedFit, fit_without_feedback_noise
 from flexsid.workflow.fits.likelihood_fit import (
     PROGRESS_BEFORE_WEIGHTING,
     build_experiments,
@@ -51,6 +52,7 @@ from flexsid.workflow.fits.nuisance_parameters import (
 from flexsid.workflow.fits.run_warnings import (
     warn_of_interpolation,
 )
+from flexsid.workflow.fits.starting_values import collect_starting_points
 
 _INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
 _MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
@@ -178,9 +180,29 @@ def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
 
 def fit_likelihood(task: EstimationTask, report: Report) -> EstimatorFit:
     """Estimate by output error or frequency-response error."""
+    candidates = collect_starting_points(task, report)
+    fit = fit_without_feedback_noise(task, candidates, report)
+    if fit is not None:
+        return _complete_corrected_fit(fit)
     experiments = build_experiments(task)
-    parameters, start, estimate = maximize_from_starts(task, experiments, report)
+    parameters, start, estimate = maximize_from_starts(
+        task, experiments, report, candidates=candidates
+    )
     return complete_likelihood_fit(task, experiments, parameters, estimate, start, report)
+
+
+def _complete_corrected_fit(fit: CorrectedFit) -> EstimatorFit:
+    task, parameters, estimate, spread = fit.task, fit.parameters, fit.estimate, fit.spread
+    warnings = _list_method_warnings(task, fit.experiments, parameters, estimate, spread)
+    adequacy, symmetry = assess_model_adequacy(
+        task, fit.experiments, parameters, estimate, spread
+    )
+    if estimate.noise is not None and not estimate.noise.converged:
+        reason = _BIASED.format(change="did not converge", **_TURBULENCE)
+        warnings = (*warnings, reason)
+        if adequacy.state is not AdequacyState.SUSPECT:
+            adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
+    return EstimatorFit(parameters, estimate, spread, fit.start, warnings, adequacy, symmetry)
 
 
 def complete_likelihood_fit(
@@ -204,18 +226,7 @@ def complete_likelihood_fit(
     corrected, estimate = refit_with_leakage_correction(
         task, experiments, parameters, estimate, report, spread
     )
-    warnings = ()
-    if task.method is Method.OE:
-        priors = task.list_priors(spread)
-        warnings = tuple(_warn_of_input_noise(task, corrected, parameters, estimate, priors))
-    elif task.method is Method.FRE:
-        measured = task.maneuvers[0].measured
-        warnings = warn_of_interpolation(
-            compute_interpolation_bias(task, corrected, parameters, estimate.values),
-            compute_poles(task, parameters, estimate),
-            measured.omega,
-            measured.assigned_input,
-        )
+    warnings = _list_method_warnings(task, corrected, parameters, estimate, spread)
     settings = build_fit_settings(task, spread)
     n_iterations = estimate.steps[-1].iteration
 
@@ -249,6 +260,28 @@ def complete_likelihood_fit(
         if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
     return EstimatorFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
+
+
+def _list_method_warnings(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    spread: float,
+) -> tuple[str, ...]:
+    """List the warnings of output error or frequency-response error alone."""
+    if task.method is Method.OE:
+        priors = task.list_priors(spread)
+        return tuple(_warn_of_input_noise(task, experiments, parameters, estimate, priors))
+    if task.method is not Method.FRE:
+        return ()
+    measured = task.maneuvers[0].measured
+    return warn_of_interpolation(
+        compute_interpolation_bias(task, experiments, parameters, estimate.values),
+        compute_poles(task, parameters, estimate),
+        measured.omega,
+        measured.assigned_input,
+    )
 
 
 def _warn_of_input_noise(

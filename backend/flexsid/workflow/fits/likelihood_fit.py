@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -124,12 +125,15 @@ def maximize_from_starts(
     experiments: list[Experiment],
     report: Report,
     n_perturbed: int = _PERTURBED_STARTS,
+    candidates: Mapping[str, Parameters] | None = None,
 ) -> tuple[Parameters, str, Estimate]:
     """Maximise the likelihood from every start and return the best optimum.
 
-    At most ``n_perturbed`` perturbed starts follow where no start converged.
+    At most ``n_perturbed`` perturbed starts follow where no start converged. ``candidates`` are
+    the start parameters by name, by default those of the task.
     """
-    candidates = collect_starting_points(task, report)
+    if candidates is None:
+        candidates = collect_starting_points(task, report)
     settings = build_fit_settings(task)
     limit = settings.max_iterations
 

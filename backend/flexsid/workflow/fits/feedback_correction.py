@@ -1,0 +1,163 @@
+"""Fit of output error or frequency-response error without the noise that feedback correlates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexsid.records.run import Method, Progress
+from flexsid.sysid.estimation.estimate import Estimate, Outcome, count_iterations
+from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.feedback_noise import (
+    CorrectedInputs,
+    has_input_noise,
+    remove_feedback_noise,
+)
+from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
+from flexsid.sysid.signals import FrequencyData
+from flexsid.workflow.fits.equation_error_fit import assign_commands
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, Report
+from flexsid.workflow.fits.likelihood_fit import build_experiments, build_fit_settings
+from flexsid.workflow.fits.nuisance_parameters import refit_until_consistent
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectedFit:
+    """A fit to corrected data: the task with these data, and its estimate."""
+
+    task: EstimationTask
+    experiments: list[Experiment]
+    parameters: Parameters
+    estimate: Estimate
+    spread: float
+    start: str
+
+
+def fit_without_feedback_noise(
+    task: EstimationTask, candidates: Mapping[str, Parameters], report: Report
+) -> CorrectedFit | None:
+    """Fit with the inputs without their noise that feedback correlates with the outputs.
+
+    Parameters
+    ----------
+    task
+        Output error or frequency-response error.
+    candidates
+        Start parameters by name; the first with which errors in variables converge is used.
+
+    Returns
+    -------
+    CorrectedFit or None
+        None where commands are not recorded, the noise of the inputs is too small for an effect,
+        or no fit converges.
+
+    Notes
+    -----
+    Errors in variables give inputs, outputs and the noise spectrum at its optimum, which is the
+    estimate of output error. Frequency responses are computed from the corrected spectra and
+    fitted from the same optimum, with weights from the spectrum of their own residuals.
+    """
+    maneuvers = task.maneuvers
+    commands = [assign_commands(data.measured) for data in maneuvers]
+    known = [own for own in commands if own is not None]
+    is_fine = any(data.measured.resolution_overlap > 1.0 for data in maneuvers)
+    if len(known) < len(commands) or is_fine:
+        return None
+    experiments = build_experiments(task, Method.OE)
+    pairs = zip(experiments, known, strict=True)
+    if not any(has_input_noise(one.inputs, own) for one, own in pairs):
+        return None
+
+    def remove(parameters: Parameters, spread: float) -> CorrectedInputs | None:
+        def report_iteration(number: int) -> None:
+            report(Progress(message=f"Errors in variables, iteration {number}"))
+
+        settings = build_fit_settings(task, spread)
+        return remove_feedback_noise(experiments, known, parameters, settings, report_iteration)
+
+    for start, parameters in candidates.items():
+        found = remove(parameters, PRIOR_SPREAD)
+        if found is not None:
+            break
+    else:
+        return None
+    if not found.is_significant:
+        return None
+
+    def refit(estimate: Estimate, spread: float) -> Estimate:
+        nonlocal found
+        again = remove(replace(parameters, start=estimate.values), spread)
+        if again is None:
+            return estimate
+        found = again
+        return _fit_corrected(task, found, parameters, spread).estimate
+
+    estimate = _fit_corrected(task, found, parameters, PRIOR_SPREAD).estimate
+    spread, _ = refit_until_consistent(task, estimate, refit)
+    fit = _fit_corrected(task, found, parameters, spread)
+    return replace(fit, start=start)
+
+
+def _fit_corrected(
+    task: EstimationTask, found: CorrectedInputs, parameters: Parameters, spread: float
+) -> CorrectedFit:
+    """Fit the corrected data with weights from their noise spectrum."""
+    pairs = zip(task.maneuvers, found.experiments, strict=True)
+    task = replace(task, corrected=tuple(_correct(*each) for each in pairs))
+    experiments = build_experiments(task)
+    settings = build_fit_settings(task, spread)
+    at_optimum = replace(parameters, start=found.theta)
+    base = maximize(experiments, at_optimum, replace(settings, max_iterations=0))
+    base = replace(
+        base,
+        start=parameters.start,
+        steps=found.steps,
+        outcome=Outcome.CONVERGED,
+        message=f"Converged in {count_iterations(found.steps[-1].iteration)}.",
+        nuisance=frozenset(task.nuisance_names),
+    )
+    known = found.noise if task.method is Method.OE else None
+    estimate = weight_by_noise_spectrum(experiments, parameters, base, settings, known=known)
+    if estimate.noise is not None:
+        description = f"{estimate.noise.description}; {_describe_correction(task, found)}"
+        noise = replace(estimate.noise, description=description)
+        estimate = replace(estimate, noise=noise)
+    return CorrectedFit(task, experiments, parameters, estimate, spread, "")
+
+
+def _describe_correction(task: EstimationTask, found: CorrectedInputs) -> str:
+    maneuver, number = np.unravel_index(int(found.share.argmax()), found.share.shape)
+    name = task.maneuvers[int(maneuver)].model.inputs[int(number)]
+    return (
+        "inputs without the noise that feedback correlates with the outputs, up to "
+        f"{found.share.max():.0%} of the rms of {name} (errors in variables)"
+    )
+
+
+def _correct(data: ManeuverData, experiment: Experiment) -> ManeuverData:
+    """Replace the spectra of a maneuver by the corrected ones."""
+    spectra, model = data.measured, experiment.model
+    inputs = FrequencyData(spectra.omega, experiment.inputs, model.inputs)
+    outputs = FrequencyData(spectra.omega, experiment.measured, model.outputs)
+    excited = spectra.excited
+    measured = replace(
+        spectra,
+        inputs=_replace_values(spectra.inputs, inputs),
+        outputs=_replace_values(spectra.outputs, outputs),
+        excited=replace(excited, inputs=_replace_values(excited.inputs, inputs)),
+    )
+    return replace(data, measured=measured)
+
+
+def _replace_values(data: FrequencyData, new: FrequencyData) -> FrequencyData:
+    """Replace the values of the signals that are in both."""
+    values = data.values.copy()
+    for number, name in enumerate(data.names):
+        if name in new.names:
+            values[:, number] = new.values[:, new.names.index(name)]
+    return FrequencyData(data.omega, values, data.names)
