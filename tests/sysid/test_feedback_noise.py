@@ -1,4 +1,4 @@
-"""A user relies on: no bias of a flight in turbulence whose controller moves the surfaces with it."""
+"""A user relies on: no bias where the controller moves the surfaces with turbulence."""
 
 from __future__ import annotations
 
@@ -136,9 +136,7 @@ def test_without_feedback_there_is_nothing_to_remove(make_case):
     flight = Flight(make_case(1), gust=0.03, gain=0.0)
     record = flight.record(0)
     assert not has_input_noise(record.inputs, flight.commands)
-    found = remove_feedback_noise(
-        [record], [flight.commands], flight.case.free(), FitSettings()
-    )
+    found = remove_feedback_noise([record], [flight.commands], flight.case.free(), FitSettings())
     assert found is not None
     assert not found.is_significant
 

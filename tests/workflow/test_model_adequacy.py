@@ -86,9 +86,7 @@ def fit_near_flutter_in_turbulence(store: Store, method: Method, *, with_command
 
 
 @pytest.mark.parametrize("method", [Method.OE, Method.FRE])
-def test_recorded_commands_remove_the_bias_of_turbulence_near_flutter(
-    store: Store, method: Method
-):
+def test_recorded_commands_remove_the_bias_of_turbulence_near_flutter(store: Store, method: Method):
     """Feedback correlates the surfaces with the turbulence, but not the commands."""
     found, deviation = fit_near_flutter_in_turbulence(store, method, with_commands=True)
     assert found.adequacy.state is AdequacyState.CONSISTENT

@@ -124,9 +124,7 @@ def estimate_joint_noise(
     return replace(found, density=density)
 
 
-def has_input_noise(
-    inputs: Complex[np.ndarray, "n_omega n_u"], commands: AssignedCommands
-) -> bool:
+def has_input_noise(inputs: Complex[np.ndarray, "n_omega n_u"], commands: AssignedCommands) -> bool:
     """Whether an input deviates from a smooth response to the commands by ``_LEAST_SHARE``."""
     power = np.zeros(inputs.shape[1])
     for index in np.unique(commands.assigned_input):
@@ -172,13 +170,13 @@ def remove_feedback_noise(
     -----
     With the joint noise spectrum S of outputs Z and inputs U, the residual e = Z - G U has the
     covariance C = [I -G] S [I -G]^H at theta. The cost sum e^H C^-1 e is that of errors in
-    variables, the true inputs concentrated out; they are u = U - S_Ue C^-1 e with
-    S_Ue = [0 I] S [I -G]^H. Its gradient is -2 Re sum (G' u)^H C^-1 e, its expected curvature
+    variables, the true inputs concentrated out; they are u = U - S_ue C^-1 e with
+    S_ue = [0 I] S [I -G]^H. Its gradient is -2 Re sum (G' u)^H C^-1 e, its expected curvature
     2 Re sum (G' u)^H C^-1 (G' u): those of output error with the inputs u. The expected cost of
     the noise is the same at every theta, so that the estimate is consistent, and finite where a
     pole of the model crosses the imaginary axis. The free motion from the state at the end of a
-    record, with turbulence a random one, is part of the noise. As u is uncorrelated with e, other estimators are
-    consistent with the inputs u and the outputs e + G u.
+    record, with turbulence a random one, is part of the noise. As u is uncorrelated with e, other
+    estimators are consistent with the inputs u and the outputs e + G u.
     Source: Pintelon and Schoukens, System Identification, 2nd ed., 2012, ch. 9 and 12.
     """
     maneuvers = []
@@ -306,7 +304,9 @@ def _fit(
     """
     mean, prior = build_prior(maneuvers[0].model.parameters, settings.priors)
 
-    def evaluate(theta: Float[np.ndarray, " n_theta"]) -> tuple[list[ErrorsInVariablesPoint], float]:
+    def evaluate(
+        theta: Float[np.ndarray, " n_theta"],
+    ) -> tuple[list[ErrorsInVariablesPoint], float]:
         try:
             points = [one.evaluate(theta) for one in maneuvers]
         except np.linalg.LinAlgError:  # no finite response

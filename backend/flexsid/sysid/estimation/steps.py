@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Float
 from scipy.linalg import lapack
 
 _CAPS = (0.97, 0.8, 0.5)  # on the share of the curvature removed by concentrating the noise

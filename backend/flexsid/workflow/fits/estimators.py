@@ -194,9 +194,7 @@ def fit_likelihood(task: EstimationTask, report: Report) -> EstimatorFit:
 def _complete_corrected_fit(fit: CorrectedFit) -> EstimatorFit:
     task, parameters, estimate, spread = fit.task, fit.parameters, fit.estimate, fit.spread
     warnings = _list_method_warnings(task, fit.experiments, parameters, estimate, spread)
-    adequacy, symmetry = assess_model_adequacy(
-        task, fit.experiments, parameters, estimate, spread
-    )
+    adequacy, symmetry = assess_model_adequacy(task, fit.experiments, parameters, estimate, spread)
     if estimate.noise is not None and not estimate.noise.converged:
         reason = _BIASED.format(change="did not converge", **_TURBULENCE)
         warnings = (*warnings, reason)

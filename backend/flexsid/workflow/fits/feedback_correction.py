@@ -80,13 +80,11 @@ def fit_without_feedback_noise(
         settings = build_fit_settings(task, spread)
         return remove_feedback_noise(experiments, known, parameters, settings, report_iteration)
 
-    for start, parameters in candidates.items():
-        found = remove(parameters, PRIOR_SPREAD)
-        if found is not None:
-            break
-    else:
-        return None
-    if not found.is_significant:
+    tried = ((name, one, remove(one, PRIOR_SPREAD)) for name, one in candidates.items())
+    start, parameters, found = next(
+        (each for each in tried if each[2] is not None), ("", None, None)
+    )
+    if parameters is None or found is None or not found.is_significant:
         return None
 
     def refit(estimate: Estimate, spread: float) -> Estimate:
