@@ -48,6 +48,7 @@ def sample_posterior(
     theta: Float[np.ndarray, " n_theta"],
     priors: Mapping[str, tuple[float, float]] | None = None,
     *,
+    densities: Sequence[noise.SpectralMatrix] | None = None,
     n_samples: int = 200,
     seed: int = 0,
     report: Callable[[float], None] = lambda fraction: None,
@@ -62,6 +63,8 @@ def sample_posterior(
         Estimate.
     priors
         Mean and standard deviation by parameter, of the fit.
+    densities
+        Spectral matrix of the noise of each experiment; by default from its residuals.
     n_samples
         Of each of four chains.
     seed
@@ -77,7 +80,8 @@ def sample_posterior(
     Notes
     -----
     The negative log posterior is sum nu^H W nu + sum (theta - mean)^2 / (2 sigma^2) with
-    W = 1/S, S the variance of every output from residuals at neighbouring frequencies. Its
+    W = S^-1; without ``densities`` S is the variance of every output from residuals at neighbouring
+    frequencies. Its
     quadratic approximation has the covariance (2 N)^-1, N the Gauss-Newton normal matrix; in
     coordinates in which this is the unit matrix the sampler has the exact gradient.
     """
@@ -96,14 +100,17 @@ def sample_posterior(
             nu = model.experiment.measured - response.outputs
             if not np.isfinite(nu).all():
                 return np.inf, g, N
-            energy += float(np.sum(W.expand_blocks() * np.abs(nu) ** 2))
+            energy += float(np.real(np.vdot(nu, W.times(nu[:, :, None]))))
             sensitivity = model.sensitivity(at, response)
             g = g + form.gradient(sensitivity, nu, W)
             if with_matrix:
                 N = N + form.matrix(sensitivity, W)
         return energy, g, N
 
-    weights = _estimate_weights(models, theta, prior)
+    if densities is None:
+        weights = _estimate_weights(models, theta, prior)
+    else:
+        weights = [density.inverse() for density in densities]
     optimum, T = _find_optimum(lambda at: expand(at, weights, with_matrix=True), theta)
 
     def potential(x: np.ndarray) -> tuple[float, np.ndarray]:

@@ -42,6 +42,7 @@ from flexsid.workflow.fits.likelihood_fit import (
     build_fit_settings,
     compute_interpolation_bias,
     maximize_from_starts,
+    refit_with_interpolation_correction,
     refit_with_leakage_correction,
     refit_with_spread,
 )
@@ -221,9 +222,10 @@ def complete_likelihood_fit(
         return refit_with_spread(task, experiments, parameters, estimate, spread, report)
 
     spread, estimate = refit_until_consistent(task, estimate, refit)
-    corrected, estimate = refit_with_leakage_correction(
-        task, experiments, parameters, estimate, report, spread
-    )
+    correct = refit_with_leakage_correction
+    if task.method is Method.FRE:
+        correct = refit_with_interpolation_correction
+    corrected, estimate = correct(task, experiments, parameters, estimate, report, spread)
     warnings = _list_method_warnings(task, corrected, parameters, estimate, spread)
     settings = build_fit_settings(task, spread)
     n_iterations = estimate.steps[-1].iteration

@@ -16,22 +16,28 @@ from flexsid.sysid.estimation.feedback_noise import (
     remove_feedback_noise,
 )
 from flexsid.sysid.estimation.likelihood import maximize
+from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import assign_commands
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, Report
-from flexsid.workflow.fits.likelihood_fit import build_experiments, build_fit_settings
+from flexsid.workflow.fits.likelihood_fit import (
+    build_experiments,
+    build_fit_settings,
+    correct_interpolation,
+)
 from flexsid.workflow.fits.nuisance_parameters import refit_until_consistent
 
 
 @dataclass(frozen=True, slots=True)
 class CorrectedFit:
-    """A fit to corrected data: the task with these data, and its estimate."""
+    """A fit to corrected data: the task with these data, their noise, and the estimate."""
 
     task: EstimationTask
     experiments: list[Experiment]
+    noise: tuple[NoiseSpectrum, ...]
     parameters: Parameters
     estimate: Estimate
     spread: float
@@ -108,6 +114,8 @@ def _fit_corrected(
     pairs = zip(task.maneuvers, found.experiments, strict=True)
     task = replace(task, corrected=tuple(_correct(*each) for each in pairs))
     experiments = build_experiments(task)
+    if task.method is Method.FRE:
+        experiments = correct_interpolation(task, experiments, parameters, found.theta)
     settings = build_fit_settings(task, spread)
     at_optimum = replace(parameters, start=found.theta)
     base = maximize(experiments, at_optimum, replace(settings, max_iterations=0))
@@ -125,7 +133,7 @@ def _fit_corrected(
         description = f"{estimate.noise.description}; {_describe_correction(task, found)}"
         noise = replace(estimate.noise, description=description)
         estimate = replace(estimate, noise=noise)
-    return CorrectedFit(task, experiments, parameters, estimate, spread, "")
+    return CorrectedFit(task, experiments, found.noise, parameters, estimate, spread, "")
 
 
 def _describe_correction(task: EstimationTask, found: CorrectedInputs) -> str:

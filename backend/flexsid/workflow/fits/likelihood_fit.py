@@ -32,6 +32,8 @@ _PROGRESS_BEFORE_LEAKAGE = 0.95  # progress when the leakage correction and weig
 PROGRESS_BEFORE_WEIGHTING = 0.97
 """Progress when the fit weighted with the noise spectrum and the tests of the model remain."""
 
+_INTERPOLATION_ROUNDS = 4  # corrections of frequency responses in sequence
+_SMALL_BIAS = 0.1  # of a frequency response by interpolation, in standard deviations
 _PERTURBED_STARTS = 3
 _PERTURBATION = 0.3  # of a start value, relative to it
 _SAME_COST = 1e-3  # optima whose costs differ by less are the same
@@ -81,33 +83,65 @@ def compute_interpolation_bias(
     parameters: Parameters,
     theta: np.ndarray,
 ) -> float:
-    """Compute the bias of frequency responses by interpolation between harmonics of one input.
+    """Compute the bias of frequency responses by interpolation that remains in the data.
 
     Returns
     -------
     float
         Largest of any output and input: rms over its harmonics, in standard deviations of the
         response.
+    """
+    largest = 0.0
+    as_measured = build_experiments(task)
+    errors = _compute_interpolation_errors(task, as_measured, parameters, theta)
+    for data, one, raw, error in zip(task.maneuvers, experiments, as_measured, errors, strict=True):
+        left = one.measured - raw.measured + error
+        for number, measured in enumerate(data.measured.responses().values()):
+            if measured.std is not None and measured.omega.size:
+                relative = np.abs(left[one.group == number])
+                relative /= np.maximum(measured.std[..., 0], 1e-300)
+                largest = max(largest, float(np.sqrt(np.mean(relative**2, axis=0)).max()))
+    return largest
+
+
+def _compute_interpolation_errors(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    theta: np.ndarray,
+) -> list[np.ndarray]:
+    """Compute the errors of frequency responses by interpolation between harmonics of one input.
 
     Notes
     -----
     The modelled outputs of the recorded inputs pass through the estimation of responses as the
     measured ones do; what is estimated is compared with the modelled responses.
     """
-    largest = 0.0
+    errors = []
     for data, experiment in zip(task.maneuvers, experiments, strict=True):
-        if experiment.source is None:
-            continue
-        spectra = data.measured
-        outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
-        found = spectra.responses(FrequencyData(spectra.omega, outputs, spectra.outputs.names))
-        modelled = FrequencyDomainModel(experiment, parameters).respond(theta).outputs
-        for number, (name, measured) in enumerate(spectra.responses().items()):
-            if measured.std is not None and measured.omega.size:
-                bias = found[name].values[..., 0] - modelled[experiment.group == number]
-                relative = np.abs(bias) / np.maximum(measured.std[..., 0], 1e-300)
-                largest = max(largest, float(np.sqrt(np.mean(relative**2, axis=0)).max()))
-    return largest
+        error = np.zeros_like(experiment.measured)
+        if experiment.source is not None:
+            spectra = data.measured
+            outputs = FrequencyDomainModel(experiment.source, parameters).respond(theta).outputs
+            found = spectra.responses(FrequencyData(spectra.omega, outputs, spectra.outputs.names))
+            estimated = np.concatenate([one.values[..., 0] for one in found.values()])
+            error = estimated - FrequencyDomainModel(experiment, parameters).respond(theta).outputs
+        errors.append(error)
+    return errors
+
+
+def correct_interpolation(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    theta: np.ndarray,
+) -> list[Experiment]:
+    """Subtract the errors by interpolation that a model has from measured frequency responses."""
+    errors = _compute_interpolation_errors(task, experiments, parameters, theta)
+    return [
+        replace(one, measured=one.measured - error)
+        for one, error in zip(experiments, errors, strict=True)
+    ]
 
 
 def build_fit_settings(task: EstimationTask, spread: float = PRIOR_SPREAD) -> FitSettings:
@@ -255,3 +289,38 @@ def refit_with_leakage_correction(
     if again.outcome is Outcome.CANCELLED:
         raise Cancelled(again.message)
     return corrected, replace(again, nuisance=estimate.nuisance)
+
+
+def refit_with_interpolation_correction(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    report: Report,
+    spread: float,
+) -> tuple[list[Experiment], Estimate]:
+    """Subtract the errors by interpolation and fit again, until both converge.
+
+    Parameters
+    ----------
+    experiments
+        Frequency-response error.
+    estimate
+        A finished fit; data and fit are unchanged where it is no optimum, where the bias is
+        small, and where a further fit does not converge.
+
+    Raises
+    ------
+    Cancelled
+        If ``report`` cancels the run.
+    """
+    corrected, found = experiments, estimate
+    for _ in range(_INTERPOLATION_ROUNDS):
+        if not found.outcome.is_optimum:
+            return experiments, estimate
+        bias = compute_interpolation_bias(task, corrected, parameters, found.values)
+        if not bias > _SMALL_BIAS:
+            break
+        corrected = correct_interpolation(task, experiments, parameters, found.values)
+        found = refit_with_spread(task, corrected, parameters, found, spread, report)
+    return corrected, found

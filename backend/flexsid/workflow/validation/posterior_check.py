@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -26,6 +26,7 @@ from flexsid.workflow.fits.estimation_task import (
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.fits.feedback_correction import fit_without_feedback_noise
 from flexsid.workflow.fits.likelihood_fit import build_experiments
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.identified_models import collect_values, read_covariance
@@ -111,11 +112,19 @@ def check_posterior(
         report(Progress(fraction=_SAMPLED * fraction, message="Sampling the posterior"))
 
     report_samples(0.0)
+    corrected = fit_without_feedback_noise(task, {"": replace(parameters, start=theta)}, report)
+    if corrected is None:
+        experiments = [remove_leakage(one, parameters, theta) for one in build_experiments(task)]
+        densities = None
+    else:
+        experiments = corrected.experiments
+        densities = [one.density for one in corrected.noise]
     found = sample_posterior(
-        [remove_leakage(one, parameters, theta) for one in build_experiments(task)],
+        experiments,
         parameters,
         theta,
         task.list_priors(spread),
+        densities=densities,
         n_samples=_SAMPLES,
         report=report_samples,
     )

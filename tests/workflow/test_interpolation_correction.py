@@ -1,0 +1,56 @@
+"""A user relies on: no bias of frequency-response error by interpolation at a resonance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.workflow.fits.estimation_task import get_first_start, select_free_parameters
+from flexsid.workflow.fits.likelihood_fit import (
+    build_experiments,
+    compute_interpolation_bias,
+    correct_interpolation,
+)
+from flexsid.workflow.runs.estimation import compute_run, prepare
+
+
+def test_errors_by_interpolation_are_removed(store: Store):
+    """Near flutter the resonance is narrower than the spacing of the harmonics of one input."""
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(airspeed_ratio=0.95, seed=1, modes_in_truth=2, noise=False)
+    run = EstimationRun(
+        maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
+        method=Method.FRE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(),
+    )
+    task = prepare(store, run)
+    truth = flown.truth.named()
+    parameters = select_free_parameters(task, get_first_start(task), task.extras)
+    exact = np.array([truth[name] for name in parameters.names])
+    measured = build_experiments(task)
+    corrected = correct_interpolation(task, measured, parameters, exact)
+    before, after = (
+        np.mean(np.abs(one.measured - model.respond(exact).outputs) ** 2)
+        for (one,) in (measured, corrected)
+        for model in [FrequencyDomainModel(one, parameters)]
+    )
+    assert after < 0.01 * before
+    remaining = [
+        compute_interpolation_bias(task, data, parameters, exact) for data in (measured, corrected)
+    ]
+    assert remaining[0] > 0.1
+    assert remaining[1] < 1e-6
+
+    found = compute_run(task, lambda _: None)
+    assert not any("Interpolation" in warning for warning in found.warnings)
+    values = dict(zip(found.estimate.names, found.estimate.values, strict=True))
+    errors = [abs(values[name] / truth[name] - 1.0) for name in ("CZ_alpha", "Cm_alpha", "Cm_q")]
+    assert max(errors) < 0.02, errors
