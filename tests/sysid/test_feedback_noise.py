@@ -58,7 +58,7 @@ class Flight:
         model, n_y = self.case.model, self.level.size
         disturbed = self.gust * white(OMEGA.size, 1) * self.G
         noise = self.level * white(OMEGA.size, n_y)
-        # u = r - K (H u + disturbance + noise)
+        # u = r - K (H u + gust + noise)
         driven = self.excitation - (disturbed + noise) @ self.K.T
         u = np.matmul(self.loop, driven[:, :, None])[:, :, 0]
         z = np.matmul(self.H, u[:, :, None])[:, :, 0] + disturbed + noise

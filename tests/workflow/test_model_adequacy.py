@@ -69,9 +69,9 @@ def fit_near_flutter_in_turbulence(store: Store, method: Method, *, with_command
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
     flown = fly(airspeed_ratio=0.95, seed=104, modes_in_truth=2, turbulence=Turbulence("light"))
     if not with_commands:
-        kept = tuple(c for c in flown.channels if not c.name.endswith("_command"))
-        assert len(kept) < len(flown.channels)
-        flown = replace(flown, channels=kept)
+        left = tuple(c for c in flown.channels if not c.name.endswith("_command"))
+        assert len(left) < len(flown.channels)
+        flown = replace(flown, channels=left)
     run = EstimationRun(
         maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
         method=method,

@@ -33,7 +33,12 @@ _ADDED_NOISE = (100.0, 10.0, 1.0, 0.1, 0.0)
 variance of each signal. The first cost has one minimum, and each fit starts near its own: without
 the others three of eight fits in moderate turbulence at .95 V_f end in a wrong one."""
 
-_LEAST_SHARE = 0.02  # of the rms of an input that is noise by feedback; less has no effect
+_LEAST_SHARE = 0.08
+"""Noise by feedback over the rms of an input, below which the data are not corrected: .14 to .7 in
+light and moderate turbulence at .65 V_f and above; .01 in still air, and .05 at 1.2 V_f, where it
+is the motion at the end of the record. Smaller noise biases less than the standard errors, or the
+change by the weights of the noise spectrum reports it."""
+
 _LARGEST_RESIDUALS = 3.0
 """Power of the residuals over that of the noise up to which the model is taken as right: 1.0 to 1.9
 in 50 flights without and with turbulence, 3.3 and above in other minima."""
@@ -188,7 +193,7 @@ def remove_feedback_noise(
         model = FrequencyDomainModel(one, parameters)
         maneuvers.append(ErrorsInVariablesModel(model, NormalForm(model), noise))
     theta, count = parameters.start, 0
-    fit: _Fit | None = None
+    fit: _Optimum | None = None
     for added in _ADDED_NOISE:
 
         def report_step(step: int, begun: int = count) -> None:
@@ -282,7 +287,7 @@ class ErrorsInVariablesModel:
 
 
 @dataclass(frozen=True, slots=True)
-class _Fit:
+class _Optimum:
     """A fit that converged; the power of its residuals is in units of the noise."""
 
     theta: Float[np.ndarray, " n_theta"]
@@ -297,7 +302,7 @@ def _fit(
     settings: FitSettings,
     tolerance: float,
     report: Callable[[int], None],
-) -> _Fit | None:
+) -> _Optimum | None:
     """Minimise the cost by damped Gauss-Newton; None where that does not converge.
 
     The tolerance is of the largest step, in standard errors.
@@ -333,7 +338,7 @@ def _fit(
             n_data = sum(2 * point.residuals.size for point in points)
             power = 2.0 * sum(point.cost for point in points)
             power /= max(n_data - count_effective_parameters(N, prior), 1.0)
-            return _Fit(theta, points, power, steps)
+            return _Optimum(theta, points, power, steps)
         for _ in range(_MAX_TRIALS):
             step = size * np.linalg.solve(scaled + damping * np.eye(theta.size), right)
             tried, reached = evaluate(theta + step)
