@@ -132,6 +132,20 @@ def test_corrected_data_have_the_residuals_of_the_measured_ones(make_case):
     assert errors[1] < 0.2 * errors[0]
 
 
+def test_the_noise_of_unequally_spaced_harmonics_is_that_of_equally_spaced_ones():
+    """A response that is a straight line over frequency is no noise, whatever its harmonics."""
+    rng = np.random.default_rng(0)
+    omega = np.sort(rng.choice(np.arange(20, 700), 300, replace=False)) / 4.0
+    command = np.exp(2j * np.pi * rng.uniform(size=300))
+    commands = AssignedCommands(np.arange(300) % 3, command)
+    line = (1.0 + 0.5 * omega)[:, None] * np.array([1.0, -2.0j])
+    noise = rng.normal(size=(300, 4)) @ np.array([[1, 0], [1j, 0], [0, 3], [0, 3j]])
+    found = estimate_joint_noise(omega, line * command[:, None] + noise, commands)
+    assert found is not None
+    power = np.mean(np.real(np.einsum("bii->bi", found.density.blocks)), axis=0)
+    assert power == pytest.approx([2.0, 18.0], rel=0.2)
+
+
 def test_without_feedback_there_is_nothing_to_remove(make_case):
     flight = Flight(make_case(1), gust=0.03, gain=0.0)
     record = flight.record(0)

@@ -98,15 +98,12 @@ def estimate_joint_noise(
     Notes
     -----
     The noise at a harmonic is the deviation of its response to the command from a straight line
-    through five neighbouring harmonics of that command, scaled to unit gain for white noise. A
+    through five neighbouring harmonics of that command, of norm one for white noise. A
     response that is not straight over them, as at a sharp resonance, counts as noise, which costs
     precision. The spectral matrix is that of ``estimate_noise_spectrum``.
     Source: Pintelon and Schoukens, System Identification, 2nd ed., 2012, ch. 7 and 12.
     """
-    place = np.arange(_WINDOW) - _WINDOW // 2
-    hat = 1.0 / _WINDOW + place[_WINDOW // 2] * place / float(place @ place)
-    weights = (place == 0) - hat
-    weights = weights / np.linalg.norm(weights)
+    half = _WINDOW // 2
     places, samples = [], []
     for index in np.unique(commands.assigned_input):
         own = np.flatnonzero(commands.assigned_input == index)
@@ -115,9 +112,12 @@ def estimate_joint_noise(
             return None
         responses = values[own] / command[:, None]
         windows = np.lib.stride_tricks.sliding_window_view(responses, _WINDOW, axis=0)
-        middle = slice(_WINDOW // 2, own.size - _WINDOW // 2)
+        near = np.lib.stride_tricks.sliding_window_view(omega[own], _WINDOW)
+        weights = _compute_line_residuals(near - near.mean(axis=1, keepdims=True))
+        middle = slice(half, own.size - half)
         places.append(own[middle])
-        samples.append((windows @ weights) * command[middle, None])
+        residuals = np.matmul(windows, weights[:, :, None])[:, :, 0]
+        samples.append(residuals * command[middle, None])
     at = np.concatenate(places)
     order = np.argsort(at)
     found = estimate_noise_spectrum(np.concatenate(samples)[order], _NEIGHBOURS)
@@ -127,6 +127,16 @@ def estimate_joint_noise(
     nearest = np.searchsorted(0.5 * (known[1:] + known[:-1]), omega)
     density = SpectralMatrix(found.density.blocks, found.density.block[nearest])
     return replace(found, density=density)
+
+
+def _compute_line_residuals(
+    x: Float[np.ndarray, "n_windows n_window"],
+) -> Float[np.ndarray, "n_windows n_window"]:
+    """Compute the weights of windows in the residuals of their middles from lines; norm one."""
+    half = x.shape[1] // 2
+    slope = x[:, half, None] * x / np.sum(x**2, axis=1, keepdims=True)
+    weights = np.eye(x.shape[1])[half] - 1.0 / x.shape[1] - slope
+    return weights / np.linalg.norm(weights, axis=1, keepdims=True)
 
 
 def has_input_noise(inputs: Complex[np.ndarray, "n_omega n_u"], commands: AssignedCommands) -> bool:

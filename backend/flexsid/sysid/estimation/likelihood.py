@@ -462,7 +462,8 @@ def count_effective_parameters(
     held = np.flatnonzero(prior)
     if not held.size:
         return float(prior.size)
-    size = 1.0 / np.sqrt(np.diag(information))
+    own = np.diag(information)
+    size = 1.0 / np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
     right = np.zeros((prior.size, held.size))
     right[held, np.arange(held.size)] = prior[held] * size[held] ** 2
     shares = np.linalg.lstsq(information * np.outer(size, size), right, rcond=1e-13)[0]
