@@ -56,7 +56,10 @@ def is_gradient_small(N: np.ndarray, g: np.ndarray) -> bool:
 
 def compute_bounds(N: Float[np.ndarray, "n_theta n_theta"]) -> np.ndarray | None:
     """Compute the Cramer-Rao standard errors; None for a matrix that is not positive."""
-    size = 1.0 / np.sqrt(np.diag(N))
+    own = np.diag(N)
+    if not np.all(own > 0.0):
+        return None
+    size = 1.0 / np.sqrt(own)
     factor, info = lapack.dpotrf(N * np.outer(size, size), lower=False)
     if info != 0:
         return None
