@@ -183,12 +183,12 @@ def test_a_proposal_for_ten_surfaces_names_the_parts_of_its_axis(store: Store) -
     assert not {"beta", "az_oaa"} & set(longitudinal.outputs)
 
 
-def test_a_dutch_roll_between_the_harmonics_of_one_input_is_reported_by_fre(store: Store) -> None:
+def test_fre_finds_a_dutch_roll_between_the_harmonics_of_one_input(store: Store) -> None:
+    """Interpolated responses put it 5 % too high: its bandwidth is below their spacing."""
     found = estimate(store, add_record(store, MAPPING), Method.FRE, FEW)
-    (warning,) = [text for text in found.warnings if text.startswith("Interpolation")]
-    assert "0.21 Hz apart" in warning
-    assert "half-power bandwidth of DR" in warning
-    assert "AW1B" not in warning
+    poles = {pole.name: pole.value for pole in found.poles}
+    assert poles["DR"].imag == pytest.approx(1.9627, rel=0.03)
+    assert not [text for text in found.warnings if text.startswith("Interpolation")]
 
 
 def test_proposal_and_reconstruction_know_the_axis(store: Store) -> None:

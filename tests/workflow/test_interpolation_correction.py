@@ -11,12 +11,14 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.estimation_task import get_first_start, select_free_parameters
 from flexsid.workflow.fits.likelihood_fit import (
     build_experiments,
     compute_interpolation_bias,
     correct_interpolation,
 )
+from flexsid.workflow.fits.run_warnings import warn_of_interpolation
 from flexsid.workflow.runs.estimation import compute_run, prepare
 
 
@@ -54,3 +56,17 @@ def test_errors_by_interpolation_are_removed(store: Store):
     values = dict(zip(found.estimate.names, found.estimate.values, strict=True))
     errors = [abs(values[name] / truth[name] - 1.0) for name in ("CZ_alpha", "Cm_alpha", "Cm_q")]
     assert max(errors) < 0.02, errors
+
+
+def test_a_bias_that_remains_names_the_mode_and_the_spacing():
+    omega = 2.0 * np.pi * np.array([0.3, 0.4, 0.5, 0.6, 0.7, 0.8])
+    poles = (
+        NamedPole("DR", -0.2 + 3.0j, 0.0, 0.0, 0.0, 0.0),
+        NamedPole("AW1B", -3.0 + 3.5j, 0.0, 0.0, 0.0, 0.0),
+    )
+    assigned = np.array([0, 1, 0, 1, 0, 1])
+    (warning,) = warn_of_interpolation(0.8, poles, omega, assigned)
+    assert "0.2 Hz apart" in warning
+    assert "0.8 of their standard deviations" in warning
+    assert "half-power bandwidth of DR (0.064 Hz) is narrower" in warning
+    assert warn_of_interpolation(0.4, poles, omega, assigned) == ()
