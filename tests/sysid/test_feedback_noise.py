@@ -9,16 +9,24 @@ import pytest
 
 from flexsid.errors import Cancelled
 from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.feedback_noise import (
+    CorrectedInputs,
     ErrorsInVariablesModel,
-    estimate_joint_noise,
-    has_input_noise,
+    has_feedback_noise,
     remove_feedback_noise,
 )
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.joint_noise import (
+    estimate_joint_noise,
+    estimate_joint_noise_of_part,
+    has_input_noise,
+)
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
 from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
@@ -67,6 +75,21 @@ class Flight:
         return output_error(model, inputs, outputs, np.ones(z.shape, dtype=complex))
 
 
+def estimate_noise(record: Experiment, commands: AssignedCommands) -> NoiseSpectrum | None:
+    signals = np.concatenate([record.measured, record.inputs], axis=1)
+    return estimate_joint_noise(record.omega, signals, commands)
+
+
+def remove_noise(
+    record: Experiment, commands: AssignedCommands, free: Parameters
+) -> CorrectedInputs:
+    noise = estimate_noise(record, commands)
+    assert noise is not None
+    found = remove_feedback_noise([record], [noise], free, FitSettings())
+    assert found is not None
+    return found
+
+
 def test_errors_in_variables_hold_the_truth_where_output_error_is_biased(make_case):
     flight = Flight(make_case(1), gust=0.1, gain=1.0)
     truth, free = flight.case.truth.values.ravel(), flight.case.free()
@@ -74,8 +97,7 @@ def test_errors_in_variables_hold_the_truth_where_output_error_is_biased(make_ca
     for seed in range(FITS):
         record = flight.record(seed)
         assert has_input_noise(record.inputs, flight.commands)
-        found = remove_feedback_noise([record], [flight.commands], free, FitSettings())
-        assert found is not None
+        found = remove_noise(record, flight.commands, free)
         assert found.is_significant
         first = maximize([record], free)
         biased.append(first.values - truth)
@@ -101,8 +123,7 @@ def test_errors_in_variables_hold_the_truth_where_output_error_is_biased(make_ca
 def test_gradient_of_errors_in_variables_is_that_of_differences(make_case):
     flight = Flight(make_case(1), gust=0.1, gain=1.0)
     record, free = flight.record(0), flight.case.free()
-    signals = np.concatenate([record.measured, record.inputs], axis=1)
-    noise = estimate_joint_noise(OMEGA, signals, flight.commands)
+    noise = estimate_noise(record, flight.commands)
     assert noise is not None
     model = FrequencyDomainModel(record, free)
     one = ErrorsInVariablesModel(model, NormalForm(model), noise)
@@ -121,8 +142,7 @@ def test_gradient_of_errors_in_variables_is_that_of_differences(make_case):
 def test_corrected_data_have_the_residuals_of_the_measured_ones(make_case):
     flight = Flight(make_case(1), gust=0.1, gain=1.0)
     record, free = flight.record(0), flight.case.free()
-    found = remove_feedback_noise([record], [flight.commands], free, FitSettings())
-    assert found is not None
+    found = remove_noise(record, flight.commands, free)
     corrected = found.experiments[0]
     residuals = [
         one.measured - FrequencyDomainModel(one, free).respond(found.theta).outputs
@@ -149,13 +169,37 @@ def test_the_noise_of_unequally_spaced_harmonics_is_that_of_equally_spaced_ones(
     assert power == pytest.approx([2.0, 18.0], rel=0.2)
 
 
+def test_the_noise_of_a_part_of_a_maneuver_has_no_part_of_the_response_to_commands():
+    """All commands excite every frequency, and the ends of the record add free motions."""
+    rng = np.random.default_rng(0)
+
+    def white(*shape: int) -> np.ndarray:
+        return rng.normal(size=(*shape, 2)) @ [1.0, 1.0j]
+
+    omega, edges_s = 2.0 * np.pi * np.arange(5, 205) / 10.0, (0.7, 10.7)
+    commands = white(200, 5)
+    free = np.exp(-1j * np.outer(omega, edges_s))
+    motion = 50.0 * (commands @ white(5, 3) + free @ white(2, 3))
+    noise = white(200, 3) @ np.diag([1.0, 2.0, 3.0]) + 8.0 * white(200, 1)
+    found = estimate_joint_noise_of_part(omega, motion + noise, commands, edges_s)
+    assert found is not None
+    density = np.mean(found.density.expand_blocks(), axis=0)
+    exact = 128.0 + np.diag([2.0, 8.0, 18.0])
+    assert np.linalg.norm(density - exact) < 0.2 * np.linalg.norm(exact)
+    assert np.diag(np.linalg.inv(density)) == pytest.approx(np.diag(np.linalg.inv(exact)), rel=0.3)
+    assert estimate_joint_noise_of_part(omega[:12], motion[:12], commands[:12], edges_s) is None
+
+
 def test_without_feedback_there_is_nothing_to_remove(make_case):
     flight = Flight(make_case(1), gust=0.03, gain=0.0)
     record = flight.record(0)
     assert not has_input_noise(record.inputs, flight.commands)
-    found = remove_feedback_noise([record], [flight.commands], flight.case.free(), FitSettings())
-    assert found is not None
+    found = remove_noise(record, flight.commands, flight.case.free())
     assert not found.is_significant
+    noise = estimate_noise(record, flight.commands)
+    assert noise is not None
+    exact = replace(flight.case.free(), start=flight.case.truth.values.ravel())
+    assert not has_feedback_noise(record, noise, exact)
 
 
 def test_harmonics_without_a_command_or_too_few_of_them_are_left(make_case):
@@ -168,8 +212,7 @@ def test_harmonics_without_a_command_or_too_few_of_them_are_left(make_case):
     few = AssignedCommands(np.arange(OMEGA.size) // 3, commands.values)
     for one in (silent, unknown, few):
         assert not has_input_noise(record.inputs, one)
-        found = remove_feedback_noise([record], [one], flight.case.free(), FitSettings())
-        assert found is None
+        assert estimate_noise(record, one) is None
 
 
 def test_errors_in_variables_are_cancelled_between_iterations(make_case):
@@ -181,8 +224,9 @@ def test_errors_in_variables_are_cancelled_between_iterations(make_case):
         if number == 4:
             raise Cancelled("cancelled")
 
+    record = flight.record(0)
+    noise = estimate_noise(record, flight.commands)
+    assert noise is not None
     with pytest.raises(Cancelled):
-        remove_feedback_noise(
-            [flight.record(0)], [flight.commands], flight.case.free(), FitSettings(), report
-        )
+        remove_feedback_noise([record], [noise], flight.case.free(), FitSettings(), report)
     assert numbers == [1, 2, 3, 4]

@@ -17,31 +17,26 @@ from jaxtyping import Complex, Float
 from flexsid.sysid.estimation.estimate import IterationStep
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.joint_noise import LEAST_SHARE, compute_rms
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, build_prior, count_effective_parameters
 from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
+from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.steps import compute_bounds
-from flexsid.sysid.spectra.residual_spectrum import compute_local_residuals
 
-_WINDOW = 5  # neighbouring harmonics of one command in a local fit, by a straight line
-_NEIGHBOURS = 5  # segments of frequencies on either side that share their noise
-_ADDED_NOISE = (100.0, 10.0, 1.0, 0.1, 0.0)
+ADDED_NOISE = (100.0, 10.0, 1.0, 0.1, 0.0)
 """Independent noise of the fits in sequence that is added to the estimated one, relative to the
 variance of each signal. The first cost has one minimum, and each fit starts near its own: without
 the others three of eight fits in moderate turbulence at .95 V_f end in a wrong one."""
 
-_LEAST_SHARE = 0.08
-"""Noise by feedback over the rms of an input, below which the data are not corrected: .14 to .7 in
-light and moderate turbulence at .65 V_f and above; .01 in still air, and .05 at 1.2 V_f, where it
-is the motion at the end of the record. Smaller noise biases less than the standard errors, or the
-change by the weights of the noise spectrum reports it."""
-
 _LARGEST_RESIDUALS = 3.0
 """Power of the residuals over that of the noise up to which the model is taken as right: 1.0 to 1.9
 in 50 flights without and with turbulence, 3.3 and above in other minima."""
+
+_LEAST_SHARE_OF_PART = 0.1
+"""As ``LEAST_SHARE``, of a part of a maneuver: .01 to .03 in still air, up to .07 with many gaps,
+.13 to .5 in light and moderate turbulence."""
 
 _MAX_STEPS = 40  # with one noise
 _MAX_TRIALS = 14  # dampings of one step
@@ -59,108 +54,31 @@ class CorrectedInputs:
     ``experiments`` have the inputs without their noise that the residuals determine, and the
     measured outputs less the response to that noise, so that the residuals are the same. ``noise``
     is the noise spectrum of the outputs. ``share`` is the noise removed from each input of each
-    maneuver over its rms. ``steps`` are those of the fit without added noise.
+    maneuver over its rms, ``residual_power`` that of the residuals over that of the noise.
+    ``steps`` are those of the fit without added noise.
     """
 
     experiments: tuple[Experiment, ...]
     noise: tuple[NoiseSpectrum, ...]
     theta: Float[np.ndarray, " n_theta"]
     share: Float[np.ndarray, "n_maneuvers n_u"]
+    residual_power: float
     steps: tuple[IterationStep, ...]
 
     @property
     def is_significant(self) -> bool:
         """Whether the noise removed can have an effect on the results."""
-        return bool(self.share.max() > _LEAST_SHARE)
-
-
-def estimate_joint_noise(
-    omega: Float[np.ndarray, " n_omega"],
-    values: Complex[np.ndarray, "n_omega n"],
-    commands: AssignedCommands,
-) -> NoiseSpectrum | None:
-    """Estimate the joint noise spectrum of signals about their smooth response to the commands.
-
-    Parameters
-    ----------
-    omega
-        Frequencies, in order. [rad/s]
-    values
-        Spectra of outputs and inputs.
-    commands
-        The command that excites each harmonic.
-
-    Returns
-    -------
-    NoiseSpectrum or None
-        At all frequencies; None where harmonics have no command, or are too few.
-
-    Notes
-    -----
-    The noise at a harmonic is the deviation of its response to the command from a straight line
-    through five neighbouring harmonics of that command, of norm one for white noise. A
-    response that is not straight over them, as at a sharp resonance, counts as noise, which costs
-    precision. The spectral matrix is that of ``estimate_noise_spectrum``.
-    Source: Pintelon and Schoukens, System Identification, 2nd ed., 2012, ch. 7 and 12.
-    """
-    half = _WINDOW // 2
-    places, samples = [], []
-    for index in np.unique(commands.assigned_input):
-        own = np.flatnonzero(commands.assigned_input == index)
-        command = commands.values[own]
-        if index < 0 or own.size < _WINDOW or not command.all():
-            return None
-        responses = values[own] / command[:, None]
-        windows = np.lib.stride_tricks.sliding_window_view(responses, _WINDOW, axis=0)
-        near = np.lib.stride_tricks.sliding_window_view(omega[own], _WINDOW)
-        weights = _compute_line_residuals(near - near.mean(axis=1, keepdims=True))
-        middle = slice(half, own.size - half)
-        places.append(own[middle])
-        residuals = np.matmul(windows, weights[:, :, None])[:, :, 0]
-        samples.append(residuals * command[middle, None])
-    at = np.concatenate(places)
-    order = np.argsort(at)
-    found = estimate_noise_spectrum(np.concatenate(samples)[order], _NEIGHBOURS)
-    if found is None:
-        return None
-    known = omega[at[order]]
-    nearest = np.searchsorted(0.5 * (known[1:] + known[:-1]), omega)
-    density = SpectralMatrix(found.density.blocks, found.density.block[nearest])
-    return replace(found, density=density)
-
-
-def _compute_line_residuals(
-    x: Float[np.ndarray, "n_windows n_window"],
-) -> Float[np.ndarray, "n_windows n_window"]:
-    """Compute the weights of windows in the residuals of their middles from lines; norm one."""
-    half = x.shape[1] // 2
-    slope = x[:, half, None] * x / np.sum(x**2, axis=1, keepdims=True)
-    weights = np.eye(x.shape[1])[half] - 1.0 / x.shape[1] - slope
-    return weights / np.linalg.norm(weights, axis=1, keepdims=True)
-
-
-def has_input_noise(inputs: Complex[np.ndarray, "n_omega n_u"], commands: AssignedCommands) -> bool:
-    """Whether an input deviates from a smooth response to the commands by ``_LEAST_SHARE``."""
-    power = np.zeros(inputs.shape[1])
-    for index in np.unique(commands.assigned_input):
-        own = np.flatnonzero(commands.assigned_input == index)
-        command = commands.values[own]
-        if index < 0 or not command.all():
-            return False
-        found = compute_local_residuals(inputs[own] / command[:, None])
-        if found is None:
-            return False
-        noise = _rms(found.values * command[found.indices, None])
-        power += own.size / len(inputs) * noise**2
-    return bool(np.any(np.sqrt(power) > _LEAST_SHARE * _rms(inputs)))
+        return bool(self.share.max() > LEAST_SHARE)
 
 
 def remove_feedback_noise(
     experiments: Sequence[Experiment],
-    commands: Sequence[AssignedCommands],
+    noise: Sequence[NoiseSpectrum],
     parameters: Parameters,
     settings: FitSettings,
     report: Callable[[int], None] = lambda iteration: None,
+    added_noise: Sequence[float] = ADDED_NOISE,
+    largest_residuals: float = _LARGEST_RESIDUALS,
 ) -> CorrectedInputs | None:
     """Remove the noise from the inputs that the residuals of a fit determine.
 
@@ -168,18 +86,21 @@ def remove_feedback_noise(
     ----------
     experiments
         Output error of each maneuver.
-    commands
-        The command that excites each harmonic of each maneuver.
+    noise
+        Joint noise spectrum of the outputs and inputs of each maneuver.
     parameters, settings
         Free parameters with their start, and priors.
     report
         Called with the number of each iteration, from 1; an exception ends the fit.
+    added_noise
+        Independent noise of the fits in sequence; only 0 where the start is near the optimum.
+    largest_residuals
+        Power of the residuals over that of the noise up to which an optimum is the right one.
 
     Returns
     -------
     CorrectedInputs or None
-        None where the harmonics have no commands or are too few, and where the fit does not
-        converge to residuals of the size of the noise.
+        None where the fit does not converge to residuals of the size of the noise.
 
     Notes
     -----
@@ -195,16 +116,12 @@ def remove_feedback_noise(
     Source: Pintelon and Schoukens, System Identification, 2nd ed., 2012, ch. 9 and 12.
     """
     maneuvers = []
-    for one, own in zip(experiments, commands, strict=True):
-        signals = np.concatenate([one.measured, one.inputs], axis=1)
-        noise = estimate_joint_noise(one.omega, signals, own)
-        if noise is None:
-            return None
+    for one, own in zip(experiments, noise, strict=True):
         model = FrequencyDomainModel(one, parameters)
-        maneuvers.append(ErrorsInVariablesModel(model, NormalForm(model), noise))
+        maneuvers.append(ErrorsInVariablesModel(model, NormalForm(model), own))
     theta, count = parameters.start, 0
     fit: _Optimum | None = None
-    for added in _ADDED_NOISE:
+    for added in added_noise:
 
         def report_step(step: int, begun: int = count) -> None:
             report(begun + step)
@@ -214,13 +131,10 @@ def remove_feedback_noise(
         if fit is None:
             return None
         theta, count = fit.theta, count + len(fit.steps)
-    if fit is None or fit.residual_power > _LARGEST_RESIDUALS:
+    if fit is None or fit.residual_power > largest_residuals:
         return None
     corrected = [_correct(one, point) for one, point in zip(experiments, fit.points, strict=True)]
-    share = [
-        _rms(new.inputs - old.inputs) / np.maximum(_rms(old.inputs), np.finfo(float).tiny)
-        for new, old in zip(corrected, experiments, strict=True)
-    ]
+    share = [_compute_share(one, point) for one, point in zip(experiments, fit.points, strict=True)]
     return CorrectedInputs(
         experiments=tuple(corrected),
         noise=tuple(
@@ -229,12 +143,37 @@ def remove_feedback_noise(
         ),
         theta=theta,
         share=np.array(share),
+        residual_power=fit.residual_power,
         steps=tuple(fit.steps),
     )
 
 
-def _rms(values: Complex[np.ndarray, "n_omega n"]) -> Float[np.ndarray, " n"]:
-    return np.sqrt(np.mean(np.abs(values) ** 2, axis=0))
+def has_feedback_noise(
+    experiment: Experiment, noise: NoiseSpectrum, parameters: Parameters
+) -> bool:
+    """Whether the residuals of a part of a maneuver determine noise of the inputs with an effect.
+
+    Parameters
+    ----------
+    experiment
+        Output error.
+    noise
+        Joint noise spectrum of outputs and inputs.
+    parameters
+        Their starting values are those of a fit: near any, the share is within .03 of that at the
+        optimum of errors in variables.
+    """
+    model = FrequencyDomainModel(experiment, parameters)
+    point = ErrorsInVariablesModel(model, NormalForm(model), noise).evaluate(parameters.start)
+    return bool(_compute_share(experiment, point).max() > _LEAST_SHARE_OF_PART)
+
+
+def _compute_share(
+    experiment: Experiment, point: ErrorsInVariablesPoint
+) -> Float[np.ndarray, " n_u"]:
+    """Compute the rms of the noise of each input over that of the input."""
+    size = np.maximum(compute_rms(experiment.inputs), np.finfo(float).tiny)
+    return compute_rms(point.inputs - experiment.inputs) / size
 
 
 def _correct(experiment: Experiment, point: ErrorsInVariablesPoint) -> Experiment:

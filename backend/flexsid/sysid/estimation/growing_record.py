@@ -2,32 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.end_states import add_end_states, remove_free_motion
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.feedback_noise import (
+    ADDED_NOISE,
+    has_feedback_noise,
+    remove_feedback_noise,
+)
+from flexsid.sysid.estimation.joint_noise import estimate_joint_noise_of_part
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum, widen_by_change
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum
-_MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; near flutter in turbulence
-# many more, which the fits of the next seconds continue, since these must not wait
+_MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; a few alternate between two
 _FIRST_ERRORS_S = 5.0  # of a record without noise spectrum, before which a bias by turbulence
 # cannot be noticed [s]
+_LARGEST_RESIDUALS = 6.0
+"""Power of the residuals over that of the noise: 1.2 to 5.6 at the right optimum. A short record
+averages the noise over a wide band; standard errors grow with the root of this power."""
 
 
 @dataclass(frozen=True, slots=True)
 class GrowingStart:
-    """Values from which the fits of a longer record start; no weighted ones without a spectrum."""
+    """Values from which the fits of a longer record start; no weighted ones without a spectrum.
+
+    ``is_corrected`` is whether the weighted ones are of data without noise by feedback.
+    """
 
     plain: Float[np.ndarray, " n_theta"]
     weighted: Float[np.ndarray, " n_theta"] | None
+    is_corrected: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,18 +50,14 @@ class GrowingFit:
     ``experiment`` has the spectra without the free motion from the end states: those of a whole
     maneuver with the same inputs, from which equation error estimates the same derivatives.
     ``estimate`` is weighted with the noise spectrum, ``plain`` has one covariance of the noise;
-    they are one value where the record has too few frequencies for a spectrum.
+    they are one value where the record has too few frequencies for a spectrum, and where noise by
+    feedback was removed.
     """
 
     estimate: Estimate
     experiment: Experiment
     plain: Estimate
-
-    @property
-    def next_start(self) -> GrowingStart:
-        """Where the fit of a longer record starts."""
-        is_weighted = self.estimate is not self.plain
-        return GrowingStart(self.plain.values, self.estimate.values if is_weighted else None)
+    next_start: GrowingStart
 
     def widen(self, change: float) -> Estimate:
         """Add the change by the weights that errors do not explain to the covariance.
@@ -93,6 +102,7 @@ def fit_growing_record(
     duration_s: float,
     priors: Mapping[str, tuple[float, float]] | None = None,
     before: GrowingStart | None = None,
+    commands: Complex[np.ndarray, "n_omega n_commands"] | None = None,
     max_iterations: int = 20,
 ) -> GrowingFit:
     """Estimate derivatives from a part of a maneuver that begins and ends in motion.
@@ -109,6 +119,8 @@ def fit_growing_record(
         Of derivatives: mean and standard deviation.
     before
         Values of a shorter part of the record, from which this fit continues.
+    commands
+        Spectra of all commands, by which noise that feedback brings to the inputs is removed.
     max_iterations
         Limit of the maximisation.
 
@@ -131,38 +143,102 @@ def fit_growing_record(
     flutter, biased: ``GrowingFit.widen``. Where the record has too few frequencies for a noise
     spectrum, the optimum of the likelihood is the result.
 
+    With ``commands`` the noise that feedback brings to the inputs is removed, see
+    ``remove_feedback_noise``. Where that fails there are no standard errors; where the residuals
+    exceed the noise, variances are multiplied by their power.
+
     Frequencies closer than 1/T share noise: as after the flight, variances are multiplied by the
     number of frequencies per 1/T.
     """
-    whole = add_end_states(parameters, experiment)
+    first = add_end_states(parameters, experiment)
     n_theta = len(parameters.names)
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
-    if before is not None:
-        whole = replace(whole, start=np.append(before.plain, whole.start[n_theta:]))
+    before = before or GrowingStart(parameters.start, None)
+    whole = replace(first, start=np.append(before.plain, first.start[n_theta:]))
     near = maximize([experiment], whole, replace(settings, max_iterations=_APPROACH))
     start = near.values
-    if before is not None and before.weighted is not None:
+    if before.weighted is not None:
         start = np.append(before.weighted, near.values[n_theta:])
-    found = weight_by_noise_spectrum(
-        [experiment],
-        whole,
-        replace(near, outcome=Outcome.CONVERGED),
-        settings,
-        max_rounds=_MAX_ROUNDS,
-        start=start,
-    )
-    is_weighted = found.values is not near.values
-    if not is_weighted:
-        found = maximize([experiment], replace(whole, start=near.values), settings)
-    elif found.noise is not None and not found.noise.converged:
-        found = replace(found, outcome=Outcome.ITERATION_LIMIT)
-    complete = remove_free_motion(experiment, replace(whole, start=found.values))
+    at = replace(whole, start=start)
+    noise = None if commands is None else _estimate_feedback_noise(experiment, at, commands)
+    corrected = None
+    if noise is not None:
+        schedules = [(at, (0.0,))] if before.is_corrected else []
+        schedules += [(at, ADDED_NOISE), (first, ADDED_NOISE)]
+        corrected = _fit_without_feedback_noise(experiment, noise, schedules, settings)
+    data, is_weighted = experiment, True
+    if corrected is not None:
+        data, found = corrected
+    elif noise is not None:
+        found = replace(near, outcome=Outcome.ITERATION_LIMIT)
+    else:
+        found = weight_by_noise_spectrum(
+            [experiment],
+            whole,
+            replace(near, outcome=Outcome.CONVERGED),
+            settings,
+            max_rounds=_MAX_ROUNDS,
+            start=start,
+        )
+        is_weighted = found.values is not near.values
+        if not is_weighted:
+            found = maximize([experiment], replace(whole, start=near.values), settings)
+        elif found.noise is not None and not found.noise.converged:
+            found = replace(found, outcome=Outcome.ITERATION_LIMIT)
+    complete = remove_free_motion(data, replace(whole, start=found.values))
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)
     if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
         estimate = estimate.without_std_errors()
-    plain = near.select(parameters.names).scale_covariance(overlap) if is_weighted else estimate
-    return GrowingFit(estimate, complete, plain)
+    plain = estimate
+    if is_weighted and noise is None:
+        plain = near.select(parameters.names).scale_covariance(overlap)
+    next_start = replace(before, plain=plain.values)
+    if noise is None or corrected is not None:
+        weighted = estimate.values if is_weighted else None
+        next_start = GrowingStart(plain.values, weighted, corrected is not None)
+    return GrowingFit(estimate, complete, plain, next_start)
+
+
+def _estimate_feedback_noise(
+    experiment: Experiment,
+    parameters: Parameters,
+    commands: Complex[np.ndarray, "n_omega n_commands"],
+) -> NoiseSpectrum | None:
+    """Estimate the joint noise of outputs and inputs; None without an effect on the inputs."""
+    signals = np.concatenate([experiment.measured, experiment.inputs], axis=1)
+    noise = estimate_joint_noise_of_part(experiment.omega, signals, commands, experiment.edges_s)
+    if noise is None or not has_feedback_noise(experiment, noise, parameters):
+        return None
+    return noise
+
+
+def _fit_without_feedback_noise(
+    experiment: Experiment,
+    noise: NoiseSpectrum,
+    schedules: Sequence[tuple[Parameters, tuple[float, ...]]],
+    settings: FitSettings,
+) -> tuple[Experiment, Estimate] | None:
+    """Fit by errors in variables, from the first start with which they converge; None from none."""
+    for parameters, added_noise in schedules:
+        found = remove_feedback_noise(
+            [experiment],
+            [noise],
+            parameters,
+            settings,
+            added_noise=added_noise,
+            largest_residuals=_LARGEST_RESIDUALS,
+        )
+        if found is not None:
+            break
+    else:
+        return None
+    at_optimum = replace(parameters, start=found.theta)
+    corrected = list(found.experiments)
+    base = maximize(corrected, at_optimum, replace(settings, max_iterations=0))
+    base = replace(base, outcome=Outcome.CONVERGED)
+    estimate = weight_by_noise_spectrum(corrected, at_optimum, base, settings, known=found.noise)
+    return corrected[0], estimate.scale_covariance(max(1.0, found.residual_power))
 
 
 def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:

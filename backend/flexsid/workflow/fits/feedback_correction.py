@@ -12,9 +12,9 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome, count_iteration
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.feedback_noise import (
     CorrectedInputs,
-    has_input_noise,
     remove_feedback_noise,
 )
+from flexsid.sysid.estimation.joint_noise import estimate_joint_noise, has_input_noise
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
@@ -75,8 +75,15 @@ def fit_without_feedback_noise(
     if len(known) < len(commands) or is_fine:
         return None
     experiments = build_experiments(task, Method.OE)
-    pairs = zip(experiments, known, strict=True)
+    pairs = list(zip(experiments, known, strict=True))
     if not any(has_input_noise(one.inputs, own) for one, own in pairs):
+        return None
+    joint = [
+        estimate_joint_noise(one.omega, np.concatenate([one.measured, one.inputs], axis=1), own)
+        for one, own in pairs
+    ]
+    noise = [own for own in joint if own is not None]
+    if len(noise) < len(joint):
         return None
 
     def remove(parameters: Parameters, spread: float) -> CorrectedInputs | None:
@@ -84,7 +91,7 @@ def fit_without_feedback_noise(
             report(Progress(message=f"Errors in variables, iteration {number}"))
 
         settings = build_fit_settings(task, spread)
-        return remove_feedback_noise(experiments, known, parameters, settings, report_iteration)
+        return remove_feedback_noise(experiments, noise, parameters, settings, report_iteration)
 
     tried = ((name, one, remove(one, PRIOR_SPREAD)) for name, one in candidates.items())
     start, parameters, found = next(

@@ -118,7 +118,12 @@ class LiveFit:
             edges_s=spectra.edges_s,
         )
         fit = fit_growing_record(
-            experiment, task.parameters, spectra.duration_s, task.priors, self._before
+            experiment,
+            task.parameters,
+            spectra.duration_s,
+            task.priors,
+            self._before,
+            commands=moved[:, [place[name] for name in task.commands]],
         )
         self._before = fit.next_start
         change = self._compute_change(fit)

@@ -39,7 +39,7 @@ _LONGEST_GAP = (
     1200  # frames (60 s); a longer one, or an earlier number, is a recorder that restarted
 )
 _COMMANDED = 1e-4  # rad; a smaller excitation is none
-_TRIM_S = 2.0  # before the excitation, over which trim values are averaged [s]
+_TRIM_S = 2.0  # before the excitation, of which trim values are the medians [s]
 _CONDITION_S = 60.0  # longest record of the flight condition, which may change slowly [s]
 _LEAD_S = 0.5  # of trim that belongs to the record [s]
 _QUIET_S = 3.0  # without excitation, after which a maneuver has ended [s]
@@ -300,8 +300,9 @@ class StreamProcessor:
             np.concatenate([one[k] for _, one in self._trim_blocks])
             for k in range(len(self._groups))
         ]
-        means = [np.nansum(x, axis=0) / np.maximum(np.isfinite(x).sum(axis=0), 1) for x in trims]
-        self._trim = np.concatenate(means)
+        # Medians: spikes of the first half second of a stream are not recognised.
+        medians = [np.nanmedian(np.where(np.isfinite(x).any(0), x, 0.0), axis=0) for x in trims]
+        self._trim = np.concatenate(medians)
         lead = round(_LEAD_S / self._frame_s)
         for at_s, one in [*self._trim_blocks][-lead:]:
             self._grow(at_s, one)
