@@ -16,6 +16,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import InitialTerms, SearchSettings, StructureSearch
 from flexsid.storage.store import Store
+from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.structure_determination.searches import (
     compute_search,
     create_candidate_run,
@@ -75,6 +76,23 @@ def test_every_method_finds_the_terms_of_a_flown_maneuver(flown_store: Store, me
     assert set(terms) == set(proposed.structure.free or ()) | set(ABSENT)
     assert all((terms[name].stability or 0.0) <= 0.5 for name in ABSENT)
     assert terms["CZ_alpha"].stability == 1.0
+
+
+def test_turbulence_hides_no_absent_terms(flown_store: Store):
+    """With the noise that feedback brings to the surfaces every absent term seems significant."""
+    flown = fly(
+        airspeed_ratio=0.8,
+        modes_in_truth=2,
+        seed=5,
+        label="turbulence",
+        absent=ABSENT,
+        turbulence=Turbulence.LIGHT,
+    )
+    maneuver = add_maneuver(flown_store, flown, flight_id=1)
+    request = build_search(Method.OE, (maneuver.id or 0,))
+    proposed = compute_search(prepare_search(flown_store, request), lambda progress: None).proposed
+    assert len(set(ABSENT) - set(proposed.structure.absent)) <= 2
+    assert abs((proposed.flutter_m_s or 0.0) - 70.1) < 2.0 * (proposed.flutter_std_m_s or 0.0)
 
 
 def test_search_over_a_campaign_is_cross_validated(flown_store: Store):

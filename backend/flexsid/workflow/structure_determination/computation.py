@@ -66,7 +66,9 @@ from flexsid.workflow.fits.estimation_task import (
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.fits.feedback_correction import fit_without_feedback_noise
 from flexsid.workflow.fits.likelihood_fit import build_experiments, maximize_from_starts
+from flexsid.workflow.fits.starting_values import collect_starting_points
 
 _FLUTTER_BAND = (0.35, 2.0)  # of the fastest maneuver
 
@@ -451,6 +453,7 @@ def compute_search(task: SearchTask, report: Report) -> SearchResult:
         candidates, groups = equations.candidates[0], equations.groups(report)
         fitted = equations.fit(warnings)
     else:
+        task = _remove_feedback_noise(task, report)
         begin = task.settings.initial_terms is InitialTerms.EQUATION_ERROR
         start = EquationSearch(task, report).found.selected if begin else None
         candidates, groups, fitted = search_by_likelihood(task, start, warnings, report)
@@ -460,6 +463,25 @@ def compute_search(task: SearchTask, report: Report) -> SearchResult:
         candidates=compare_candidates(task, candidates, fitted, report),
         warnings=tuple(dict.fromkeys(warnings)),
         seconds=time.perf_counter() - began,
+    )
+
+
+def _remove_feedback_noise(task: SearchTask, report: Report) -> SearchTask:
+    """Replace the data of each maneuver by those without noise by feedback, if it has any.
+
+    All candidates fit the same data, from a fit with all terms.
+    """
+
+    def remove(one: EstimationTask) -> EstimationTask:
+        at = Progress(message=f"Errors in variables of {one.maneuvers[0].label}")
+        own = _report_at(at, report)
+        fit = fit_without_feedback_noise(one, collect_starting_points(one, own), own)
+        return one if fit is None else fit.task
+
+    return replace(
+        task,
+        maneuvers=tuple(remove(one) for one in task.maneuvers),
+        unseen=tuple(remove(one) for one in task.unseen),
     )
 
 
