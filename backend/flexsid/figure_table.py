@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInf
 from flexsid.errors import BadInput
 from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
+from flexsid.figures.derivative_coverage import draw_derivative_coverage
 from flexsid.figures.derivatives import draw_derivatives
 from flexsid.figures.envelope import draw_envelope
 from flexsid.figures.equivalent_modes import draw_equivalent_modes
@@ -114,6 +115,7 @@ from flexsid.workflow.validation.predicted_spectra import (
 )
 from flexsid.workflow.views.campaign import read_envelope
 from flexsid.workflow.views.correlation import compute_assurance
+from flexsid.workflow.views.dashboard import read_derivative_coverage
 from flexsid.workflow.views.fuel import trace_modes
 from flexsid.workflow.views.loops import estimate_loops
 from flexsid.workflow.views.maneuver import (
@@ -345,6 +347,13 @@ _FILTERS: dict[str, Any] = {
     for name, hint in get_type_hints(ManeuverFilters, include_extras=True).items()
 }
 _Filters: type[FigureParameters] = create_model("_Filters", __base__=FigureParameters, **_FILTERS)
+
+
+class _CoverageParameters(FigureParameters):
+    aircraft_id: _Id
+    coefficient: _Text = Field(
+        None, max_length=64, description="CZ, Cm, CQ7 ...; by default all coefficients."
+    )
 
 
 class _Maneuver(FigureParameters):
@@ -713,6 +722,10 @@ def _read_frozen_figure(store: Store, figure_id: int) -> Spec:
 _KINDS = (
     FigureKind("envelope", _Filters, read_envelope, draw_envelope,
         "Draw the flight conditions of the filtered maneuvers."),
+    FigureKind("derivative-coverage", _CoverageParameters, read_derivative_coverage,
+        draw_derivative_coverage,
+        "Draw the relative standard errors of all derivatives over the envelope of a campaign.",
+        drawing=("coefficient",)),
     FigureKind("time-history", _TimeHistory, read_time_history, draw_time_history,
         "Draw channels over time, decimated for the screen; by default the inputs.\n\n"
         "CSV and MAT files contain every sample of the window."),

@@ -17,6 +17,7 @@ import {
   campaignView,
   closedLoopView,
   compareView,
+  dashboardView,
   designView,
   excitationView,
   importView,
@@ -70,6 +71,13 @@ const campaign = createRoute({
   path: "/campaign",
   validateSearch: campaignView,
   component: page(() => import("./pages/CampaignPage"), "CampaignPage"),
+});
+
+const dashboard = createRoute({
+  getParentRoute: () => root,
+  path: "/dashboard",
+  validateSearch: dashboardView,
+  component: page(() => import("./pages/DashboardPage"), "DashboardPage"),
 });
 
 const maneuver = createRoute({
@@ -340,6 +348,7 @@ export const router = createRouter({
   routeTree: root.addChildren([
     start,
     campaign,
+    dashboard,
     runs,
     runTemplates,
     glossary,

@@ -1,5 +1,6 @@
 /** State of each page in its address. */
 import {
+  ADEQUACIES,
   DECISION_STATES,
   FREQUENCY_UNITS,
   METHODS,
@@ -20,6 +21,7 @@ export interface MenuPage {
     | "/excitation"
     | "/preflight-simulation"
     | "/campaign"
+    | "/dashboard"
     | "/quality"
     | "/mini-gvt"
     | "/live"
@@ -63,6 +65,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
         key: "c",
         at: /^\/(campaign|maneuvers\/\d+|flights\/\d+)\/?$/,
       },
+      { to: "/dashboard", label: "Dashboard", key: "k" },
       { to: "/quality", label: "Quality", key: "q" },
       {
         to: "/mini-gvt",
@@ -158,6 +161,11 @@ export const campaignView = view((search) => ({
 }));
 export type CampaignView = ReturnType<typeof campaignView>;
 
+export const dashboardView = view((search) => ({
+  aircraft: integer(search.aircraft),
+  coefficient: text(search.coefficient),
+}));
+
 export const flightView = view((search) => ({
   channels: words(search.channels),
   /** Window of the recording [s], and the label of a maneuver cut there. */
@@ -193,6 +201,8 @@ export const runsView = view((search) => ({
   fta: integer(search.fta),
   method: oneOf<Method>(search.method, METHODS),
   state: oneOf<RunState>(search.state, STATES),
+  /** Result of the tests for remaining model error. */
+  adequacy: oneOf(search.adequacy, ADEQUACIES),
   tag: text(search.tag),
   deleted: flag(search.deleted),
   derived: flag(search.derived),

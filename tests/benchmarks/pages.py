@@ -2,9 +2,9 @@
 
 A campaign of 1000 maneuvers and 10 000 runs is laid out of copies: a few maneuvers of FLEX-28
 are flown and estimated by all methods, so that every copy of a run weighs what a run weighs.
-A browser then opens the first page, the filtered list, the comparison of 12 runs and a Bode
-page. The requests that each page makes are noted and asked again, one after the other; the
-slowest median of a page stands against 100 ms, the time until it is drawn against 1.5 s.
+A browser then opens the first page, the filtered list, the dashboard, the comparison of 12 runs
+and a Bode page. The requests that each page makes are noted and asked again, one after the
+other; the slowest median of a page stands against 100 ms, the time until it is drawn against 1.5 s.
 
 ``--maneuvers`` sets their number, ``--database FILE`` reuses a database.
 """
@@ -38,7 +38,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.storage.tables import channels, jobs, maneuvers, runs
+from flexsid.storage.tables import channels, jobs, maneuvers, run_summaries, runs
 
 RUNS_PER_MANEUVER, MANEUVERS_PER_FLIGHT = 10, 26
 RESPONSE_MS, DRAWN_MS, JS_KB = 100.0, 1500.0, 250.0
@@ -91,6 +91,7 @@ def _copy_maneuver(store: Store, number: int, flight_id: int) -> None:
         "label": f"maneuver {number}",
         "airspeed_ratio": 0.5 + 0.6 * ((number * 37) % 100) / 100,
         "fuel_fraction": ((number * 53) % 100) / 100,
+        "airspeed_m_s": 25.0 + 0.3 * ((number * 37) % 100),
         "fta": 503 if number % 2 else 506,
     }
     with store.database.transaction() as connection:
@@ -108,6 +109,14 @@ def _copy_runs(store: Store, template: int, maneuver_id: int, count: int) -> Non
             job = connection.execute(_copies(jobs, jobs.c.id == run_id, {})).lastrowid
             new: dict[str, object] = {"id": job, "maneuver_id": maneuver_id}
             connection.execute(_copies(runs, runs.c.id == run_id, new))
+            of_run = run_summaries.c.run_id == run_id
+            connection.execute(_copies(run_summaries, of_run, {"run_id": job}))
+            # A copy is of its own maneuver.
+            ids = sa.func.json_set(
+                run_summaries.c.estimates, "$.maneuver_ids", sa.func.json_array(maneuver_id)
+            )
+            copied = sa.update(run_summaries).where(run_summaries.c.run_id == job)
+            connection.execute(copied.values(estimates=ids))
 
 
 def _copies(table: sa.Table, where: sa.ColumnElement[bool], new: dict[str, object]) -> sa.Insert:
@@ -132,6 +141,7 @@ def pages(url: str) -> dict[str, tuple[str, str]]:
             "/campaign?min_ratio=0.8&fta=506&method=OE&sort=-airspeed_ratio",
             drawn.format("envelope"),
         ),
+        "dashboard": ("/dashboard", drawn.format("derivative-coverage")),
         "run_filter": ("/runs?method=FRE&state=succeeded&sort=maneuver_label", "#content tbody tr"),
         "comparison": (f"/compare?runs={listed}&predictions=1,2", drawn.format("derivatives")),
         "bode": (f"/maneuvers/{last[0].id}?tab=bode&models={models}", drawn.format("bode")),

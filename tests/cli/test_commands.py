@@ -336,6 +336,7 @@ def test_every_command_prints_json(flown_url: str, capsys, tmp_path: Path) -> No
         "report": ["report", "run", "1", "--output", str(tmp_path / "run.html")],
         "design": ["design", "--fta", "500", "--effort", "quick"],
         "migrate": ["migrate"],
+        "dashboard": ["dashboard", "1"],
     }
     commands["design"] += ["--output", str(tmp_path / "design.csv")]
     for name, order in commands.items():

@@ -117,6 +117,12 @@ def test_runs_and_predictions_are_compared(workbench: Workbench) -> None:
     assert difference.isna()["Cm_eta9"]  # estimated by one run only
 
 
+def test_identified_derivatives_are_a_table(workbench: Workbench) -> None:
+    table: Any = workbench.identified_derivatives(1)
+    assert table.loc["Cm_alpha", "n_estimated"] == 1
+    assert workbench.get("aircraft/1/dashboard")["n_runs"]["EE"] >= 1
+
+
 def test_models_are_python_control_objects(workbench: Workbench, tmp_path) -> None:
     model = workbench.model(1)
     assert isinstance(model, control.StateSpace)

@@ -27,6 +27,7 @@ from flexsid.storage.event_chain import hash_value
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
+from flexsid.workflow.views.dashboard import read_derivative_coverage
 
 NEWEST = max(file.name for file in migrate.find_migrations().glob("versions/*.py"))[:4]
 
@@ -94,6 +95,8 @@ def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> N
     store = Store.open(flown_url)
     before = store.runs.find(), store.maneuvers.find(), store.channels.find()
     samples = store.arrays.get_many(channel.array for channel in before[2])
+    coverage = read_derivative_coverage(store, 1)
+    assert coverage.estimates
     store.close()
     assert migrate.migrate_to(flown_url, "0001") == "0001"
     assert migrate.upgrade(flown_url) == NEWEST
@@ -110,6 +113,7 @@ def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> N
     assert [(c.name, c.unit, c.array) for c in channels] == [
         (c.name, c.unit, c.array) for c in before[2]
     ]
+    assert read_derivative_coverage(store, 1) == coverage, "summaries are those of the results"
     again = store.arrays.get_many(samples)
     assert all((again[name] == values).all() for name, values in samples.items())
     store.close()

@@ -44,6 +44,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
     ),
     Permission.VIEWER: (
         *("list_aircraft", "get_aircraft", "list_flights", "get_flight", "list_flight_channels"),
+        "get_dashboard",
         *("find_maneuvers", "list_ground_tests", "get_ground_test"),
         *("list_maneuvers", "list_maneuver_facets", "get_maneuver", "get_run_proposal"),
         *("get_quality", "list_conditioning", "list_qualities", "list_mappings", "get_mapping"),

@@ -137,6 +137,13 @@ def build_parser() -> argparse.ArgumentParser:
     meaning = "version of FMI of an .fmu file"
     export.add_argument("--fmi", choices=("2", "3"), default="2", help=meaning)
 
+    summary = "print identified derivatives and open warnings of a campaign"
+    campaign = add("dashboard", "dashboard:dashboard", summary)
+    meaning = "id of the aircraft; default: 1"
+    campaign.add_argument(
+        "aircraft", type=int, nargs="?", default=1, metavar="AIRCRAFT", help=meaning
+    )
+
     summary = "write a report of a run, a comparison, flutter, a decision or the campaign"
     _add_report_options(add("report", "reports:report", summary))
 

@@ -324,6 +324,15 @@ class Workbench:
         response = self.get("comparisons", run_ids=run_ids, prediction_ids=predictions)
         return tabulate_comparison(response)
 
+    def identified_derivatives(self, aircraft_id: int) -> pandas.DataFrame:
+        """Return the derivatives of a campaign: in how many cells of the envelope, how accurate.
+
+        ``n_accurate`` counts standard errors of at most 20 % of the estimate by runs that are not
+        suspect, ``best.run_id`` is the run of the smallest. The whole dashboard, with open
+        warnings, is ``get("aircraft/1/dashboard")``.
+        """
+        return table(self.get(f"aircraft/{aircraft_id}/dashboard")["derivatives"], "name")
+
     def compute_prediction(self, **planform: Any) -> int:
         """Compute derivatives from a planform, wait, and return the id of the prediction.
 

@@ -127,6 +127,7 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
     "decision_events": ("decision_id", "decisions"),
     "job_events": ("job_id", "jobs"),
     "run_tags": ("run_id", "runs"),
+    "run_summaries": ("run_id", "runs"),
     **dict.fromkeys(
         ("live_states", "live_test_points", "live_acknowledgements"), ("stream_id", "live_streams")
     ),

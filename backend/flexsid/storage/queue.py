@@ -20,6 +20,7 @@ from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
 from flexsid.storage import job_log, leases, run_results
 from flexsid.storage.access import Access, storing_in_campaign, using_access
+from flexsid.storage.run_summaries import store_summary
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs, runs, searches
@@ -240,7 +241,9 @@ def finish(
         finish_job(store, run_id, attempt, None, versions, worker)
         connection.execute(sa.update(runs).where(runs.c.id == run_id).values(row))
         run_results.store_hash(connection, run_id)
-        return store.runs.get(run_id)
+        run = store.runs.get(run_id)
+        store_summary(connection, run)
+        return run
 
 
 def fail(

@@ -24,7 +24,7 @@ from flexsid.storage.maneuver_list import (
     contains_text,
 )
 from flexsid.storage.paging import Page
-from flexsid.storage.tables import aircraft, flights, maneuvers, run_tags, runs
+from flexsid.storage.tables import aircraft, flights, maneuvers, run_summaries, run_tags, runs
 from flexsid.storage.tags import read_tags
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 
@@ -74,6 +74,9 @@ class RunFilters(FlownFilters, total=False):
     structure_id: IdFilter
     method: Method | None
     state: RunState | None
+    adequacy: Annotated[
+        AdequacyState | None, Field(description="Result of the tests for remaining model error.")
+    ]
     tag: Annotated[str | None, Field(max_length=64, description="Only runs with this tag.")]
     search: Annotated[
         str | None,
@@ -119,6 +122,13 @@ def _mentions(text: str) -> sa.ColumnElement[bool]:
     return named
 
 
+def _has_adequacy(state: str) -> sa.ColumnElement[bool]:
+    summarised = sa.select(run_summaries.c.run_id).where(run_summaries.c.adequacy == state)
+    # As the filter by state, without the index of states.
+    succeeded = sa.func.coalesce(runs.c.state, "") == RunState.SUCCEEDED.value
+    return succeeded & runs.c.id.in_(summarised)
+
+
 _list = ListQuery(
     source=runs.join(maneuvers, maneuvers.c.id == runs.c.maneuver_id)
     .join(flights, flights.c.id == maneuvers.c.flight_id)
@@ -132,6 +142,7 @@ _list = ListQuery(
         "method": runs.c.method.__eq__,
         # Prevents the use of the index of states, which would read every row.
         "state": sa.func.coalesce(runs.c.state, "").__eq__,
+        "adequacy": _has_adequacy,
         "search": _mentions,
     },
     switches={

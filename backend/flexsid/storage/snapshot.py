@@ -26,7 +26,7 @@ _OF_AIRCRAFT = (tables.modal_tables, tables.predictions, tables.controllers)
 _OF_MANEUVERS = (tables.channels, tables.conditioning_steps)
 _OF_MODAL_TABLES = (tables.modal_shapes, tables.mode_corrections)
 _BY_ID = (tables.aircraft, tables.flights, tables.maneuvers, tables.jobs, tables.runs)
-_EMPTY = (tables.job_events,)  # of runs that a worker adds
+_EMPTY = (tables.job_events, tables.run_summaries)  # of runs that a worker adds
 _TABLES = (*_BY_ID, *_EMPTY, *_OF_AIRCRAFT, *_OF_MANEUVERS, *_OF_MODAL_TABLES, tables.arrays)
 
 

@@ -592,6 +592,19 @@ runs = table(
 
 run_tags = sa.Table("run_tags", metadata, key("run_id", "runs"), tag())
 
+# Copied out of the results: of each derivative the relative standard error and insensitivity.
+run_summaries = sa.Table(
+    "run_summaries",
+    metadata,
+    key("run_id", "runs"),
+    text("axis", length=16),
+    text("adequacy", length=16),
+    integer("n_accurate"),
+    json("estimates"),
+    # All runs of a campaign are read by this index, without their estimates.
+    sa.Index("ix_run_summaries_list", "run_id", "adequacy", "n_accurate", "axis"),
+)
+
 batches = table(
     "batches",
     identity(),

@@ -10,11 +10,12 @@ const RECONNECT_MS = 3000;
 const LISTS = [
   ...[["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"], ["searches"]],
   ["quality", "list"],
+  ["dashboard"],
 ];
 
 /** Queries of each sort of records that a team changes, by the name in the event. */
 const QUERIES_OF: Record<string, string[]> = {
-  decisions: ["decisions", "notifications"],
+  decisions: ["decisions", "notifications", "dashboard"],
   model_structures: ["structures", "notifications"],
   notes: ["notes"],
   review_rules: ["review-rules", "decisions", "notifications"],

@@ -52,6 +52,8 @@ export type SearchCandidate = Received<"SearchCandidate">;
 export type TermGroup = Received<"TermGroup">;
 export type SearchRequest = Schemas["SearchRequest"];
 export type Flight = Received<"Flight">;
+export type Dashboard = Received<"CampaignDashboard">;
+export type OpenWarnings = Received<"OpenWarnings">;
 export type Aircraft = Received<"Aircraft">;
 export type ModalTable = Received<"ModalTable">;
 export type ModalTableDetail = Received<"ModalTableDetail">;
@@ -228,6 +230,7 @@ export interface RunFilters {
   fta?: number;
   method?: Method;
   state?: RunState;
+  adequacy?: AdequacyState;
   tag?: string;
   search?: string;
   deleted?: boolean;
@@ -235,6 +238,7 @@ export interface RunFilters {
   derived_from_run_id?: number;
 }
 
+export const ADEQUACIES: readonly AdequacyState[] = ["consistent", "suspect", "not tested"];
 export const DECISION_STATES: readonly DecisionState[] = [
   "open",
   "changes-requested",

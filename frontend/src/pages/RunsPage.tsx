@@ -1,9 +1,9 @@
-import { Stack, Switch } from "@mantine/core";
+import { Select, Stack, Switch } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { getRouteApi } from "@tanstack/react-router";
 import { useCallback } from "react";
 import { runFacetsQuery, runListQuery } from "../api/queries";
-import type { RunFilters, RunItem } from "../api/types";
+import { ADEQUACIES, type RunFilters, type RunItem } from "../api/types";
 import { BulkActions } from "../components/BulkActions";
 import { ButtonLink } from "../components/ButtonLink";
 import { CompareLink } from "../components/CompareLink";
@@ -16,6 +16,7 @@ import { RunList } from "../components/RunList";
 import { PredictLinks } from "../components/PredictLinks";
 import { SavedViews } from "../components/SavedViews";
 import { count } from "../lib/format";
+import { oneOf } from "../lib/urlState";
 import type { RunsView } from "../views";
 
 const route = getRouteApi("/runs");
@@ -79,6 +80,18 @@ export function RunsPage() {
               : undefined
           }
         >
+          <Select
+            label="Adequacy"
+            placeholder="any"
+            w={126}
+            clearable
+            data-testid="filter-adequacy"
+            data={[...ADEQUACIES]}
+            value={view.adequacy ?? null}
+            onChange={(value) => {
+              change({ adequacy: oneOf(value, ADEQUACIES) });
+            }}
+          />
           <Switch
             label="Derived"
             mb={6}
@@ -148,6 +161,7 @@ function apiFilters(view: RunsView): RunFilters {
     fta: view.fta,
     method: view.method,
     state: view.state,
+    adequacy: view.adequacy,
     tag: view.tag,
     deleted: view.deleted,
     derived: view.derived,
@@ -162,6 +176,7 @@ const FILTERS = [
   "fta",
   "method",
   "state",
+  "adequacy",
   "tag",
   "deleted",
   "derived",

@@ -11,9 +11,11 @@ from flexsid.api.context import TheStore
 from flexsid.api.requests import LONGEST_TEXT, Line, MappingText, Name, Request
 from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.dashboard import CampaignDashboard
 from flexsid.storage.paging import Page
 from flexsid.workflow.aircraft import aircraft_definition
 from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
+from flexsid.workflow.views.dashboard import read_dashboard
 
 router = APIRouter(prefix="/aircraft", tags=["aircraft"], route_class=JsonRoute)
 
@@ -58,6 +60,12 @@ def add_aircraft(store: TheStore, body: AircraftRequest) -> Json:
 def get_aircraft(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Return one aircraft."""
     return store.aircraft.get(aircraft_id)
+
+
+@router.get("/{aircraft_id}/dashboard")
+def get_dashboard(store: TheStore, aircraft_id: Identity) -> CampaignDashboard:
+    """Return coverage of the envelope, identified derivatives and open warnings of a campaign."""
+    return read_dashboard(store, aircraft_id)
 
 
 @router.put("/{aircraft_id}")

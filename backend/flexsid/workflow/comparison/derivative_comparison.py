@@ -124,7 +124,7 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     predictions = [store.predictions.get(number) for number in dict.fromkeys(prediction_ids)]
     columns += [_build_prediction_column(store, prediction, fuel) for prediction in predictions]
     columns += _build_residualized_columns(finished, predictions)
-    names = _sort_names(parameter.name for _, result in finished for parameter in result.parameters)
+    names = sort_names(parameter.name for _, result in finished for parameter in result.parameters)
     sources = tuple(column.source for column in columns)
     joint = _join_rows(store, finished, columns, names)
     rows = tuple(_build_row(name, columns, one) for name, one in zip(names, joint, strict=True))
@@ -309,7 +309,7 @@ def _add_difference(
     return replace(predicted, difference_sigma=largest, consistent=largest <= limit)
 
 
-def _sort_names(names: Iterable[str]) -> list[str]:
+def sort_names(names: Iterable[str]) -> list[str]:
     """Sort names as in a table of derivatives; delays last."""
     unique = list(dict.fromkeys(names))
     position = {name: number for number, name in enumerate(unique)}

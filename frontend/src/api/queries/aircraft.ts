@@ -1,11 +1,23 @@
 /** The aircraft, and what was predicted of it. */
 import { queryOptions } from "@tanstack/react-query";
-import { api, items } from "../client";
+import { api, body, items } from "../client";
 
 export const aircraftQuery = queryOptions({
   queryKey: ["aircraft"],
   queryFn: ({ signal }) => items(api.GET("/api/v1/aircraft", { signal })),
 });
+
+export const dashboardQuery = (aircraftId: number) =>
+  queryOptions({
+    queryKey: ["dashboard", aircraftId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/aircraft/{aircraft_id}/dashboard", {
+          params: { path: { aircraft_id: aircraftId } },
+          signal,
+        }),
+      ),
+  });
 
 export const predictionsQuery = (aircraftId?: number) =>
   queryOptions({
