@@ -1,6 +1,7 @@
 /** The part of plotly.js that we call; its specs come from the server as they are. */
 declare module "plotly.js-cartesian-dist-min" {
   interface PlotlyElement extends HTMLElement {
+    layout: Record<string, unknown>;
     on(event: string, listener: (payload: never) => void): void;
     removeAllListeners(event: string): void;
   }
@@ -12,7 +13,7 @@ declare module "plotly.js-cartesian-dist-min" {
       config?: object,
     ): Promise<PlotlyElement>;
     purge(element: HTMLElement): void;
-    downloadImage(element: HTMLElement, options: object): Promise<string>;
+    downloadImage(drawn: HTMLElement | object, options: object): Promise<string>;
     Plots: { resize(element: HTMLElement): Promise<void> };
   };
   export default Plotly;

@@ -28,7 +28,7 @@ import {
   globalModelVersionView,
   globalModelView,
   searchView,
-  unitsView,
+  frameView,
   glossaryView,
   jobsView,
   maneuverView,
@@ -49,7 +49,7 @@ import {
 const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(retryImport(load), name);
 
 const root = createRootRoute({
-  validateSearch: unitsView,
+  validateSearch: frameView,
   component: AppFrame,
   notFoundComponent: NotFoundPage,
   errorComponent: PageError,

@@ -136,8 +136,11 @@ function view<T extends object>(read: (search: Search) => T): (search: Search) =
   return read;
 }
 
-/** Display units of every page, where they are not those that the user prefers. */
-export const unitsView = view((search) => ({
+/** Display units and print format of figures, where they are not those that the user prefers. */
+export const frameView = view((search) => ({
+  width_mm: number(search.width_mm),
+  height_mm: number(search.height_mm),
+  font_pt: number(search.font_pt),
   units: oneOf(search.units, UNIT_SYSTEMS),
   frequency_unit: oneOf(search.frequency_unit, FREQUENCY_UNITS),
 }));

@@ -1,14 +1,14 @@
 /** Display units: those of the address, else those that the user prefers. */
 import { useQuery } from "@tanstack/react-query";
 import { useSearch } from "@tanstack/react-router";
-import { useCallback, useMemo, useSyncExternalStore } from "react";
+import { useCallback, useMemo } from "react";
+import { storePreference, usePreference } from "./preference";
 import { displayUnitsQuery, sessionQuery } from "./queries";
 import { FREQUENCY_UNITS, UNIT_SYSTEMS, type DisplayUnits } from "./types";
 
 export const DEFAULT_UNITS: DisplayUnits = { units: "metric", frequency_unit: "Hz" };
 
 const KEY = "flexsid.units";
-const CHANGED = "flexsid-units";
 
 /** The units that are known among those that an address or the storage names. */
 function known(given: { units?: unknown; frequency_unit?: unknown }): Partial<DisplayUnits> {
@@ -18,43 +18,22 @@ function known(given: { units?: unknown; frequency_unit?: unknown }): Partial<Di
   };
 }
 
-function read(text: string): Partial<DisplayUnits> {
-  try {
-    const parsed: unknown = JSON.parse(text);
-    return typeof parsed === "object" && parsed !== null ? known(parsed) : {};
-  } catch {
-    return {}; // of an earlier release, or by hand
-  }
-}
-
-const stored = () => localStorage.getItem(KEY) ?? "";
-
 /** Stores the preference of a user without an account, in this browser. */
 export function storeUnits(units: DisplayUnits): void {
-  localStorage.setItem(KEY, JSON.stringify(units));
-  window.dispatchEvent(new Event(CHANGED));
-}
-
-function subscribe(changed: () => void) {
-  window.addEventListener(CHANGED, changed);
-  window.addEventListener("storage", changed);
-  return () => {
-    window.removeEventListener(CHANGED, changed);
-    window.removeEventListener("storage", changed);
-  };
+  storePreference(KEY, units);
 }
 
 /** The units that the user prefers: of the account, else of this browser. */
 export function usePreferredUnits(): DisplayUnits {
   const { data } = useQuery(sessionQuery);
-  const text = useSyncExternalStore(subscribe, stored);
+  const own = usePreference(KEY);
   return useMemo(() => {
-    const given = data?.units != null ? known(data) : read(text);
+    const given = data?.units != null ? known(data) : known(own);
     return {
       units: given.units ?? DEFAULT_UNITS.units,
       frequency_unit: given.frequency_unit ?? DEFAULT_UNITS.frequency_unit,
     };
-  }, [data, text]);
+  }, [data, own]);
 }
 
 /** The units of this address, else the preferred ones. */

@@ -20,6 +20,7 @@ import { FigureBoundary } from "./FigureBoundary";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 import { DownloadIcon } from "./icons";
 import { PlotlyCanvas } from "./PlotlyCanvas";
+import { PrintFigure, usePrintFormat } from "./PrintFigure";
 import { ProblemAlert } from "./ProblemAlert";
 
 interface Props extends FigureEvents {
@@ -49,9 +50,13 @@ export function Figure({ kind, params: given, title, height, revision, window, .
   const spec = figure.data;
   const note = (spec?.layout.meta as { note?: unknown } | undefined)?.note;
   const tall = height ?? (spec ? figureHeight(spec.layout) : 380);
-  const download = (format: "png" | "svg") => {
-    handle?.download(format, ["flexsid", kind, ...idsIn(params)].join("-"));
-  };
+  const [isPrinting, setPrinting] = useState(false);
+  const print = usePrintFormat();
+  const name = ["flexsid", kind, ...idsIn(params)].join("-");
+  const file = (format: "csv" | "mat" | "json", more: Record<string, QueryValue> = {}) => ({
+    href: address(`figures/${kind}`, { ...params, ...more, format }),
+    download: `${name}.${format}`,
+  });
 
   return (
     <section
@@ -82,35 +87,49 @@ export function Figure({ kind, params: given, title, height, revision, window, .
                 </Tooltip>
               </Menu.Target>
               <Menu.Dropdown>
-                <Menu.Item
-                  onClick={() => {
-                    download("png");
-                  }}
-                >
-                  PNG
-                </Menu.Item>
-                <Menu.Item
-                  onClick={() => {
-                    download("svg");
-                  }}
-                >
-                  SVG
-                </Menu.Item>
-                {(["csv", "mat", "json"] as const).map((format) => (
+                {(["png", "svg"] as const).map((format) => (
                   <Menu.Item
                     key={format}
-                    component="a"
-                    href={address(`figures/${kind}`, { ...params, format })}
-                    download={`${["flexsid", kind, ...idsIn(params)].join("-")}.${format}`}
+                    onClick={() => {
+                      handle?.download(format, name);
+                    }}
                   >
                     {format.toUpperCase()}
                   </Menu.Item>
                 ))}
+                {(["csv", "mat", "json"] as const).map((format) => (
+                  <Menu.Item key={format} component="a" {...file(format)}>
+                    {format.toUpperCase()}
+                  </Menu.Item>
+                ))}
+                <Menu.Divider />
+                <Menu.Item
+                  data-testid="print-figure"
+                  onClick={() => {
+                    setPrinting(true);
+                  }}
+                >
+                  Size, font and title …
+                </Menu.Item>
               </Menu.Dropdown>
             </Menu>
           )}
         </Group>
       </Group>
+      {isPrinting && (
+        <PrintFigure
+          name={title ?? kind}
+          onClose={() => {
+            setPrinting(false);
+          }}
+          onImage={(format, titled) => {
+            handle?.download(format, name, { format: print, title: titled });
+          }}
+          json={(titled) =>
+            file("json", { ...print, figure_title: titled === "" ? undefined : titled })
+          }
+        />
+      )}
       {typeof note === "string" && (
         <Text size="xs" className="quiet" mb={4}>
           {note}

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "react";
 import type { FigureSpec } from "../api/types";
 import { inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout";
+import { printedFigure } from "../lib/printFormat";
 import { followCursor } from "./linkedCursor";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 
@@ -85,14 +86,18 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
       });
       drawn.on("plotly_doubleclick", () => latest.current.onWindow?.(null));
       latest.current.onReady({
-        download: (format, filename) =>
-          void Plotly.downloadImage(target, {
-            format,
-            filename,
-            width: target.clientWidth,
-            height,
-            scale: format === "png" ? 2 : 1,
-          }),
+        download: (format, filename, print) => {
+          const screen = { width: target.clientWidth, height, layout: drawn.layout };
+          if (print === undefined) {
+            const scale = format === "png" ? 2 : 1;
+            void Plotly.downloadImage(target, { ...screen, format, filename, scale });
+            return;
+          }
+          const printed = printedFigure(structuredClone(spec), screen, print.format, print.title);
+          const { figure, width, scale } = printed;
+          const size = { width, height: printed.height, scale: format === "png" ? scale : 1 };
+          void Plotly.downloadImage(figure, { ...size, format, filename });
+        },
       });
     };
     draw().catch((error: unknown) => {

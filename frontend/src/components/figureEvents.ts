@@ -1,3 +1,5 @@
+import type { PrintFormat } from "../lib/printFormat";
+
 export interface FigureEvents {
   /** A point with an id was clicked. */
   onPick?: (id: number) => void;
@@ -8,5 +10,10 @@ export interface FigureEvents {
 }
 
 export interface PlotlyHandle {
-  download: (format: "png" | "svg", filename: string) => void;
+  /** Saves the figure as it is on the page, or in a format for print under a title. */
+  download: (
+    format: "png" | "svg",
+    filename: string,
+    print?: { format: PrintFormat; title: string },
+  ) => void;
 }

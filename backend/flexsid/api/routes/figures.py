@@ -14,8 +14,10 @@ from fastapi.responses import Response
 from flexsid.api.context import TheStore
 from flexsid.api.display_units import TheUnits
 from flexsid.api.export import FILES, Form, respond_with_figure
+from flexsid.api.print_format import ThePrintFormat
 from flexsid.display_units import show_in
 from flexsid.figure_table import FIGURES, FigureKind, draw_figure
+from flexsid.figures.print_format import set_print_format
 
 router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
 
@@ -29,10 +31,16 @@ class Figure:
 
 
 def _add_route(kind: FigureKind) -> None:
-    def respond(store: TheStore, parameters: Any, units: TheUnits, form: Form = "json") -> Response:
+    def respond(
+        store: TheStore,
+        parameters: Any,
+        units: TheUnits,
+        print_format: ThePrintFormat,
+        form: Form = "json",
+    ) -> Response:
         with show_in(units):
             spec = draw_figure(store, kind.name, **dict(parameters))
-        return respond_with_figure(spec, form)
+        return respond_with_figure(set_print_format(spec, print_format), form)
 
     respond.__annotations__["parameters"] = Annotated[kind.parameters, Query()]
     router.add_api_route(
