@@ -94,7 +94,13 @@ export function DataTable<Row>(props: Props<Row>) {
 }
 
 /** Copies the rows that are shown, tab-separated. */
-function CopyTable({ table, label }: { table: RefObject<HTMLTableElement | null>; label: string }) {
+export function CopyTable({
+  table,
+  label,
+}: {
+  table: RefObject<HTMLTableElement | null>;
+  label: string;
+}) {
   const [state, setState] = useState<"" | "copied" | "failed">("");
   const words = { "": "Copy table", copied: "Copied", failed: "The browser refused to copy" };
   return (

@@ -1,5 +1,6 @@
 import { UnstyledButton } from "@mantine/core";
 import { fixed } from "../lib/format";
+import { DataTable, numeric, type Column } from "./DataTable";
 
 interface Quality {
   output: string;
@@ -25,56 +26,61 @@ export function FitTable({
   onSelect,
   label = "Fit by output",
 }: Props) {
-  const of = (name: string) => quality.find((one) => one.output === name);
+  const columns: Column<{ name: string; value: number; quality?: Quality }>[] = [
+    {
+      key: "output",
+      header: "Output",
+      render: ({ name }) =>
+        onSelect === undefined ? (
+          name
+        ) : (
+          <UnstyledButton
+            fz="sm"
+            className="link"
+            aria-pressed={name === selected}
+            onClick={() => {
+              onSelect(name);
+            }}
+          >
+            {name}
+          </UnstyledButton>
+        ),
+    },
+    numeric("r2", "R²", (one) => fixed(one.value, 3)),
+    {
+      key: "bar",
+      header: "",
+      render: ({ value }) => (
+        <span className="fit-bar" aria-hidden="true">
+          <span style={{ width: `${100 * Math.max(0, Math.min(1, value))}%` }} />
+        </span>
+      ),
+    },
+    numeric(
+      "theil",
+      <span title="Theil's inequality coefficient: 0 is a perfect fit, 1 none">Theil</span>,
+      (one) => fixed(one.quality?.theil, 3),
+    ),
+    numeric(
+      "white",
+      <span title="Probability of as much correlation between frequencies for white residuals">
+        White
+      </span>,
+      (one) => fixed(one.quality?.whiteness, 2),
+    ),
+  ];
   return (
-    <table className="data-table" aria-label={label} data-testid="fit-table">
-      <thead>
-        <tr>
-          <th scope="col">Output</th>
-          <th scope="col" className="end">
-            R²
-          </th>
-          <th scope="col" aria-hidden="true" />
-          <th scope="col" className="end">
-            <span title="Theil's inequality coefficient: 0 is a perfect fit, 1 none">Theil</span>
-          </th>
-          <th scope="col" className="end">
-            <span title="Probability of as much correlation between frequencies for white residuals">
-              White
-            </span>
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {Object.entries(values).map(([name, value]) => (
-          <tr key={name} data-selected={name === selected}>
-            <td>
-              {onSelect === undefined ? (
-                name
-              ) : (
-                <UnstyledButton
-                  fz="sm"
-                  className="link"
-                  aria-pressed={name === selected}
-                  onClick={() => {
-                    onSelect(name);
-                  }}
-                >
-                  {name}
-                </UnstyledButton>
-              )}
-            </td>
-            <td className="end">{fixed(value, 3)}</td>
-            <td>
-              <span className="fit-bar" aria-hidden="true">
-                <span style={{ width: `${100 * Math.max(0, Math.min(1, value))}%` }} />
-              </span>
-            </td>
-            <td className="end">{fixed(of(name)?.theil, 3)}</td>
-            <td className="end">{fixed(of(name)?.whiteness, 2)}</td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <DataTable
+      label={label}
+      testId="fit-table"
+      columns={columns}
+      rows={Object.entries(values).map(([name, value]) => ({
+        name,
+        value,
+        quality: quality.find((one) => one.output === name),
+      }))}
+      rowKey={(one) => one.name}
+      isSelected={(one) => one.name === selected}
+    />
   );
 }

@@ -1,9 +1,10 @@
-import { SegmentedControl, Stack, Table, Text, TextInput } from "@mantine/core";
+import { SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { figureQuery } from "../api/queries";
 import { named } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { ChannelPicker } from "./ChannelPicker";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { useOfferedChannels } from "./useOfferedChannels";
@@ -80,6 +81,14 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
   );
 }
 
+const INFLATION: Column<{ name: string; factor: number | null | undefined }>[] = [
+  { key: "name", header: "Column", render: (one) => one.name },
+  numeric("factor", "Factor", ({ factor }) => {
+    const text = factor?.toFixed(2) ?? "–";
+    return (factor ?? Infinity) > 10 ? <strong>{text}</strong> : text;
+  }),
+];
+
 /** Variance inflation of every column, from the response of the figure. */
 function Inflation({ params }: { params: Parameters<typeof figureQuery>[1] }) {
   const figure = useQuery(figureQuery("plot-matrix", params));
@@ -94,18 +103,14 @@ function Inflation({ params }: { params: Parameters<typeof figureQuery>[1] }) {
       <Text size="xs" className="quiet numbers">
         Condition number {meta.condition === null ? "infinite" : meta.condition?.toFixed(1)}
       </Text>
-      <Table className="numbers" fz="xs">
-        <Table.Tbody>
-          {meta.names.map((name, index) => (
-            <Table.Tr key={name}>
-              <Table.Td>{name}</Table.Td>
-              <Table.Td ta="right" fw={(factors[index] ?? Infinity) > 10 ? 700 : undefined}>
-                {factors[index]?.toFixed(2) ?? "–"}
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </Table>
+      <div className="panel">
+        <DataTable
+          label="Variance inflation"
+          columns={INFLATION}
+          rows={meta.names.map((name, index) => ({ name, factor: factors[index] }))}
+          rowKey={(one) => one.name}
+        />
+      </div>
     </div>
   );
 }

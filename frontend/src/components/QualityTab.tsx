@@ -9,6 +9,7 @@ import { count, fixed, percent, significant } from "../lib/format";
 import { overFrequency } from "../lib/band";
 import { BandBar } from "./BandBar";
 import { ConditioningSteps } from "./ConditioningSteps";
+import { DataTable, numeric, type Column } from "./DataTable";
 import { Facts } from "./ConditionFacts";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
@@ -19,6 +20,16 @@ import { QualitySurfaces } from "./QualitySurfaces";
 import { Section } from "./Section";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 import { VERDICT_COLORS } from "./VerdictBadge";
+
+const AVERAGES: Column<ManeuverQuality["report"]["condition"]["averages"][number]>[] = [
+  { key: "name", header: "Channel", render: (one) => one.name },
+  numeric("mean", "Mean", (one) => significant(one.mean)),
+  numeric("spread", "Spread", (one) => significant(one.std)),
+  numeric("smallest", "Smallest", (one) => significant(one.smallest)),
+  numeric("largest", "Largest", (one) => significant(one.largest)),
+  numeric("drift", "Drift", (one) => significant(one.drift)),
+  { key: "unit", header: "Unit", render: (one) => one.unit },
+];
 
 const TITLES = {
   good: "Good",
@@ -207,34 +218,12 @@ function Condition({ quality }: { quality: ManeuverQuality }) {
         ]}
       />
       {condition.averages.length > 0 && (
-        <div className="table-scroll">
-          <table className="data-table" aria-label="Averages">
-            <thead>
-              <tr>
-                <th scope="col">Channel</th>
-                {["Mean", "Spread", "Smallest", "Largest", "Drift"].map((name) => (
-                  <th scope="col" className="end" key={name}>
-                    {name}
-                  </th>
-                ))}
-                <th scope="col">Unit</th>
-              </tr>
-            </thead>
-            <tbody>
-              {condition.averages.map((one) => (
-                <tr key={one.name}>
-                  <td>{one.name}</td>
-                  {[one.mean, one.std, one.smallest, one.largest, one.drift].map((value, index) => (
-                    <td className="end numbers" key={index}>
-                      {significant(value)}
-                    </td>
-                  ))}
-                  <td>{one.unit}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <DataTable
+          label="Averages"
+          columns={AVERAGES}
+          rows={condition.averages}
+          rowKey={(one) => one.name}
+        />
       )}
     </Stack>
   );

@@ -10,6 +10,7 @@ import {
   type DerivativeState,
   type States,
 } from "../lib/structure";
+import { CopyTable } from "./DataTable";
 import { CoefficientName, VariableName } from "./DerivativeName";
 
 interface Props {
@@ -177,6 +178,7 @@ export function StructureGrid(props: Props) {
           </tbody>
         </table>
       </div>
+      <CopyTable table={grid} label="Derivatives" />
       <Group gap="sm" mt="xs">
         <Text size="xs" className="quiet numbers" data-testid="free-count">
           {count.free} of {all.length} free, {count.fixed} fixed, {count.absent} absent

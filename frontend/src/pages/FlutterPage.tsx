@@ -6,7 +6,6 @@ import {
   SegmentedControl,
   Select,
   Stack,
-  Table,
   Text,
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
@@ -22,6 +21,7 @@ import type { QueryValue } from "../api/client";
 import type { Flutter } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { DerivedRuns } from "../components/DerivedRuns";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { ApprovedModelNote } from "../components/ApprovedModelNote";
@@ -36,10 +36,10 @@ import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { StoredPredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
-import { Quantity, UnitName, WithInterval } from "../components/Quantity";
+import { quantity, UnitName, WithInterval } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
-import { fixed, percent } from "../lib/format";
+import { fixed, hertz, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { FlutterView } from "../views";
 
@@ -400,99 +400,90 @@ function describeUnmodelledModes(one: Flutter["structures"][number]): string {
 }
 
 function Structures({ result }: { result: Flutter }) {
+  const columns: Column<Flutter["structures"][number]>[] = [
+    {
+      key: "modes",
+      header: "Modes estimated",
+      render: (one) => {
+        const modes = one.modes.join(" ") || "rigid body only";
+        return one.preferred ? <strong>{modes}</strong> : modes;
+      },
+    },
+    { key: "others", header: "Other modes", wraps: true, render: describeUnmodelledModes },
+    numeric("runs", "Runs", (one) => one.run_ids.length),
+    FLUTTER,
+    quantity(
+      "frequency",
+      "Frequency",
+      ({ frequency_rad_s: omega }) => omega && hertz(omega),
+      "Hz",
+      3,
+    ),
+  ];
   return (
-    <Table className="numbers" fz="sm" data-testid="structures">
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th>Modes estimated</Table.Th>
-          <Table.Th>Other modes</Table.Th>
-          <Table.Th ta="right">Runs</Table.Th>
-          <Table.Th ta="right">
-            Flutter ±2σ [<UnitName unit="m/s" />]
-          </Table.Th>
-          <Table.Th ta="right">Frequency [rad/s]</Table.Th>
-        </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {result.structures.map((one) => (
-          <Table.Tr
-            key={[one.run_ids, one.modes, one.held_modes, one.source].join("; ")}
-            fw={one.preferred ? 600 : undefined}
-          >
-            <Table.Td>{one.modes.join(" ") || "rigid body only"}</Table.Td>
-            <Table.Td>{describeUnmodelledModes(one)}</Table.Td>
-            <Table.Td ta="right">{one.run_ids.length}</Table.Td>
-            <Table.Td ta="right">
-              {one.airspeed_m_s === null ? (
-                one.sentence
-              ) : (
-                <WithInterval
-                  value={one.airspeed_m_s}
-                  std={one.airspeed_std_m_s ?? 0}
-                  unit="m/s"
-                  decimals={2}
-                />
-              )}
-            </Table.Td>
-            <Table.Td ta="right">{fixed(one.frequency_rad_s, 2)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
-    </Table>
+    <DataTable
+      label="Flutter by modes estimated"
+      testId="structures"
+      columns={columns}
+      rows={result.structures}
+      rowKey={(one) => [one.run_ids, one.modes, one.held_modes, one.source].join("; ")}
+    />
   );
 }
 
+/** The flutter speed with its interval, or why there is none. */
+const FLUTTER: Column<{
+  airspeed_m_s: number | null;
+  airspeed_std_m_s: number | null;
+  sentence: string;
+}> = {
+  key: "flutter",
+  header: "Flutter ±2σ",
+  unit: <UnitName unit="m/s" />,
+  numeric: true,
+  render: (one) =>
+    one.airspeed_m_s === null ? (
+      one.sentence
+    ) : (
+      <WithInterval
+        value={one.airspeed_m_s}
+        std={one.airspeed_std_m_s ?? 0}
+        unit="m/s"
+        decimals={2}
+      />
+    ),
+};
+
 function Runs({ result }: { result: Flutter }) {
+  const columns: Column<Flutter["runs"][number]>[] = [
+    {
+      key: "run",
+      header: "Run",
+      render: (run) => (
+        <Link to="/runs/$id" params={{ id: run.run_id }} className="link">
+          {run.run_id}
+        </Link>
+      ),
+    },
+    { key: "maneuver", header: "Maneuver", render: (run) => run.label },
+    quantity("airspeed", "Airspeed", (run) => run.tested_m_s, "m/s", 1),
+    FLUTTER,
+    numeric("separation", "Separation", (run) => fixed(run.separation, 2)),
+    {
+      key: "adequacy",
+      header: "Model adequacy",
+      render: (run) => <AdequacyBadge state={run.adequacy} />,
+    },
+  ];
   return (
-    <Table.ScrollContainer minWidth={420} mah={360} type="native">
-      <Table className="numbers" fz="sm" data-testid="flutter-each-run">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Run</Table.Th>
-            <Table.Th>Maneuver</Table.Th>
-            <Table.Th ta="right">
-              Airspeed [<UnitName unit="m/s" />]
-            </Table.Th>
-            <Table.Th ta="right">
-              Flutter ±2σ [<UnitName unit="m/s" />]
-            </Table.Th>
-            <Table.Th ta="right">Separation</Table.Th>
-            <Table.Th>Model adequacy</Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {result.runs.map((run) => (
-            <Table.Tr key={run.run_id}>
-              <Table.Td>
-                <Link to="/runs/$id" params={{ id: run.run_id }} className="link">
-                  {run.run_id}
-                </Link>
-              </Table.Td>
-              <Table.Td>{run.label}</Table.Td>
-              <Table.Td ta="right">
-                <Quantity value={run.tested_m_s} unit="m/s" decimals={1} />
-              </Table.Td>
-              <Table.Td ta="right">
-                {run.airspeed_m_s === null ? (
-                  run.sentence
-                ) : (
-                  <WithInterval
-                    value={run.airspeed_m_s}
-                    std={run.airspeed_std_m_s ?? 0}
-                    unit="m/s"
-                    decimals={2}
-                  />
-                )}
-              </Table.Td>
-              <Table.Td ta="right">{fixed(run.separation, 2)}</Table.Td>
-              <Table.Td>
-                <AdequacyBadge state={run.adequacy} />
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </Table>
-    </Table.ScrollContainer>
+    <DataTable
+      label="Flutter by run"
+      testId="flutter-each-run"
+      columns={columns}
+      rows={result.runs}
+      rowKey={(run) => run.run_id}
+      maxHeight={360}
+    />
   );
 }
 
@@ -500,87 +491,59 @@ const plusMinus = (value: number, std: number, decimals: number, scale = 1) =>
   `${fixed(scale * value, decimals)} ± ${fixed(2 * scale * std, decimals)}`;
 
 function Equivalents({ result }: { result: Flutter }) {
+  const columns: Column<Flutter["equivalents"][number]>[] = [
+    { key: "mode", header: "Mode", render: (one) => one.name },
+    quantity("table", "Modal table", (one) => one.table_hz, "Hz", 3),
+    {
+      key: "frequency",
+      header: "Frequency ±2σ",
+      unit: <UnitName unit="Hz" />,
+      numeric: true,
+      render: (one) => (
+        <WithInterval value={one.frequency_hz} std={one.frequency_std_hz} unit="Hz" decimals={3} />
+      ),
+    },
+    numeric(
+      "damping",
+      "Damping ±2σ",
+      (one) => plusMinus(one.damping, one.damping_std, 2, 100),
+      "%",
+    ),
+    numeric("stiffness", "CQη", (one) =>
+      plusMinus(one.stiffness_derivative, one.stiffness_derivative_std, 4),
+    ),
+    numeric("rate", "CQη̇", (one) =>
+      plusMinus(one.damping_derivative, one.damping_derivative_std, 4),
+    ),
+  ];
   return (
-    <>
-      <Table className="numbers" fz="sm" data-testid="equivalents">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Mode</Table.Th>
-            <Table.Th ta="right">
-              Modal table [<UnitName unit="Hz" />]
-            </Table.Th>
-            <Table.Th ta="right">
-              Frequency [<UnitName unit="Hz" />]
-            </Table.Th>
-            <Table.Th ta="right">Damping [%]</Table.Th>
-            <Table.Th ta="right">CQη</Table.Th>
-            <Table.Th ta="right">CQη̇</Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {result.equivalents.map((line) => (
-            <Table.Tr key={line.mode}>
-              <Table.Td>{line.name}</Table.Td>
-              <Table.Td ta="right">
-                <Quantity value={line.table_hz} unit="Hz" decimals={3} />
-              </Table.Td>
-              <Table.Td ta="right">
-                <WithInterval
-                  value={line.frequency_hz}
-                  std={line.frequency_std_hz}
-                  unit="Hz"
-                  decimals={3}
-                />
-              </Table.Td>
-              <Table.Td ta="right">{plusMinus(line.damping, line.damping_std, 2, 100)}</Table.Td>
-              <Table.Td ta="right">
-                {plusMinus(line.stiffness_derivative, line.stiffness_derivative_std, 4)}
-              </Table.Td>
-              <Table.Td ta="right">
-                {plusMinus(line.damping_derivative, line.damping_derivative_std, 4)}
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </Table>
-    </>
+    <DataTable
+      label="Equivalent frequency and damping"
+      testId="equivalents"
+      columns={columns}
+      rows={result.equivalents}
+      rowKey={(one) => one.mode}
+    />
   );
 }
 
 function Methods({ result }: { result: Flutter }) {
+  const before = {
+    name: "Prediction before flight",
+    airspeed_m_s: result.predicted_flutter_m_s,
+    sentence: "",
+  };
+  const columns: Column<typeof before>[] = [
+    { key: "method", header: "Method", render: (one) => one.name },
+    quantity("flutter", "Flutter", (one) => one.airspeed_m_s, "m/s", 2),
+    { key: "basis", header: "Basis", wraps: true, render: (one) => one.sentence },
+  ];
   return (
-    <Table className="numbers" fz="sm">
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th>Method</Table.Th>
-          <Table.Th ta="right">
-            Flutter [<UnitName unit="m/s" />]
-          </Table.Th>
-          <Table.Th>Basis</Table.Th>
-        </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {result.trackers.map((tracker) => (
-          <Table.Tr key={tracker.name}>
-            <Table.Td>{tracker.name}</Table.Td>
-            <Table.Td ta="right">
-              <Quantity value={tracker.airspeed_m_s} unit="m/s" decimals={2} />
-            </Table.Td>
-            <Table.Td>
-              <Text size="sm" className="quiet">
-                {tracker.sentence}
-              </Text>
-            </Table.Td>
-          </Table.Tr>
-        ))}
-        <Table.Tr>
-          <Table.Td>Prediction before flight</Table.Td>
-          <Table.Td ta="right">
-            <Quantity value={result.predicted_flutter_m_s} unit="m/s" decimals={2} />
-          </Table.Td>
-          <Table.Td />
-        </Table.Tr>
-      </Table.Tbody>
-    </Table>
+    <DataTable
+      label="Flutter by classical methods"
+      columns={columns}
+      rows={[...result.trackers, before]}
+      rowKey={(one) => one.name}
+    />
   );
 }

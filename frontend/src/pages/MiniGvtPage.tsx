@@ -1,18 +1,21 @@
-import { Alert, Table } from "@mantine/core";
+import { Alert } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { groundTestQuery, groundTestsQuery } from "../api/queries";
 import type { GroundTest } from "../api/types";
+import { DataTable, numeric, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { GroundTestAlarm } from "../components/GroundTestAlarm";
 import { Figure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
-import { Quantity, UnitName } from "../components/Quantity";
+import { quantity, Quantity, UnitName } from "../components/Quantity";
 import { PageHead } from "../components/PageHead";
 import { Section } from "../components/Section";
 import { percent } from "../lib/format";
 
 const route = getRouteApi("/flights/$id/mini-gvt");
+
+type Peak = GroundTest["peaks"][number];
 
 const LOOKS = {
   healthy: { color: "green", title: "Change explained by fuel" },
@@ -88,52 +91,56 @@ function OneTest({ test }: { test: GroundTest }) {
 }
 
 function PeakTable({ test }: { test: GroundTest }) {
+  const columns: Column<Peak>[] = [
+    { key: "mode", header: "Mode", render: (peak) => peak.name },
+    quantity("before", "Before", (peak) => peak.before_hz, "Hz", 3),
+    {
+      key: "after",
+      header: "After",
+      unit: <UnitName unit="Hz" />,
+      numeric: true,
+      render: (peak) =>
+        peak.after_hz === null ? (
+          "not found"
+        ) : (
+          <Quantity value={peak.after_hz} unit="Hz" decimals={3} />
+        ),
+    },
+    numeric("change", "Change", (peak) => percent(peak.change, 2), "%"),
+    numeric("fuel", "Explained by fuel", (peak) => percent(peak.explained, 2), "%"),
+    numeric(
+      "residual",
+      "Residual ±2σ",
+      (peak) => {
+        const std = peak.unexplained_std;
+        const text = percent(peak.unexplained, 2);
+        const whole = std === null ? text : `${text} ± ${percent(2 * std, 2)}`;
+        return peak.verdict === "alarm" ? <strong>{whole}</strong> : whole;
+      },
+      "%",
+    ),
+    numeric("amplitude", "Amplitude", (peak) => percent(peak.amplitude_change), "%"),
+    numeric("damping", "Explained by damping", (peak) => percent(peak.amplitude_explained), "%"),
+  ];
   return (
-    <Table className="numbers" fz="sm">
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th>Mode</Table.Th>
-          <Table.Th ta="right">
-            Before [<UnitName unit="Hz" />]
-          </Table.Th>
-          <Table.Th ta="right">
-            After [<UnitName unit="Hz" />]
-          </Table.Th>
-          <Table.Th ta="right">Change [%]</Table.Th>
-          <Table.Th ta="right">Explained by fuel [%]</Table.Th>
-          <Table.Th ta="right">Residual ±2σ [%]</Table.Th>
-          <Table.Th ta="right">Amplitude [%]</Table.Th>
-          <Table.Th ta="right">Explained by damping [%]</Table.Th>
-        </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {test.peaks.map((peak) => (
-          <Table.Tr key={peak.mode}>
-            <Table.Td>{peak.name}</Table.Td>
-            <Table.Td ta="right">
-              <Quantity value={peak.before_hz} unit="Hz" decimals={3} />
-            </Table.Td>
-            <Table.Td ta="right">
-              {peak.after_hz === null ? (
-                "not found"
-              ) : (
-                <Quantity value={peak.after_hz} unit="Hz" decimals={3} />
-              )}
-            </Table.Td>
-            <Table.Td ta="right">{percent(peak.change, 2)}</Table.Td>
-            <Table.Td ta="right">{percent(peak.explained, 2)}</Table.Td>
-            <Table.Td ta="right" fw={peak.verdict === "alarm" ? 700 : undefined}>
-              {percent(peak.unexplained, 2)}
-              {peak.unexplained_std !== null && ` ± ${percent(2 * peak.unexplained_std, 2)}`}
-            </Table.Td>
-            <Table.Td ta="right">{percent(peak.amplitude_change)}</Table.Td>
-            <Table.Td ta="right">{percent(peak.amplitude_explained)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
-    </Table>
+    <DataTable label="Peaks" columns={columns} rows={test.peaks} rowKey={(peak) => peak.mode} />
   );
 }
+
+const TRACKED: Column<{ test: GroundTest; peak: Peak }>[] = [
+  {
+    key: "flight",
+    header: "Flight",
+    render: ({ test }) => (
+      <Link to="/flights/$id/mini-gvt" params={{ id: test.flight_id }} className="link">
+        Flight {test.flight_number}
+      </Link>
+    ),
+  },
+  { key: "mode", header: "Mode", render: ({ peak }) => peak.name },
+  numeric("residual", "Residual", ({ peak }) => percent(peak.unexplained, 2), "%"),
+  { key: "verdict", header: "Verdict", render: ({ peak }) => peak.verdict },
+];
 
 /** Frequency change of each mode that fuel does not explain, by flight. */
 function Tracked() {
@@ -147,36 +154,12 @@ function Tracked() {
               Import a flight with records on the runway before and after it.
             </Empty>
           ) : (
-            <Table className="numbers" fz="sm">
-              <Table.Thead>
-                <Table.Tr>
-                  <Table.Th>Flight</Table.Th>
-                  <Table.Th>Mode</Table.Th>
-                  <Table.Th ta="right">Residual [%]</Table.Th>
-                  <Table.Th>Verdict</Table.Th>
-                </Table.Tr>
-              </Table.Thead>
-              <Table.Tbody>
-                {items.flatMap((test) =>
-                  test.peaks.map((peak) => (
-                    <Table.Tr key={`${test.flight_id} ${peak.mode}`}>
-                      <Table.Td>
-                        <Link
-                          to="/flights/$id/mini-gvt"
-                          params={{ id: test.flight_id }}
-                          className="link"
-                        >
-                          Flight {test.flight_number}
-                        </Link>
-                      </Table.Td>
-                      <Table.Td>{peak.name}</Table.Td>
-                      <Table.Td ta="right">{percent(peak.unexplained, 2)}</Table.Td>
-                      <Table.Td>{peak.verdict}</Table.Td>
-                    </Table.Tr>
-                  )),
-                )}
-              </Table.Tbody>
-            </Table>
+            <DataTable
+              label="Residual frequency changes"
+              columns={TRACKED}
+              rows={items.flatMap((test) => test.peaks.map((peak) => ({ test, peak })))}
+              rowKey={({ test, peak }) => `${test.flight_id} ${peak.mode}`}
+            />
           )
         }
       </Loaded>

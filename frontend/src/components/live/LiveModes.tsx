@@ -1,8 +1,9 @@
-import { useMemo } from "react";
+import { useMemo, useRef } from "react";
 import { useComputedColorScheme } from "@mantine/core";
 import type { LiveMode, LiveState } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
 import { trackModes } from "../../lib/live/tracks";
+import { CopyTable } from "../DataTable";
 import { Empty } from "../Empty";
 import { Section } from "../Section";
 import { MODE_COLORS, TrackPlot } from "./TrackPlot";
@@ -18,6 +19,7 @@ interface Props {
 
 /** Frequency and damping of every mode: the last estimate in large digits, and all of them. */
 export function LiveModes({ states, modes, recent, reason }: Props) {
+  const table = useRef<HTMLTableElement>(null);
   const scheme = useComputedColorScheme("light");
   const damping = useMemo(() => trackModes(states, "damping"), [states]);
   const frequency = useMemo(() => trackModes(states, "frequency"), [states]);
@@ -33,7 +35,7 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
       ) : (
         <>
           <div className="table-scroll" role="region" aria-label="Modes" tabIndex={0}>
-            <table className="live-modes numbers" data-testid="live-modes">
+            <table ref={table} className="live-modes numbers" data-testid="live-modes">
               <thead>
                 <tr>
                   <th scope="col">Mode</th>
@@ -74,6 +76,7 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
               </tbody>
             </table>
           </div>
+          <CopyTable table={table} label="Modes" />
           <h3 className="live-caption">
             Damping ratio over time; the aircraft is unstable below zero
           </h3>

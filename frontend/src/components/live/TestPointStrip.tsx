@@ -4,6 +4,7 @@ import { useAnalyst } from "../../api/analyst";
 import { useDecideTestPoint } from "../../api/commands";
 import type { LiveState, LiveTestPoint } from "../../api/types";
 import { fixed } from "../../lib/format";
+import { DataTable, type Column } from "../DataTable";
 import { ProblemAlert } from "../ProblemAlert";
 
 const STEPS = ["Planned", "Flying", "Recorded", "Accepted", "Repeat"] as const;
@@ -41,80 +42,87 @@ export function TestPointStrip({ phase, last }: Props) {
 export function TestPoints({ points }: { points: readonly LiveTestPoint[] }) {
   const name = useAnalyst();
   const decide = useDecideTestPoint();
+  const columns: Column<LiveTestPoint>[] = [
+    {
+      key: "time",
+      header: "Time",
+      unit: "s",
+      render: (point) => `${fixed(point.start_s, 1)} to ${fixed(point.stop_s, 1)}`,
+    },
+    {
+      key: "maneuver",
+      header: "Maneuver",
+      wraps: true,
+      render: (point) =>
+        point.maneuver_id === null ? (
+          point.message || "not stored"
+        ) : (
+          <Link
+            to="/maneuvers/$id"
+            params={{ id: point.maneuver_id }}
+            className="link"
+            data-testid="stored-maneuver"
+          >
+            Maneuver {point.maneuver_id}
+          </Link>
+        ),
+    },
+    {
+      key: "run",
+      header: "Run",
+      render: (point) =>
+        point.run_id === null ? (
+          "–"
+        ) : (
+          <Link to="/runs/$id" params={{ id: point.run_id }} className="link">
+            Run {point.run_id}
+          </Link>
+        ),
+    },
+    {
+      key: "status",
+      header: "Status",
+      render: (point) => (
+        <>
+          {OF_STATUS[point.status]}
+          {point.author !== "" && <span className="quiet"> by {point.author}</span>}
+        </>
+      ),
+    },
+    {
+      key: "decision",
+      header: "Decision",
+      render: (point) =>
+        name === "" ? (
+          <span className="quiet">Set your name to decide</span>
+        ) : (
+          (["accepted", "repeat"] as const).map((status) => (
+            <Button
+              key={status}
+              mr={6}
+              variant="default"
+              disabled={point.status === status}
+              loading={decide.isPending && decide.variables.id === point.id}
+              data-testid={`decide-${status}`}
+              onClick={() => {
+                decide.mutate({ id: point.id, status });
+              }}
+            >
+              {status === "accepted" ? "Accept" : "Repeat"}
+            </Button>
+          ))
+        ),
+    },
+  ];
   return (
     <>
-      <div className="table-scroll" role="region" aria-label="Test points" tabIndex={0}>
-        <table className="data-table" aria-label="Test points" data-testid="test-points">
-          <thead>
-            <tr>
-              <th scope="col">
-                Time <span className="unit">[s]</span>
-              </th>
-              <th scope="col">Maneuver</th>
-              <th scope="col">Run</th>
-              <th scope="col">Status</th>
-              <th scope="col">Decision</th>
-            </tr>
-          </thead>
-          <tbody>
-            {[...points].reverse().map((point) => (
-              <tr key={point.id}>
-                <td>
-                  {fixed(point.start_s, 1)} to {fixed(point.stop_s, 1)}
-                </td>
-                <td className="wraps">
-                  {point.maneuver_id === null ? (
-                    point.message || "not stored"
-                  ) : (
-                    <Link
-                      to="/maneuvers/$id"
-                      params={{ id: point.maneuver_id }}
-                      className="link"
-                      data-testid="stored-maneuver"
-                    >
-                      Maneuver {point.maneuver_id}
-                    </Link>
-                  )}
-                </td>
-                <td>
-                  {point.run_id === null ? (
-                    "–"
-                  ) : (
-                    <Link to="/runs/$id" params={{ id: point.run_id }} className="link">
-                      Run {point.run_id}
-                    </Link>
-                  )}
-                </td>
-                <td>
-                  {OF_STATUS[point.status]}
-                  {point.author !== "" && <span className="quiet"> by {point.author}</span>}
-                </td>
-                <td>
-                  {name === "" ? (
-                    <span className="quiet">Set your name to decide</span>
-                  ) : (
-                    (["accepted", "repeat"] as const).map((status) => (
-                      <Button
-                        key={status}
-                        mr={6}
-                        variant="default"
-                        disabled={point.status === status}
-                        loading={decide.isPending && decide.variables.id === point.id}
-                        data-testid={`decide-${status}`}
-                        onClick={() => {
-                          decide.mutate({ id: point.id, status });
-                        }}
-                      >
-                        {status === "accepted" ? "Accept" : "Repeat"}
-                      </Button>
-                    ))
-                  )}
-                </td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <DataTable
+        label="Test points"
+        testId="test-points"
+        columns={columns}
+        rows={[...points].reverse()}
+        rowKey={(point) => point.id}
+      />
       {decide.isError && <ProblemAlert error={decide.error} />}
     </>
   );
