@@ -23,8 +23,13 @@ from flexsid.storage.tables import audit_events
 
 _LOCK = 0x666C6175  # any number not used by other advisory locks
 _MOST_IDS = 100
-# Named by their content, or not what an account has changed.
-_OMITTED = frozenset({"arrays", "leases", "looks", "job_events", "login_failures", "audit_events"})
+# Named by their content, copied from what is recorded, or not what an account has changed.
+_OMITTED = frozenset(
+    {
+        *("arrays", "leases", "looks", "job_events", "login_failures", "audit_events"),
+        "run_summaries",
+    }
+)
 _changes: ContextVar[list[Change] | None] = ContextVar("changes", default=None)
 
 
