@@ -1,7 +1,7 @@
 import { Alert } from "@mantine/core";
 import type { PredictedFlutter as Result } from "../api/types";
 import type { useStoredResult } from "../api/useStoredResult";
-import { fixed, percent } from "../lib/format";
+import { fixed, hertz, percent } from "../lib/format";
 import { ComputeButton } from "./ComputeButton";
 import { Facts } from "./ConditionFacts";
 import { JobWait } from "./JobWait";
@@ -60,7 +60,12 @@ function PredictedFlutter({ result }: { result: Result }) {
             2,
           ),
           quantityFact("Rational functions", result.rational_airspeed_m_s, "m/s", 2),
-          ["Frequency", fixed(result.frequency_rad_s, 2), "rad/s"],
+          quantityFact(
+            "Frequency",
+            result.frequency_rad_s === null ? null : hertz(result.frequency_rad_s),
+            "Hz",
+            3,
+          ),
           ["Reduced frequency", fixed(result.reduced_frequency, 3)],
           ["Fuel", percent(result.fuel_fraction), "%"],
           quantityFact("Air density", result.density_kg_m3, "kg/m3", 3),

@@ -1,7 +1,8 @@
 import { useMemo, useRef } from "react";
 import { useComputedColorScheme } from "@mantine/core";
+import { useConversion } from "../../api/units";
 import type { LiveMode, LiveState } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { converted, hertz, percent } from "../../lib/format";
 import { trackModes } from "../../lib/live/tracks";
 import { CopyTable } from "../DataTable";
 import { Empty } from "../Empty";
@@ -22,7 +23,8 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
   const table = useRef<HTMLTableElement>(null);
   const scheme = useComputedColorScheme("light");
   const damping = useMemo(() => trackModes(states, "damping"), [states]);
-  const frequency = useMemo(() => trackModes(states, "frequency"), [states]);
+  const { name: unit, factor } = useConversion()("Hz");
+  const frequency = useMemo(() => trackModes(states, "frequency", hertz(factor)), [states, factor]);
   const order = damping.tracks.map((track) => track.name);
   const colorOf = (name: string) => MODE_COLORS[scheme][order.indexOf(name) % 6];
   return (
@@ -43,7 +45,7 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
                     Damping ratio <span className="unit">[%]</span>
                   </th>
                   <th scope="col">
-                    Frequency <span className="unit">[rad/s]</span>
+                    Frequency <span className="unit">[{unit}]</span>
                   </th>
                   <th scope="col">
                     Unstable <span className="unit">[%]</span>
@@ -67,8 +69,12 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
                       <Recent mode={recent.find((one) => one.name === mode.name)} />
                     </td>
                     <td className="live-digits">
-                      {fixed(mode.frequency, 2)}
-                      <Interval>{interval(mode.frequency_std, 2)}</Interval>
+                      {converted(hertz(mode.frequency), factor, 3)}
+                      <Interval>
+                        {mode.frequency_std === null
+                          ? "unknown"
+                          : converted(2 * hertz(mode.frequency_std), factor, 3)}
+                      </Interval>
                     </td>
                     <td className="live-digits">{percent(mode.instability_probability)}</td>
                   </tr>
@@ -86,9 +92,9 @@ export function LiveModes({ states, modes, recent, reason }: Props) {
             tracks={damping}
             zero
           />
-          <h3 className="live-caption">Frequency [rad/s] over time</h3>
+          <h3 className="live-caption">Frequency [{unit}] over time</h3>
           <TrackPlot
-            label="Frequency of every mode [rad/s] over time, with intervals of 2 standard errors"
+            label={`Frequency of every mode [${unit}] over time, with intervals of 2 standard errors`}
             height={170}
             tracks={frequency}
           />
@@ -111,8 +117,5 @@ function Recent({ mode }: { mode: LiveMode | undefined }) {
 function Interval({ children }: { children: string }) {
   return <span className="live-interval"> ± {children}</span>;
 }
-
-const interval = (std: number | null, decimals: number) =>
-  std === null ? "unknown" : fixed(2 * std, decimals);
 
 const percentInterval = (std: number | null) => (std === null ? "unknown" : percent(2 * std, 1));

@@ -26,8 +26,12 @@ export interface Tracks {
   tracks: Track[];
 }
 
-/** Values of every mode at the times of all estimates that converged. */
-export function trackModes(states: readonly State[], quantity: "damping" | "frequency"): Tracks {
+/** Values of every mode, times a factor, at the times of all estimates that converged. */
+export function trackModes(
+  states: readonly State[],
+  quantity: "damping" | "frequency",
+  factor = 1,
+): Tracks {
   const estimates = states.flatMap(({ estimate }) => (estimate?.converged ? [estimate] : []));
   const names = new Set(estimates.flatMap(({ modes }) => modes.map((mode) => mode.name)));
   return {
@@ -38,7 +42,7 @@ export function trackModes(states: readonly State[], quantity: "damping" | "freq
         found.map((mode) => {
           const std = mode?.[`${quantity}_std`];
           if (mode === undefined || (sigmas !== 0 && std == null)) return null;
-          return mode[quantity] + sigmas * (std ?? 0);
+          return factor * (mode[quantity] + sigmas * (std ?? 0));
         });
       return { name, values: at(0), low: at(-2), high: at(2) };
     }),
