@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,14 @@ from fastapi.testclient import TestClient
 
 from flexsid.api.app import create_app
 from flexsid.cli.main import main
+from flexsid.jobs import kinds
+from flexsid.jobs.inline import execute_request
 from flexsid.settings import Settings
+from flexsid.storage.store import Store
+from flexsid.workflow.review.printed_reports import ReportRequest
+
+_WHO = {"X-Flexsid-Analyst": "Ann"}
+_PDF = b"%PDF-1.4 stub"
 
 
 def test_reports_are_sandboxed_html(client: TestClient) -> None:
@@ -26,13 +34,43 @@ def test_reports_are_sandboxed_html(client: TestClient) -> None:
     assert client.get("/api/v1/reports/run/99").status_code == 404
 
 
+def test_a_report_is_printed_by_one_job_and_stored(
+    client: TestClient, flown_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    address = "/api/v1/reports/run/1"
+    assert client.get(f"{address}?format=pdf").json()["code"] == "not-computed"
+    begun = client.post(address)
+    assert begun.status_code == 202, begun.text
+    job = begun.json()
+    assert (job["kind"], job["title"]) == ("report", "Equation error, run 1")
+    waiting = client.get(f"{address}?format=pdf")
+    if waiting.status_code == 409:  # it is queued or running
+        assert waiting.json()["code"] == "not-ready"
+    store = Store.open(flown_url)
+    monkeypatch.setattr(kinds, "REPORT", replace(kinds.REPORT, compute=lambda task, report: _PDF))
+    requested = ReportRequest(**job["request"])
+    client.post(f"/api/v1/jobs/{job['id']}/cancel")
+    other = execute_request(store, kinds.REPORT, requested, lambda progress: None)
+    store.close()
+    again = client.post(address).json()
+    assert (again["id"], again["state"]) == (other.id, "succeeded"), "printed again"
+    for stored in (f"{address}?format=pdf", f"/api/v1/reports/files/{other.id}"):
+        response = client.get(stored)
+        assert response.headers["content-type"] == "application/pdf"
+        assert response.content.startswith(_PDF + b"\n%flexsid-signature")
+    assert client.get(f"/api/v1/reports/files/{job['id']}").status_code == 404
+    # The report of changed data is another.
+    note = {"subject": "run", "key": "1", "text": "Checked."}
+    assert client.post("/api/v1/notes", json=note, headers=_WHO).status_code == 201
+    assert client.get(f"{address}?format=pdf").json()["code"] == "not-computed"
+
+
 def test_decision_report_contains_evidence_and_history(client: TestClient) -> None:
     described = client.get("/api/v1/openapi.json").json()["paths"]
 
     def send(path: str) -> None:
         example = described[path]["post"]["requestBody"]["content"]["application/json"]["example"]
-        who = {"X-Flexsid-Analyst": "Ann"}
-        response = client.post(path, json=example, headers=who)
+        response = client.post(path, json=example, headers=_WHO)
         assert response.status_code == 201, response.text
 
     send("/api/v1/model-structures")

@@ -40,6 +40,7 @@ from flexsid.workflow.importing.uploads import ImportRequest, add_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.review.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
@@ -132,6 +133,13 @@ def _optimise_design(store: Store) -> Job:
     return submit(store, kinds.OPTIMAL_DESIGN, request)
 
 
+def _print_report(store: Store, folder: Path) -> Job:
+    row = describe_document("<h1>Run 1</h1>")
+    store.arrays.put_many([row])
+    request = ReportRequest(name="run-1", document=row["hash"])
+    return submit(store, kinds.REPORT, request)
+
+
 def _identify_modes(store: Store) -> Job:
     responses = build_measured_responses(load_truth(), 1, store.arrays.put)
     number = store.measured_responses.add(responses).id or 0
@@ -210,6 +218,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     ),
     kinds.PREDICTION.name: lambda store, folder: _predict_derivatives(store),
     kinds.IMPORT.name: _import_files,
+    kinds.REPORT.name: _print_report,
     kinds.PREDICTED_FLUTTER.name: lambda store, folder: submit(
         store, kinds.PREDICTED_FLUTTER, PredictedFlutterQuery(prediction_id=1)
     ),

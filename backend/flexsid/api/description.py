@@ -10,6 +10,7 @@ from typing import Any
 from fastapi import FastAPI
 
 from flexsid.api import flutter_summary_examples, live_examples
+from flexsid.api.permissions import PERMISSIONS
 
 _PROBLEM = "application/problem+json"
 
@@ -548,8 +549,32 @@ _GLOBAL_MODEL_SUMMARY = {
     "omitted": [],
 }
 
+_PRINTED = {
+    "id": 21,
+    "kind": "report",
+    "title": "Output error, run 3",
+    "run_id": None,
+    "maneuver_id": None,
+    "method": None,
+    "request": {"name": "flexsid-run-3", "document": 8 * "5f3c1a90"},
+    "result": {"name": "flexsid-run-3", "content": 8 * "b20d774e", "n_bytes": 412_310},
+    "state": "succeeded",
+    "attempt": 1,
+    "priority": 0,
+    "position": None,
+    "after_job_id": None,
+    "progress": None,
+    "error": None,
+    "worker": "bench/4711",
+    "author": "Ann Analyst",
+    "created_at": "2026-11-23T19:22:31.243964Z",
+    "started_at": "2026-11-23T19:22:31.252103Z",
+    "finished_at": "2026-11-23T19:22:34.871210Z",
+}
+
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
+    **dict.fromkeys((name for name in PERMISSIONS if name.startswith("print_")), _PRINTED),
     **live_examples.RESPONSES,
     **flutter_summary_examples.RESPONSES,
     "list_global_model_versions": {"items": [_REVIEWED_GLOBAL_MODEL]},

@@ -67,7 +67,9 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_batches", "get_batch", "get_comparison", "get_trend", "report_run"),
         *("report_comparison", "report_decision", "report_campaign", "list_designs", "get_design"),
         *("report_run_card", "report_global_model", "report_flutter", "report_closed_loop"),
-        "report_sortie",
+        *("report_sortie", "print_run", "print_comparison", "print_decision", "print_campaign"),
+        *("print_run_card", "print_global_model", "print_flutter", "print_closed_loop"),
+        *("print_sortie", "get_printed_report"),
         *(
             "check_design",
             "get_target_modes",

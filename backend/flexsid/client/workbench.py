@@ -565,7 +565,7 @@ class Workbench:
     def save_report(
         self, file: str | Path, kind: str, number: int | None = None, **query: Any
     ) -> None:
-        """Write a report to a ``.html`` or ``.pdf`` file.
+        """Write a report to a ``.html`` or ``.pdf`` file; a PDF is printed by a job.
 
         Parameters
         ----------
@@ -585,7 +585,11 @@ class Workbench:
         if form not in ("html", "pdf"):
             raise BadInput(f"{file} ends in '.{form}'; expected .html or .pdf")
         path = f"reports/{kind}" if number is None else f"reports/{kind}/{number}"
-        Path(file).write_bytes(self._connection.get(path, {**query, "format": form}))
+        if form == "pdf":
+            printed = self.post(path, None, **query)["id"]
+            self.wait(printed)
+            path, query = f"reports/files/{printed}", {}
+        Path(file).write_bytes(self._connection.get(path, query))
 
     def notes(self, **query: Any) -> pandas.DataFrame:
         """Return the notes of a campaign, maneuver or run.

@@ -94,6 +94,14 @@ from flexsid.workflow.quality.maneuver_quality import (
     compute_content_hash,
     store_quality,
 )
+from flexsid.workflow.review.printed_reports import (
+    PrintedReport,
+    PrintingTask,
+    ReportRequest,
+    prepare_printing,
+    print_report,
+    store_printed_report,
+)
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
 from flexsid.workflow.runs.run_identity import list_run_contents
@@ -285,6 +293,17 @@ def _save_import(store: Store, job: Job, outcome: ParsedUpload, worker: str) -> 
             "n_channels": len(outcome.channels),
         }
         save_result(store, job, result, worker)
+
+
+def _prepare_report(store: Store, job: Job, request: ReportRequest) -> PrintingTask:
+    assert job.created_at is not None
+    return prepare_printing(store, request, job.created_at)
+
+
+def _save_report(store: Store, job: Job, outcome: bytes, worker: str) -> None:
+    with store.transaction():
+        stored = store_printed_report(store, REPORT.read_request(job), outcome)
+        save_result(store, job, stored, worker)
 
 
 RUN = Kind(
@@ -496,6 +515,16 @@ IMPORT = Kind(
     compute=lambda task, report: compute_import(task),
     save=_save_import,
 )
+REPORT = Kind(
+    name="report",
+    label="Report",
+    request=ReportRequest,
+    prepare=_prepare_report,
+    compute=print_report,
+    save=_save_report,
+    result=PrintedReport,
+    identify=lambda store, request: (),  # the document is named by its content
+)
 
 KINDS: Kinds = {
     kind.name: kind
@@ -521,6 +550,7 @@ KINDS: Kinds = {
         QUALITY,
         PREDICTION,
         IMPORT,
+        REPORT,
     )
 }
 

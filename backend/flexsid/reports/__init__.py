@@ -6,11 +6,11 @@ from flexsid.reports.content import Report
 from flexsid.reports.decision import decision_report
 from flexsid.reports.flutter import closed_loop_report, flutter_report
 from flexsid.reports.global_model import global_model_report
-from flexsid.reports.layout import built_in_template, read_template, to_html
-from flexsid.reports.printing import to_pdf
+from flexsid.reports.layout import built_in_template, read_template, to_document, to_html
 from flexsid.reports.run import run_report
 from flexsid.reports.run_card import run_card
 from flexsid.reports.sortie import sortie_report
+from flexsid.workflow.review.printed_reports import to_pdf
 
 __all__ = [
     "Report",
@@ -25,6 +25,7 @@ __all__ = [
     "run_card",
     "run_report",
     "sortie_report",
+    "to_document",
     "to_html",
     "to_pdf",
 ]

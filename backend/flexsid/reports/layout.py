@@ -21,9 +21,9 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
-    moment,
 )
 from flexsid.workflow.review.notes import render_markdown
+from flexsid.workflow.review.printed_reports import FIGURE_SCRIPT, MADE_AT, complete_document
 
 _NEEDED = frozenset({"title", "style", "body", "script"})
 _SINGLE_PAGE = """@media print {
@@ -79,9 +79,14 @@ def to_html(report: Report, made_at: datetime, template: str | None = None) -> s
     template
         Of :func:`read_template`; the built-in one by default.
     """
+    return complete_document(to_document(report, template), made_at)
+
+
+def to_document(report: Report, template: str | None = None) -> str:
+    """Render a report as HTML with marks for its time and the script of the figures."""
     sections = [*report.sections, Section("Provenance", (Facts(report.provenance),))]
     style = _read_resource("report.css") + (_SINGLE_PAGE if report.single_page else "")
-    script = f"<script>{_plotly()}</script>\n<script>{_read_resource('report.js')}</script>"
+    script = f"{FIGURE_SCRIPT}\n<script>{_read_resource('report.js')}</script>"
     return Template(built_in_template() if template is None else template).substitute(
         title=escape(report.title),
         subtitle=escape(report.subtitle),
@@ -93,7 +98,7 @@ def to_html(report: Report, made_at: datetime, template: str | None = None) -> s
         body="\n".join(map(_section, sections[:-1])),
         provenance=_section(sections[-1]),
         script=script,
-        made_at=moment(made_at),
+        made_at=MADE_AT,
         version=escape(flexsid.__version__),
     )
 
@@ -147,14 +152,6 @@ def _table(table: ReportTable) -> str:
         f'<div class="wide"><table><caption>{escape(table.caption)}</caption>'
         f"<thead>{row(table.head, 'th')}</thead>\n<tbody>{rows}</tbody></table></div>"
     )
-
-
-@lru_cache(maxsize=1)
-def _plotly() -> str:
-    """Read the plotly script of the Python package."""
-    text = files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
-    # A tag that closes the script would end it early.
-    return text.replace("</script", "<\\/script")
 
 
 @lru_cache

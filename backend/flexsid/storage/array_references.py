@@ -18,6 +18,8 @@ _NESTED = (
     ("set of measured responses", tables.measured_responses.c.arrays),
     ("run", tables.runs.c.result),
     ("prediction", tables.predictions.c.unsteady),
+    ("job", tables.jobs.c.request),
+    ("job", tables.jobs.c.result),
 )
 
 

@@ -8,6 +8,7 @@ import { PARTITIONS, VARIABLES, VARIATIONS } from "../views";
 import { DataTable, type Column } from "./DataTable";
 import { stateText } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
+import { printedReport } from "./ReportMenu";
 import { StateBadge } from "./RunBadge";
 
 /** Jobs with their progress and actions. */
@@ -111,6 +112,7 @@ const KINDS: Record<string, string> = {
   "quality-assessment": "Quality assessment",
   import: "Import",
   "derivative-prediction": "Derivative prediction",
+  report: "PDF report",
 };
 
 /** Kind of a job, with a link to what it works on. */
@@ -137,6 +139,14 @@ function JobSubject({ job }: { job: Job }) {
         <Link to="/excitation/$id" params={{ id: job.result.design_id }} className="link">
           {label}
         </Link>
+      ) : (
+        label
+      );
+    case "report":
+      return job.state === "succeeded" ? (
+        <a href={printedReport(job.id)} target="_blank" rel="noopener" className="link">
+          {label}
+        </a>
       ) : (
         label
       );

@@ -1,5 +1,10 @@
-import { Button, Menu } from "@mantine/core";
+import { Button, Menu, Modal } from "@mantine/core";
+import { useState } from "react";
 import { address, type QueryValue } from "../api/client";
+import { usePrintReport } from "../api/commands";
+import type { Job } from "../api/types";
+import { JobWait } from "./JobWait";
+import { ProblemAlert } from "./ProblemAlert";
 
 interface Props {
   /** What is reported: run/3, comparison, campaign. */
@@ -7,30 +12,59 @@ interface Props {
   query?: Record<string, QueryValue>;
 }
 
-/** Download of a page as one report file. */
+/** Download of a page as one report file: at once as a web page, printed by a job as a PDF. */
 export function ReportMenu({ of, query }: Props) {
-  const forms = { html: "Web page with interactive figures", pdf: "PDF" } as const;
+  const print = usePrintReport();
+  const [ended, setEnded] = useState<Job>();
   return (
-    <Menu position="bottom-end">
-      <Menu.Target>
-        <Button variant="default" data-testid="report">
-          Report
-        </Button>
-      </Menu.Target>
-      <Menu.Dropdown>
-        {(["html", "pdf"] as const).map((format) => (
+    <>
+      <Menu position="bottom-end">
+        <Menu.Target>
+          <Button variant="default" data-testid="report">
+            Report
+          </Button>
+        </Menu.Target>
+        <Menu.Dropdown>
           <Menu.Item
-            key={format}
             component="a"
-            href={address(`reports/${of}`, { ...query, format })}
+            href={address(`reports/${of}`, query)}
             target="_blank"
             rel="noopener"
-            data-testid={`report-${format}`}
+            data-testid="report-html"
           >
-            {forms[format]}
+            Web page with interactive figures
           </Menu.Item>
-        ))}
-      </Menu.Dropdown>
-    </Menu>
+          <Menu.Item
+            data-testid="report-pdf"
+            onClick={() => {
+              setEnded(undefined);
+              print.mutate(address(`reports/${of}`, query));
+            }}
+          >
+            PDF
+          </Menu.Item>
+        </Menu.Dropdown>
+      </Menu>
+      <Modal opened={!print.isIdle} onClose={print.reset} title="PDF report">
+        {print.isError && <ProblemAlert error={print.error} />}
+        {print.data !== undefined && <JobWait id={print.data.id} onEnd={setEnded} />}
+        {ended?.state === "succeeded" && (
+          <Button
+            component="a"
+            href={printedReport(ended.id)}
+            target="_blank"
+            rel="noopener"
+            data-testid="open-report"
+          >
+            Open PDF
+          </Button>
+        )}
+      </Modal>
+    </>
   );
+}
+
+/** Address of the PDF that a job has printed. */
+export function printedReport(jobId: number): string {
+  return address(`reports/files/${jobId}`);
 }

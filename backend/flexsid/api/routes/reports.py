@@ -1,30 +1,49 @@
-"""Reports of runs, comparisons, decisions, campaigns, models, stability and sorties."""
+"""Reports of runs, comparisons, decisions, campaigns, models, stability and sorties.
+
+A web page is put together from stored results when it is read. A PDF is printed as a job, whose
+result is stored.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Response, status
 
 from flexsid import reports
-from flexsid.api.context import Context, TheContext
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.display_units import TheUnits
 from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.routes.maneuvers import Filters
-from flexsid.api.serialization import Identity
+from flexsid.api.serialization import Identity, Json
+from flexsid.api.submission import submit_job
 from flexsid.display_units import show_in
+from flexsid.errors import UnknownRecord
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import REPORT
+from flexsid.records.run import RunState
+from flexsid.reports import Report
+from flexsid.storage.job_list import JobItem
 from flexsid.storage.signatures import SignaturePlace, sign_content
+from flexsid.storage.store import Store
 from flexsid.text import split_ids
+from flexsid.workflow.review.printed_reports import (
+    PrintedReport,
+    ReportRequest,
+    complete_document,
+    describe_document,
+)
 
-_FILE = {media: {"schema": {"type": "string"}} for media in ("text/html", "application/pdf")}
-router = APIRouter(prefix="/reports", tags=["reports"], responses={200: {"content": _FILE}})
+router = APIRouter(prefix="/reports", tags=["reports"])
 
 Form = Annotated[
     Literal["html", "pdf"],
-    Query(alias="format", description="`pdf` requires Chromium on the server."),
+    Query(alias="format", description="`pdf`: as printed by the job that `POST` requests."),
 ]
 
 # The report may run its own script only, and is isolated from the workbench.
@@ -32,92 +51,152 @@ _POLICY = (
     "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; "
     "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 )
+_HTML, _PDF = "text/html", "application/pdf"
 
 
-@router.get("/run/{run_id}", response_class=Response)
-def report_run(
-    context: TheContext, run_id: Identity, units: TheUnits, form: Form = "html"
-) -> Response:
-    """Return the report of a run: structure, derivatives, fit, uncertainty, poles, provenance."""
+def _report_run(store: TheStore, run_id: Identity, units: TheUnits) -> Report:
     with show_in(units):
-        report = reports.run_report(context.store, run_id)
-    return _respond_with_report(context, report, form)
+        return reports.run_report(store, run_id)
 
 
-@router.get("/comparison", response_class=Response)
-def report_comparison(
-    context: TheContext,
+def _report_comparison(
+    store: TheStore,
     run_ids: Annotated[str, Query(description="Ids of runs, separated by commas.")],
     prediction_ids: Annotated[
         str | None, Query(description="Ids of predictions, separated by commas.")
     ] = None,
-    form: Form = "html",
-) -> Response:
-    """Return the report of a comparison of runs and predictions, by derivative."""
+) -> Report:
     runs = split_ids(run_ids, "run_ids")
-    predictions = split_ids(prediction_ids, "prediction_ids")
-    return _respond_with_report(
-        context, reports.comparison_report(context.store, runs, predictions), form
+    return reports.comparison_report(store, runs, split_ids(prediction_ids, "prediction_ids"))
+
+
+def _report_decision(store: TheStore, decision_id: Identity) -> Report:
+    return reports.decision_report(store, decision_id)
+
+
+def _report_global_model(store: TheStore, global_model_id: Identity) -> Report:
+    return reports.global_model_report(store, global_model_id)
+
+
+def _report_sortie(store: TheStore, stream_id: Identity) -> Report:
+    return reports.sortie_report(store, stream_id)
+
+
+def _report_campaign(store: TheStore, filters: Filters) -> Report:
+    return reports.campaign_report(store, **filters)
+
+
+def _report_flutter(store: TheStore, query: TheFlutterQuery) -> Report:
+    return reports.flutter_report(store, query)
+
+
+def _report_closed_loop(store: TheStore, query: TheClosedLoopQuery) -> Report:
+    return reports.closed_loop_report(store, query)
+
+
+def _report_run_card(store: TheStore, design_id: Identity, level: Level = 1) -> Report:
+    return reports.run_card(store, design_id, level)
+
+
+def _add_report(path: str, name: str, make: Callable[..., Report], content: str) -> None:
+    """Add the routes of a report: ``report_{name}`` returns it, ``print_{name}`` prints it."""
+
+    def read(context: TheContext, report: Any, form: Form = "html") -> Response:
+        document = reports.to_document(report, context.report_template)
+        if form == "pdf":
+            request = ReportRequest(name=report.name, document=describe_document(document)["hash"])
+            return _respond_with_pdf(context.store, get_result(context.store, REPORT, request))
+        html = complete_document(document, datetime.now(UTC)).encode()
+        signed = sign_content(context.store.database, html, SignaturePlace.COMMENT)
+        headers = {**_name_file(report.name, form), "Content-Security-Policy": _POLICY}
+        return Response(signed, media_type=_HTML, headers=headers)
+
+    def print_(context: TheContext, report: Any, analyst: TheAnalyst) -> Json:
+        row = describe_document(reports.to_document(report, context.report_template))
+        context.store.arrays.put_many([row])
+        request = ReportRequest(name=report.name, document=row["hash"])
+        return submit_job(context, REPORT, request, analyst, report.title)
+
+    for respond in (read, print_):
+        respond.__annotations__["report"] = Annotated[Report, Depends(make)]
+    router.add_api_route(
+        path,
+        read,
+        name=f"report_{name}",
+        description=f"Return the report of {content}.",
+        response_class=Response,
+        responses={200: {"content": {media: _TEXT for media in (_HTML, _PDF)}}},
+    )
+    router.add_api_route(
+        path,
+        print_,
+        methods=["POST"],
+        name=f"print_{name}",
+        description=f"Print to PDF the report of {content}; an equal report is printed once.",
+        response_model=JobItem,
+        status_code=status.HTTP_202_ACCEPTED,
     )
 
 
-@router.get("/decision/{decision_id}", response_class=Response)
-def report_decision(context: TheContext, decision_id: Identity, form: Form = "html") -> Response:
-    """Return the report of a decision: range, structure, evidence, votes and history."""
-    return _respond_with_report(context, reports.decision_report(context.store, decision_id), form)
+_TEXT = {"schema": {"type": "string"}}
 
 
-@router.get("/global-model/{global_model_id}", response_class=Response)
-def report_global_model(
-    context: TheContext, global_model_id: Identity, form: Form = "html"
-) -> Response:
-    """Return the report of a version of a global model: derivatives, score, credibility."""
-    report = reports.global_model_report(context.store, global_model_id)
-    return _respond_with_report(context, report, form)
+@router.get(
+    "/files/{job_id}",
+    response_class=Response,
+    responses={200: {"content": {_PDF: _TEXT}}},
+)
+def get_printed_report(store: TheStore, job_id: Identity) -> Response:
+    """Return the PDF that a job has printed."""
+    job = store.jobs.get(job_id)
+    if job.kind != REPORT.name or job.state is not RunState.SUCCEEDED:
+        raise UnknownRecord(f"job {job_id} has printed no report")
+    return _respond_with_pdf(store, REPORT.read_result(job))
 
 
-@router.get("/sortie/{stream_id}", response_class=Response)
-def report_sortie(context: TheContext, stream_id: Identity, form: Form = "html") -> Response:
-    """Return the report of a stream: test points, what was known when, alarms, lost data."""
-    return _respond_with_report(context, reports.sortie_report(context.store, stream_id), form)
+def _respond_with_pdf(store: Store, printed: PrintedReport) -> Response:
+    pdf = store.arrays.get(printed.content).tobytes()
+    signed = sign_content(store.database, pdf, SignaturePlace.PDF)
+    return Response(signed, media_type=_PDF, headers=_name_file(printed.name, "pdf"))
 
 
-@router.get("/campaign", response_class=Response)
-def report_campaign(context: TheContext, filters: Filters, form: Form = "html") -> Response:
-    """Return the report of the filtered maneuvers and their ground tests."""
-    return _respond_with_report(context, reports.campaign_report(context.store, **filters), form)
+def _name_file(name: str, form: str) -> dict[str, str]:
+    return {"Content-Disposition": f'inline; filename="{name}.{form}"'}
 
 
-@router.get("/flutter", response_class=Response)
-def report_flutter(context: TheContext, query: TheFlutterQuery, form: Form = "html") -> Response:
-    """Return the report of a stored flutter prediction: interval, next point, runs, figures."""
-    return _respond_with_report(context, reports.flutter_report(context.store, query), form)
-
-
-@router.get("/closed-loop", response_class=Response)
-def report_closed_loop(
-    context: TheContext, query: TheClosedLoopQuery, form: Form = "html"
-) -> Response:
-    """Return the report of a stored closed-loop analysis: stability limit, margins, roots."""
-    return _respond_with_report(context, reports.closed_loop_report(context.store, query), form)
-
-
-@router.get("/run-card/{design_id}", response_class=Response)
-def report_run_card(
-    context: TheContext, design_id: Identity, level: Level = 1, form: Form = "html"
-) -> Response:
-    """Return the run card of a design for the crew: commands, limits, checksums and conduct."""
-    return _respond_with_report(context, reports.run_card(context.store, design_id, level), form)
-
-
-def _respond_with_report(context: Context, report: reports.Report, form: Form) -> Response:
-    html = reports.to_html(report, datetime.now(UTC), context.report_template)
-    headers: dict[str, Any] = {
-        "Content-Disposition": f'inline; filename="{report.name}.{form}"',
-    }
-    if form == "pdf":
-        pdf = sign_content(context.store.database, reports.to_pdf(html), SignaturePlace.PDF)
-        return Response(pdf, media_type="application/pdf", headers=headers)
-    headers["Content-Security-Policy"] = _POLICY
-    signed = sign_content(context.store.database, html.encode(), SignaturePlace.COMMENT)
-    return Response(signed, media_type="text/html", headers=headers)
+_add_report(
+    *("/run/{run_id}", "run", _report_run),
+    "a run: structure, derivatives, fit, uncertainty, poles, provenance",
+)
+_add_report(
+    *("/comparison", "comparison", _report_comparison),
+    "a comparison of runs and predictions, by derivative",
+)
+_add_report(
+    *("/decision/{decision_id}", "decision", _report_decision),
+    "a decision: range, structure, evidence, votes and history",
+)
+_add_report(
+    *("/global-model/{global_model_id}", "global_model", _report_global_model),
+    "a version of a global model: derivatives, score, credibility",
+)
+_add_report(
+    *("/sortie/{stream_id}", "sortie", _report_sortie),
+    "a stream: test points, what was known when, alarms, lost data",
+)
+_add_report(
+    *("/campaign", "campaign", _report_campaign),
+    "the filtered maneuvers and their ground tests",
+)
+_add_report(
+    *("/flutter", "flutter", _report_flutter),
+    "a stored flutter prediction: interval, next point, runs, figures",
+)
+_add_report(
+    *("/closed-loop", "closed_loop", _report_closed_loop),
+    "a stored closed-loop analysis: stability limit, margins, roots",
+)
+_add_report(
+    *("/run-card/{design_id}", "run_card", _report_run_card),
+    "a design for the crew, the run card: commands, limits, checksums and conduct",
+)

@@ -1,7 +1,7 @@
 /** Cancels and repeats what the server works on. */
 import { useMutation } from "@tanstack/react-query";
-import { api, body } from "../client";
-import type { BatchRequest } from "../types";
+import { api, body, json } from "../client";
+import type { BatchRequest, Job } from "../types";
 import { useRefreshRuns } from "./refresh";
 
 export function useSubmitBatch() {
@@ -35,6 +35,14 @@ export function useCancelJob() {
   return useMutation({
     mutationFn: (id: number) =>
       body(api.POST("/api/v1/jobs/{job_id}/cancel", { params: { path: { job_id: id } } })),
+    onSettled: useRefreshRuns(),
+  });
+}
+
+/** Prints the report at an address to PDF, as a job. */
+export function usePrintReport() {
+  return useMutation({
+    mutationFn: async (of: string) => (await json(of, { method: "POST" })) as Job,
     onSettled: useRefreshRuns(),
   });
 }

@@ -1,0 +1,164 @@
+"""Printed reports: PDF files of HTML documents by a local Chromium, as jobs.
+
+A document is a report whose scripts of the figures and time are marks, so that the documents of
+equal reports are equal and small: their content names the request.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from flexsid.errors import Conflict, FlexsidError
+from flexsid.records.run import Progress
+from flexsid.storage.arrays import ArrayRow, describe_array
+from flexsid.storage.store import Store
+
+# Text of a report is escaped, and cannot contain a mark.
+MADE_AT = "<!-- flexsid: time -->"
+FIGURE_SCRIPT = "<!-- flexsid: figures -->"
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+_TIMEOUT_S = 120
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportRequest:
+    """A report to be printed: name of its file, and of the array with its document."""
+
+    name: str
+    document: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrintedReport:
+    """A printed report: name of its file, and of the array with its content."""
+
+    name: str
+    content: str
+    n_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class PrintingTask:
+    """A document, and the time that the report states."""
+
+    document: str
+    made_at: datetime
+
+
+def describe_document(document: str) -> ArrayRow:
+    """Return the row of the array that stores a document."""
+    return describe_array(_to_array(zlib.compress(document.encode())), "html")
+
+
+def prepare_printing(store: Store, request: ReportRequest, made_at: datetime) -> PrintingTask:
+    """Return the stored document of a request."""
+    document = zlib.decompress(store.arrays.get(request.document).tobytes()).decode()
+    return PrintingTask(document, made_at)
+
+
+def print_report(task: PrintingTask, report: Callable[[Progress], None]) -> bytes:
+    """Print a document to PDF; raises as ``to_pdf``."""
+    report(Progress(fraction=0.2, message="Printing with Chromium"))
+    return to_pdf(complete_document(task.document, task.made_at))
+
+
+def store_printed_report(store: Store, request: ReportRequest, pdf: bytes) -> PrintedReport:
+    """Store the PDF of a report."""
+    content = store.arrays.put(_to_array(pdf), "pdf")
+    return PrintedReport(name=request.name, content=content, n_bytes=len(pdf))
+
+
+def complete_document(document: str, made_at: datetime) -> str:
+    """Return the self-contained HTML of a document."""
+    return document.replace(FIGURE_SCRIPT, f"<script>{_plotly()}</script>").replace(
+        MADE_AT, f"{made_at:%Y-%m-%d %H:%M} UTC"
+    )
+
+
+def to_pdf(html: str) -> bytes:
+    """Print a page to PDF with its figures drawn.
+
+    Raises
+    ------
+    Conflict
+        If no Chromium is installed.
+    FlexsidError
+        If printing fails.
+    """
+    browser = next(filter(None, map(shutil.which, _BROWSERS)), None)
+    if browser is None:
+        raise Conflict(
+            "no Chromium is installed for PDF export; open the HTML report in a browser and"
+            " print it, or install chromium",
+            code="no-browser",
+        )
+    with TemporaryDirectory(prefix="flexsid-report-") as name:
+        folder = Path(name)
+        page, out = folder / "report.html", folder / "report.pdf"
+        page.write_text(html, encoding="utf-8")
+        command = [
+            browser,
+            "--headless",
+            "--disable-gpu",
+            "--no-first-run",
+            "--disable-extensions",
+            "--no-pdf-header-footer",
+            f"--user-data-dir={folder / 'profile'}",
+            # The figures are drawn before this much of the page's own time has passed.
+            "--virtual-time-budget=20000",
+            f"--print-to-pdf={out}",
+            f"{page.as_uri()}#print",
+        ]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            command.insert(1, "--no-sandbox")  # not available for root; the page is our own
+        try:
+            subprocess.run(
+                command,
+                capture_output=True,
+                timeout=_TIMEOUT_S,
+                check=False,
+                preexec_fn=_make_signal_of_parent(),
+            )
+        except subprocess.TimeoutExpired as error:
+            raise FlexsidError(
+                f"{browser} did not print in {_TIMEOUT_S} s; print the HTML report by hand"
+            ) from error
+        if not out.is_file():
+            raise FlexsidError(f"{browser} did not print; print the HTML report by hand")
+        return out.read_bytes()
+
+
+def _make_signal_of_parent() -> Callable[[], object] | None:
+    """Return what ends the browser with this process: cancelling a job kills its worker."""
+    if sys.platform != "linux":
+        return None
+    library = ctypes.CDLL(None)
+    return lambda: library.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _to_array(content: bytes) -> np.ndarray:
+    return np.frombuffer(content, np.uint8)
+
+
+@lru_cache(maxsize=1)
+def _plotly() -> str:
+    """Read the plotly script of the Python package."""
+    text = files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
+    # A tag that closes the script would end it early.
+    return text.replace("</script", "<\\/script")
