@@ -10,7 +10,10 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-FOR_PROGRAMS = {"application/octet-stream", "application/pdf", "application/x-matlab-data"}
+FOR_PROGRAMS = {
+    *("application/octet-stream", "application/pdf", "application/x-matlab-data"),
+    "application/vnd.sqlite3",
+}
 Operation = tuple[str, str, dict[str, Any]]
 
 

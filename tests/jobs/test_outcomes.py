@@ -40,6 +40,7 @@ from flexsid.workflow.importing.uploads import ImportRequest, add_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.review.database_backup import BackupRequest
 from flexsid.workflow.review.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
@@ -219,6 +220,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     kinds.PREDICTION.name: lambda store, folder: _predict_derivatives(store),
     kinds.IMPORT.name: _import_files,
     kinds.REPORT.name: _print_report,
+    kinds.BACKUP.name: lambda store, folder: submit(store, kinds.BACKUP, BackupRequest()),
     kinds.PREDICTED_FLUTTER.name: lambda store, folder: submit(
         store, kinds.PREDICTED_FLUTTER, PredictedFlutterQuery(prediction_id=1)
     ),

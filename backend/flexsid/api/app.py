@@ -26,6 +26,7 @@ from flexsid.api.request_log import RequestLog, RequestMetrics
 from flexsid.api.routes import (
     aircraft,
     audit_log,
+    backups,
     batches,
     closed_loop,
     comparisons,
@@ -177,6 +178,7 @@ def create_app(
         searches,
         jobs,
         events,
+        backups,
         batches,
         comparisons,
         reports,

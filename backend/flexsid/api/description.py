@@ -572,9 +572,18 @@ _PRINTED = {
     "finished_at": "2026-11-23T19:22:34.871210Z",
 }
 
+_BACKUP = {
+    **_PRINTED,
+    "kind": "backup",
+    "title": "Database",
+    "request": {},
+    "result": {"name": "20261123-192231-21-1.db", "n_bytes": 73_400_320},
+}
+
 # Responses that a server with the demonstration campaign cannot give.
 _NOT_RECORDED: dict[str, Any] = {
     **dict.fromkeys((name for name in PERMISSIONS if name.startswith("print_")), _PRINTED),
+    "request_backup": _BACKUP,
     **live_examples.RESPONSES,
     **flutter_summary_examples.RESPONSES,
     "list_global_model_versions": {"items": [_REVIEWED_GLOBAL_MODEL]},

@@ -129,7 +129,10 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("add_run_template", "edit_run_template", "delete_run_template"),
     ),
     Permission.REVIEWER: ("vote_on_decision",),
-    Permission.ADMIN: ("add_aircraft", "change_review_rules", "list_audit_events"),
+    Permission.ADMIN: (
+        *("add_aircraft", "change_review_rules", "list_audit_events"),
+        *("request_backup", "get_backup"),
+    ),
 }
 
 PERMISSIONS: dict[str, Permission] = {

@@ -20,6 +20,7 @@ from flexsid.records.validation import (
     PosteriorCheck,
 )
 from flexsid.records.views import Reconstruction
+from flexsid.storage import backup as copies
 from flexsid.storage import queue
 from flexsid.storage.derived_runs import find_derived_runs
 from flexsid.storage.runs import ESTIMATION
@@ -93,6 +94,12 @@ from flexsid.workflow.quality.maneuver_quality import (
     assess_maneuver,
     compute_content_hash,
     store_quality,
+)
+from flexsid.workflow.review.database_backup import (
+    BackupFile,
+    BackupRequest,
+    compute_backup,
+    prepare_backup,
 )
 from flexsid.workflow.review.printed_reports import (
     PrintedReport,
@@ -525,6 +532,14 @@ REPORT = Kind(
     result=PrintedReport,
     identify=lambda store, request: (),  # the document is named by its content
 )
+BACKUP = Kind(
+    name=copies.BACKUP,
+    label="Backup",
+    request=BackupRequest,
+    prepare=lambda store, job, request: prepare_backup(store, job),
+    compute=compute_backup,
+    result=BackupFile,
+)
 
 KINDS: Kinds = {
     kind.name: kind
@@ -551,6 +566,7 @@ KINDS: Kinds = {
         PREDICTION,
         IMPORT,
         REPORT,
+        BACKUP,
     )
 }
 

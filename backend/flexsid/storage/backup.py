@@ -6,20 +6,27 @@ import json
 import logging
 import sqlite3
 import tempfile
+from collections.abc import Callable
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.run import Progress
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
 
+BACKUP = "backup"
+"""Kind of the jobs that back a database up."""
+
 _log = logging.getLogger(__name__)
 
 
-def backup(url: str, target: Path) -> int:
+def backup(
+    url: str, target: Path, report: Callable[[Progress], None] = lambda progress: None
+) -> int:
     """Copy a consistent state of a database into a new file, and check the copy.
 
     Parameters
@@ -28,6 +35,8 @@ def backup(url: str, target: Path) -> int:
         Address of an SQLite database; it may be in use during the copy.
     target
         A file that does not exist yet.
+    report
+        Called with the progress.
 
     Returns
     -------
@@ -43,15 +52,18 @@ def backup(url: str, target: Path) -> int:
     DatabaseUnavailable
         If the copy or its samples are damaged; the copy is deleted then.
     """
-    source = _file_of(url, "pg_dump --format=custom --file=flexsid.dump")
+    source = find_file(url)
     if not source.is_file():
         raise BadInput(f"there is no database {source}")
     if target.exists():
         raise Conflict(f"{target} exists; name a new file", code="file-exists")
     try:
         with new_file(target) as partial:
+            report(Progress(message="Copying the database"))
             _copy(source, partial)
+            report(Progress(fraction=0.3, message="Checking pages and references"))
             check(partial)
+            report(Progress(fraction=0.5, message="Comparing samples with their hashes"))
             damaged = find_damaged(partial)
             if damaged:
                 raise DatabaseUnavailable(
@@ -85,7 +97,7 @@ def restore(url: str, source: Path) -> Path | None:
     DatabaseTooNew
         If a newer release made the backup.
     """
-    target = _file_of(url, "pg_restore --clean --dbname=...")
+    target = find_file(url, "pg_restore --clean --dbname=...")
     if not source.is_file():
         raise BadInput(f"there is no backup {source}")
     try:
@@ -164,7 +176,14 @@ def find_damaged(file: Path) -> list[str]:
         ]
 
 
-def _file_of(url: str, instead: str) -> Path:
+def find_file(url: str, instead: str = "pg_dump --format=custom --file=flexsid.dump") -> Path:
+    """Return the file of a database.
+
+    Raises
+    ------
+    BadInput
+        If the database is not SQLite, with the command to use ``instead``.
+    """
     file = sqlite_file(parse_url(url))
     if file is None:
         raise BadInput(f"only databases of SQLite can be copied; for PostgreSQL use {instead}")
@@ -199,6 +218,12 @@ def _make_ready(ready: Path, target: Path) -> None:
         )
         # Processes of the time of the backup do not continue their runs.
         restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
+        # A backup has the job that made it, which is not to be repeated.
+        restored.execute(
+            "UPDATE jobs SET state = 'cancelled', finished_at = created_at"
+            " WHERE kind = ? AND state IN ('queued', 'running')",
+            (BACKUP,),
+        )
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")

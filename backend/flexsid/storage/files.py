@@ -138,7 +138,7 @@ def make_private_folder(folder: Path) -> None:
         return
     if folder.is_symlink() or folder.stat().st_uid != os.geteuid():
         raise DatabaseUnavailable(
-            f"{folder} belongs to another user; uploads are not stored there. Remove it",
+            f"{folder} belongs to another user; nothing is stored there. Remove it",
             code="foreign-folder",
         )
     if folder.stat().st_mode & _OTHERS:

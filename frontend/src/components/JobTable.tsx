@@ -1,5 +1,6 @@
 import { Button, Group, Progress, Text } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
+import { address } from "../api/client";
 import { useCancelJob, useRetryJob } from "../api/commands";
 import { isOver, type Job } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
@@ -113,6 +114,7 @@ const KINDS: Record<string, string> = {
   import: "Import",
   "derivative-prediction": "Derivative prediction",
   report: "PDF report",
+  backup: "Backup",
 };
 
 /** Kind of a job, with a link to what it works on. */
@@ -143,8 +145,14 @@ function JobSubject({ job }: { job: Job }) {
         label
       );
     case "report":
+    case "backup":
       return job.state === "succeeded" ? (
-        <a href={printedReport(job.id)} target="_blank" rel="noopener" className="link">
+        <a
+          href={job.kind === "report" ? printedReport(job.id) : address(`backups/${job.id}`)}
+          target="_blank"
+          rel="noopener"
+          className="link"
+        >
           {label}
         </a>
       ) : (

@@ -1,6 +1,7 @@
-import { Select, Stack } from "@mantine/core";
+import { Button, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
+import { useRequestBackup } from "../api/commands";
 import { batchesQuery, jobsQuery, queueQuery } from "../api/queries";
 import { STATES, type Batch } from "../api/types";
 import { BatchBar, left, total } from "../components/BatchBar";
@@ -9,6 +10,7 @@ import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
+import { ProblemAlert } from "../components/ProblemAlert";
 import { QueueStatus } from "../components/QueueStatus";
 import { Section } from "../components/Section";
 import { dateTime, elapsed } from "../lib/format";
@@ -59,10 +61,26 @@ export function JobsPage() {
   const queue = useQuery(queueQuery);
   const batches = useQuery(batchesQuery);
   const jobs = useQuery(jobsQuery({ state }));
+  const backup = useRequestBackup();
   return (
     <>
-      <PageHead title="Jobs" />
+      <PageHead
+        title="Jobs"
+        actions={
+          <Button
+            variant="default"
+            data-testid="back-up"
+            loading={backup.isPending}
+            onClick={() => {
+              backup.mutate();
+            }}
+          >
+            Back up database
+          </Button>
+        }
+      />
       <Stack gap="md">
+        {backup.isError && <ProblemAlert error={backup.error} />}
         <Section title="Queue">
           <Loaded query={queue} rows={2}>
             {(status) => <QueueStatus status={status} />}

@@ -46,3 +46,11 @@ export function usePrintReport() {
     onSettled: useRefreshRuns(),
   });
 }
+
+/** Backs the database up, as a job. */
+export function useRequestBackup() {
+  return useMutation({
+    mutationFn: () => body(api.POST("/api/v1/backups")),
+    onSettled: useRefreshRuns(),
+  });
+}

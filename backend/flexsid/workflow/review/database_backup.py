@@ -1,0 +1,104 @@
+"""Backups of the database into a folder beside it, as jobs.
+
+The worker copies the file itself, since no message holds a database: it needs the file system of
+the server, as the workers of one computer have it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexsid.errors import UnknownRecord
+from flexsid.records.job import Job
+from flexsid.records.run import Progress, RunState
+from flexsid.storage import backup as copies
+from flexsid.storage.access import Forbidden, get_access
+from flexsid.storage.files import make_private_folder
+from flexsid.storage.store import Store
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BackupRequest:
+    """Empty: the database is that of the server."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BackupFile:
+    """A backup in the folder of backups, and its size."""
+
+    name: str
+    n_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class BackupTask:
+    """Address of a database, and the new file."""
+
+    url: str
+    target: Path
+
+
+def refuse_backup(store: Store) -> None:
+    """Refuse accounts without access to the whole database, and databases of a server.
+
+    Raises
+    ------
+    BadInput
+        If the database is not SQLite.
+    Forbidden
+        If the account is not an administrator of all campaigns.
+    """
+    access = get_access()
+    if access is not None and access.writable is not None:
+        raise Forbidden("backups have all campaigns: they are made by administrators of all")
+    _locate(store)
+
+
+def prepare_backup(store: Store, job: Job) -> BackupTask:
+    """Return the task of a job; what earlier jobs left when they were cancelled is deleted."""
+    source, folder = _locate(store)
+    make_private_folder(folder)
+    for partial in folder.glob("*.partial"):
+        if not _is_running(store, partial, job):
+            partial.unlink(missing_ok=True)
+    assert job.started_at is not None
+    name = f"{job.started_at:%Y%m%d-%H%M%S}-{job.id}-{job.attempt}.db"
+    return BackupTask(f"sqlite:///{source}", folder / name)
+
+
+def compute_backup(task: BackupTask, report: Callable[[Progress], None]) -> BackupFile:
+    """Copy the database and check the copy; raises as ``storage.backup.backup``."""
+    n_bytes = copies.backup(task.url, task.target, report)
+    return BackupFile(name=task.target.name, n_bytes=n_bytes)
+
+
+def find_backup(store: Store, backup: BackupFile) -> Path:
+    """Return the file of a backup.
+
+    Raises
+    ------
+    UnknownRecord
+        If the file was deleted or moved.
+    """
+    file = _locate(store)[1] / backup.name
+    if not file.is_file():
+        raise UnknownRecord(f"the backup {file} is no longer there")
+    return file
+
+
+def _locate(store: Store) -> tuple[Path, Path]:
+    """Return the file of the database and the folder of its backups."""
+    file = copies.find_file(str(store.database.url)).absolute()
+    return file, file.with_name(f"{file.name}-backups")
+
+
+def _is_running(store: Store, partial: Path, job: Job) -> bool:
+    *_, number, attempt = partial.name.split(".")[0].split("-")
+    if int(number) == job.id:
+        return int(attempt) == job.attempt
+    with suppress(UnknownRecord):
+        return store.jobs.get(int(number)).state is RunState.RUNNING
+    return False

@@ -1,0 +1,81 @@
+"""Backups are jobs, whose files are private and complete."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from flexsid.jobs.inline import execute_request
+from flexsid.jobs.kind import submit
+from flexsid.jobs.kinds import BACKUP
+from flexsid.records.run import RunState
+from flexsid.storage import backup as copies
+from flexsid.storage import queue
+from flexsid.storage.access import Access, Forbidden, using_access
+from flexsid.storage.store import Store
+from flexsid.workflow.review.database_backup import BackupRequest, refuse_backup
+
+API = "/api/v1"
+
+
+def test_a_backup_is_made_by_a_job_and_downloaded(
+    client: TestClient, flown_url: str, tmp_path: Path
+) -> None:
+    begun = client.post(f"{API}/backups")
+    assert begun.status_code == 202, begun.text
+    # Workers of this fixture are forks of a process with the database open, which SQLite forbids.
+    client.post(f"{begun.headers['location']}/cancel")
+    assert client.get(f"{API}/backups/{begun.json()['id']}").status_code == 404
+    store = Store.open(flown_url)
+    job = execute_request(store, BACKUP, BackupRequest(), lambda progress: None)
+    store.close()
+    assert job.state is RunState.SUCCEEDED, job.error
+    copy = tmp_path / "copy.db"
+    copy.write_bytes(client.get(f"{API}/backups/{job.id}").content)
+    assert copy.stat().st_size == BACKUP.read_result(job).n_bytes
+    copies.check(copy)
+    with closing(sqlite3.connect(copy)) as opened:
+        assert opened.execute("SELECT count(*) FROM runs").fetchone() == (1,)
+    assert client.get(f"{API}/backups/1").status_code == 404, "an estimation"
+
+
+def test_a_restored_backup_is_not_made_again(flown_url: str, tmp_path: Path) -> None:
+    store = Store.open(flown_url)
+    first = submit(store, BACKUP, BackupRequest())
+    killed = queue.claim(store, first.id)
+    assert killed is not None
+    left = BACKUP.prepare(store, killed, BackupRequest()).target
+    assert left.parent.stat().st_mode & 0o077 == 0
+    partial = left.with_name(f"{left.name}.x1.partial")
+    partial.touch()
+    queue.request_cancel(store, killed.id or 0)
+    second = queue.claim(store, submit(store, BACKUP, BackupRequest()).id)
+    assert second is not None
+    task = BACKUP.prepare(store, second, BackupRequest())
+    assert not partial.exists(), "what the cancelled job left"
+    stages: list[str] = []
+    BACKUP.compute(task, lambda progress: stages.append(progress.message))
+    assert len(stages) == 3
+    copies.restore(flown_url, task.target)
+    assert store.jobs.get(second.id or 0).state is RunState.CANCELLED
+    store.close()
+
+
+def test_who_may_not_read_all_campaigns_gets_no_backup(flown_url: str) -> None:
+    store = Store.open(flown_url)
+    one = Access(account_id=1, author="Ann", readable=frozenset({1}), writable=frozenset({1}))
+    with using_access(one), pytest.raises(Forbidden, match="all campaigns"):
+        refuse_backup(store)
+    refuse_backup(store)
+    store.close()
+
+
+@pytest.mark.parametrize("backend", ["postgresql"])
+def test_a_database_server_is_backed_up_by_its_own_program(client: TestClient) -> None:
+    response = client.post(f"{API}/backups")
+    assert response.status_code == 422
+    assert "pg_dump" in response.text
