@@ -1,12 +1,16 @@
-"""The memory limit of a worker."""
+"""Workers of this computer: what they are sent, and their memory limit."""
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 
 import pytest
 from waiting import PATIENCE_S
+
+from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.local import LocalWorkers
 
 FIRST_PRODUCT = """
 from flexsid.jobs.worker import _limit_memory
@@ -30,3 +34,11 @@ def test_the_first_matrix_product_does_not_hang_at_the_memory_limit(memory_mb: i
         check=False,
     )
     assert ended.stdout == "done\n", ended.stderr
+
+
+def test_a_task_that_cannot_be_sent_occupies_no_worker(load_stub: LoadKinds) -> None:
+    workers = LocalWorkers(load_stub, 1)
+    with pytest.raises((pickle.PicklingError, AttributeError)):
+        workers.submit((1, 1), "estimation", lambda: None, None)
+    assert workers.free_slots == 1
+    workers.close()

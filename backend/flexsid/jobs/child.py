@@ -9,7 +9,7 @@ import subprocess
 import sys
 from typing import Any
 
-from flexsid.jobs.messages import WorkerDiedMessage, WorkerMessage, describe_unexpected_error
+from flexsid.jobs.messages import WorkerDiedMessage, WorkerMessage, describe_error
 from flexsid.jobs.worker import LoadKinds
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
@@ -79,17 +79,19 @@ class Program:
         return f"signal {-code}" if code < 0 else f"exit code {code}"
 
 
+def pickle_task(kind: str, task: Any, memory_mb: int | None) -> bytes:
+    """Return a task of a kind, with a memory limit, as a worker receives it."""
+    return pickle.dumps((kind, task, memory_mb), pickle.HIGHEST_PROTOCOL)
+
+
 class Child:
     """A worker process, which computes one task at a time."""
 
     def __init__(self, load_kinds: LoadKinds) -> None:
+        self.load_kinds = load_kinds
         self._program = Program("flexsid.jobs.worker")
         self.connection = self._program.connection
         self.connection.send(load_kinds)
-
-    def submit(self, kind: str, task: Any, memory_mb: int | None) -> None:
-        """Send a task to the worker."""
-        self.connection.send_bytes(pickle.dumps((kind, task, memory_mb), pickle.HIGHEST_PROTOCOL))
 
     def receive(self) -> WorkerMessage:
         """Return the next message of the worker; after ``WorkerDiedMessage`` none follows."""
@@ -98,10 +100,20 @@ class Child:
         except (EOFError, OSError):
             return WorkerDiedMessage(self._program.describe_exit())
         except Exception as error:  # unpickling a result may raise anything
-            return describe_unexpected_error(error)
+            return describe_error(error)
         return message
 
     def kill(self) -> None:
         """Kill the worker and close its pipes."""
         self._program.kill()
         self._program.close()
+
+
+def take_child(idle: list[Child], load_kinds: LoadKinds) -> Child:
+    """Return an idle worker with these kinds that is alive, or a new one."""
+    while idle:
+        child = idle.pop()
+        if child.load_kinds is load_kinds and not child.connection.poll():
+            return child
+        child.kill()  # its pipe is readable since it died
+    return Child(load_kinds)

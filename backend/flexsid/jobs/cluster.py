@@ -7,26 +7,26 @@ killed, its memory is limited, and a crash does not end the Dask worker.
 from __future__ import annotations
 
 import logging
-import pickle
 import queue
 import threading
 import time
 import uuid
+from contextlib import suppress
 from dataclasses import asdict, replace
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.child import Child
+from flexsid.jobs.child import Child, pickle_task, take_child
+from flexsid.jobs.dispatcher import Workers
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
     Key,
     ProgressMessage,
-    StartedMessage,
     TaskLostMessage,
     WorkerDiedMessage,
     WorkerMessage,
-    describe_unexpected_error,
+    describe_error,
 )
 from flexsid.jobs.worker import LoadKinds
 from flexsid.records.run import Progress
@@ -41,7 +41,7 @@ _CLOSE_S = 2.0
 _CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 
 
-class ClusterWorkers:
+class ClusterWorkers(Workers):
     """Submits tasks to the threads of a Dask cluster, at most one task per thread.
 
     All methods except ``wake`` must be called from one thread.
@@ -80,24 +80,16 @@ class ClusterWorkers:
         return self.count - len(self._futures)
 
     @property
-    def extra_slots(self) -> int:
-        """Zero: a thread of the cluster computes one task."""
-        return 0
-
-    @property
     def keys(self) -> set[Key]:
         """Keys of the running tasks."""
         return set(self._futures)
-
-    def warm_up(self) -> None:
-        """Do nothing: the cluster manages its own processes."""
 
     def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
         """Start a task; requires ``free_slots`` above zero."""
         future = self._client.submit(
             execute_in_child,
             self._load_kinds,
-            pickle.dumps((kind, task, memory_mb), pickle.HIGHEST_PROTOCOL),
+            pickle_task(kind, task, memory_mb),
             (self._topic, key),
             key=f"flexsid-{uuid.uuid4().hex}",
             pure=False,
@@ -114,18 +106,15 @@ class ClusterWorkers:
     def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
         """Return new messages of the workers; return at once after ``wake``."""
         messages: list[tuple[Key, WorkerMessage]] = []
-        try:
-            message = (
-                self._messages.get(timeout=timeout) if timeout > 0 else self._messages.get_nowait()
-            )
+        with suppress(queue.Empty):
+            message = self._messages.get(timeout > 0, timeout)
             while True:
                 if message is not None and message[0] in self._futures:
                     messages.append(message)
-                    if not isinstance(message[1], StartedMessage | ProgressMessage):
+                    if not isinstance(message[1], ProgressMessage):
                         del self._futures[message[0]]
                 message = self._messages.get_nowait()
-        except queue.Empty:
-            return messages
+        return messages
 
     def wake(self) -> None:
         """End ``wait``; thread-safe."""
@@ -213,7 +202,7 @@ class ClusterWorkers:
     def _receive_progress(self, event: Any) -> None:
         """Queue a progress message of a worker, on Dask's event thread."""
         _, (job_id, attempt, progress) = event
-        message = StartedMessage() if progress is None else ProgressMessage(Progress(**progress))
+        message = ProgressMessage(None if progress is None else Progress(**progress))
         self._messages.put(((job_id, attempt), message))
 
 
@@ -229,10 +218,10 @@ def _fetch_result(future: Any) -> WorkerMessage:
     except (FutureCancelledError, OSError, TimeoutError) as error:
         return TaskLostMessage(f"the Dask cluster dropped the task ({type(error).__name__})")
     except Exception as error:
-        return describe_unexpected_error(error)
+        return describe_error(error)
 
 
-_idle: list[tuple[LoadKinds, Child]] = []
+_idle: list[Child] = []
 
 
 def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key]) -> WorkerMessage:
@@ -245,7 +234,7 @@ def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key
     worker = get_worker()
     own = worker.get_current_task()
     topic, (job_id, attempt) = name
-    child = _idle_child(load_kinds)
+    child = take_child(_idle, load_kinds)
     child.connection.send_bytes(content)
     while True:
         if not child.connection.poll(_CANCEL_CHECK_S):
@@ -255,25 +244,13 @@ def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key
                 return TaskLostMessage("the task was cancelled")
             continue
         message = child.receive()
-        if isinstance(message, StartedMessage | ProgressMessage):
-            progress = asdict(message.progress) if isinstance(message, ProgressMessage) else None
+        if isinstance(message, ProgressMessage):
+            progress = None if message.progress is None else asdict(message.progress)
             worker.log_event(topic, (job_id, attempt, progress))
             continue
         if isinstance(message, WorkerDiedMessage):
             child.kill()
             return message
-        _idle.append((load_kinds, child))
-        return (
-            replace(message, worker=worker.address)
-            if isinstance(message, ComputedMessage | FailedMessage)
-            else message
-        )
-
-
-def _idle_child(load_kinds: LoadKinds) -> Child:
-    while _idle:
-        known, child = _idle.pop()
-        if known is load_kinds and not child.connection.poll():
-            return child
-        child.kill()
-    return Child(load_kinds)
+        _idle.append(child)
+        is_end = isinstance(message, ComputedMessage | FailedMessage)
+        return replace(message, worker=worker.address) if is_end else message

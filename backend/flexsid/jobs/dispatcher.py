@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.jobs.kind import Kinds
 from flexsid.jobs.leadership import LEASE_TIMEOUT_S, Leadership
 from flexsid.jobs.messages import (
@@ -24,11 +24,10 @@ from flexsid.jobs.messages import (
     FailedMessage,
     Key,
     ProgressMessage,
-    StartedMessage,
     TaskLostMessage,
     WorkerDiedMessage,
     WorkerMessage,
-    describe_unexpected_error,
+    describe_error,
 )
 from flexsid.jobs.process_id import shorten_process_id
 from flexsid.records.job import Job
@@ -44,6 +43,7 @@ _CHECK_S = 0.2  # between checks for cancelled jobs
 _LOG_S = 2.0  # between progress messages in the log of one job
 _REUSED_S = 2.0  # afterwards the data of a task prepared to validate a request may have changed
 _PREPARED_S = 30.0  # the same for a task prepared while all workers compute
+_TIME_LIMIT_S = 3600.0  # unless the limits of a job differ
 _START_S = 60.0  # more than a worker process takes to start
 
 
@@ -61,7 +61,7 @@ class Workers(Protocol):
     @property
     def extra_slots(self) -> int:
         """Number of tasks that can start beyond, for analysts without a running job."""
-        ...
+        return 0
 
     @property
     def keys(self) -> set[Key]:
@@ -94,6 +94,15 @@ class _PreparedTask:
 
     task: Any
     until: float
+
+
+@dataclass(slots=True)
+class _ActiveTask:
+    """Time limit of a task that a worker has, and when its progress is logged next."""
+
+    limit_s: float
+    deadline: float
+    log_at: float = 0.0
 
 
 class Dispatcher:
@@ -131,11 +140,8 @@ class Dispatcher:
         self._stopping = threading.Event()
         self._prepared: dict[int, _PreparedTask] = {}
         self._served: dict[str, float] = {}  # last start of a job of each analyst
-        self._kind_of: dict[Key, str] = {}
+        self._active: dict[Key, _ActiveTask] = {}
         self._messages: deque[tuple[Key, WorkerMessage]] = deque()
-        self._limits: dict[Key, float] = {}
-        self._deadlines: dict[Key, float] = {}
-        self._last_logged: dict[Key, float] = {}
         self._checked = 0.0
         self._interrupted = False
         self._idle_since: float | None = None  # without a worker
@@ -163,9 +169,9 @@ class Dispatcher:
         self._stopping.set()
         self._workers.wake()
         self._thread.join()
-        active = self._workers.keys | {key for key, _ in self._messages}
+        keys = self._list_keys()
         self._workers.close()
-        self._put_back(active)
+        self._put_back(keys)
         try:
             self._leadership.release()
         except DatabaseUnavailable as error:
@@ -206,7 +212,7 @@ class Dispatcher:
 
     def _dispatch(self) -> None:
         if self._interrupted:
-            known = {key[0] for key in self._workers.keys} | {key[0] for key, _ in self._messages}
+            known = {job_id for job_id, _ in self._list_keys()}
             queue.requeue_unknown(self._store, self._leadership.process_id, known)
             self._interrupted = False
         busy = False
@@ -245,7 +251,9 @@ class Dispatcher:
         self._served[job.author] = time.monotonic()
         key = (number, job.attempt)
         try:
-            task = self._get_task(job)
+            prepared = self._prepared.pop(number, None)
+            is_recent = prepared is not None and time.monotonic() < prepared.until
+            task = prepared.task if prepared and is_recent else self._prepare(job)
         except DatabaseUnavailable:
             # Queued as a message, it is handled once the database responds.
             self._messages.append((key, TaskLostMessage("the database did not respond")))
@@ -270,99 +278,80 @@ class Dispatcher:
         self._prepared[number] = _PreparedTask(task, time.monotonic() + _PREPARED_S)
         return True
 
-    def _get_task(self, job: Job) -> Any:
-        prepared = self._prepared.pop(job.id or 0, None)
-        if prepared is not None and time.monotonic() < prepared.until:
-            return prepared.task
-        return self._prepare(job)
-
     def _prepare(self, job: Job) -> Any:
         """Return the task of a job, or a ``FailedMessage``."""
-        try:
-            kind = self._kinds[job.kind]
-            return kind.prepare(self._store, job, kind.read_request(job))
-        except DatabaseUnavailable:
-            raise
-        except FlexsidError as error:
-            return FailedMessage(error.code, error.message)
-        except Exception as error:
-            return describe_unexpected_error(error)
+        if job.kind not in self._kinds:
+            return FailedMessage("unknown-kind", f"this version has no jobs '{job.kind}'")
+        return self._kinds[job.kind].prepare_task(self._store, job)
 
     def _submit(self, key: Key, job: Job, task: Any) -> None:
         limits = job.limits or Limits()
-        self._kind_of[key] = job.kind
-        self._limits[key] = limits.time_s or self._kinds[job.kind].time_limit_s
-        self._deadlines[key] = time.monotonic() + self._limits[key] + _START_S
+        limit_s = limits.time_s or _TIME_LIMIT_S
+        self._active[key] = _ActiveTask(limit_s, time.monotonic() + limit_s + _START_S)
         try:
             self._workers.submit(key, job.kind, task, limits.memory_mb)
         except OSError as error:  # the worker was killed before it received the task
             self._messages.append((key, WorkerDiedMessage(str(error))))
         except Exception as error:
-            self._messages.append((key, describe_unexpected_error(error)))
+            self._messages.append((key, describe_error(error)))
 
     def _handle_message(self, key: Key, message: WorkerMessage) -> None:
-        job_id, attempt = key
-        if isinstance(message, StartedMessage):
-            if key in self._limits:
-                self._deadlines[key] = time.monotonic() + self._limits[key]
-            return
         if isinstance(message, ProgressMessage):
-            now = time.monotonic()
-            queue.note_progress(
-                self._store, job_id, attempt, _remove_infinite_cost(message.progress)
-            )
-            if now - self._last_logged.get(key, now - _LOG_S / 2) >= _LOG_S:
-                queue.log_message(self._store, job_id, attempt, message.progress.message)
-                self._last_logged[key] = now
-            self._last_logged.setdefault(key, now - _LOG_S / 2)
+            self._note_progress(key, message.progress)
             return
-        if isinstance(message, ComputedMessage):
-            message = self._save(key, message) or message
-        if isinstance(message, FailedMessage):
-            if message.trace:
-                _log.error("job %d, attempt %d:\n%s", job_id, attempt, message.trace)
-            queue.fail(
-                self._store, job_id, attempt, message.code, message.message, message.worker or None
+        job_id, attempt = key
+        ended = self._save(key, message)
+        if isinstance(ended, FailedMessage):
+            if ended.trace:
+                _log.error("job %d, attempt %d:\n%s", job_id, attempt, ended.trace)
+            worker = ended.worker or None
+            queue.fail(self._store, job_id, attempt, ended.code, ended.message, worker)
+        elif isinstance(ended, WorkerDiedMessage):
+            _log.warning("job %d, attempt %d: its worker died, %s", job_id, attempt, ended.reason)
+            why = (
+                f"the worker process died {{deaths}} times ({ended.reason}),"
+                " possibly for lack of memory; ask for less"
             )
-        elif isinstance(message, WorkerDiedMessage):
-            _log.warning("job %d, attempt %d: its worker died, %s", job_id, attempt, message.reason)
-            queue.retry_or_fail(
-                self._store,
-                job_id,
-                attempt,
-                f"the worker process died {{deaths}} times ({message.reason}),"
-                " possibly for lack of memory; ask for less",
-            )
-        elif isinstance(message, TaskLostMessage):
-            queue.requeue(self._store, job_id, attempt, message.reason)
-        self._clear_timers(key)
+            queue.retry_or_fail(self._store, job_id, attempt, why)
+        elif isinstance(ended, TaskLostMessage):
+            queue.requeue(self._store, job_id, attempt, ended.reason)
+        self._active.pop(key, None)
 
-    def _save(self, key: Key, message: ComputedMessage) -> FailedMessage | None:
+    def _note_progress(self, key: Key, progress: Progress | None) -> None:
+        active = self._active.get(key)
+        if active is None:
+            return
+        now = time.monotonic()
+        if progress is None:
+            active.deadline, active.log_at = now + active.limit_s, now + _LOG_S / 2
+            return
+        queue.note_progress(self._store, *key, _remove_infinite_cost(progress))
+        if now >= active.log_at:
+            queue.log_message(self._store, *key, progress.message)
+            active.log_at = now + _LOG_S
+
+    def _save(self, key: Key, message: WorkerMessage) -> WorkerMessage | None:
+        """Store an outcome; return a message that is no outcome."""
+        if not isinstance(message, ComputedMessage):
+            return message
         job_id, attempt = key
         try:
-            kind = self._kinds[self._kind_of[key]]
             job = replace(self._store.jobs.get(job_id), attempt=attempt)
-            with queue.storing_result(self._store, job):
-                kind.save(self._store, job, message.outcome, message.worker)
-        except queue.StaleAttempt as error:
+            return self._kinds[job.kind].save_outcome(self._store, job, message)
+        except (queue.StaleAttempt, UnknownRecord) as error:
             _log.info(error.message)
-        except DatabaseUnavailable:
-            raise
-        except FlexsidError as error:
-            return FailedMessage(error.code, error.message, worker=message.worker)
-        except Exception as error:
-            return describe_unexpected_error(error)
-        return None
+            return None
 
     def _stop_overdue_jobs(self) -> None:
         now = time.monotonic()
-        for key in [key for key, deadline in self._deadlines.items() if now >= deadline]:
-            self._workers.cancel(key)
-            limit = self._limits[key]
-            message = (
-                f"the job took longer than {limit:g} s; ask for less or set a higher time limit"
-            )
-            self._handle_message(key, FailedMessage("time-limit", message))
+        for key, active in list(self._active.items()):
+            if now >= active.deadline:
+                self._workers.cancel(key)
+                message = (
+                    f"the job took longer than {active.limit_s:g} s;"
+                    " ask for less or set a higher time limit"
+                )
+                self._handle_message(key, FailedMessage("time-limit", message))
 
     def _stop_cancelled_jobs(self) -> None:
         now = time.monotonic()
@@ -377,19 +366,16 @@ class Dispatcher:
 
     def _abandon(self) -> None:
         """Drop all tasks: another server has the lease and has queued them again."""
-        for key in self._workers.keys | {key for key, _ in self._messages}:
+        for key in self._list_keys():
             self._drop(key)
         self._messages.clear()
 
+    def _list_keys(self) -> set[Key]:
+        return self._workers.keys | {key for key, _ in self._messages}
+
     def _drop(self, key: Key) -> None:
         self._workers.cancel(key)
-        self._clear_timers(key)
-
-    def _clear_timers(self, key: Key) -> None:
-        self._last_logged.pop(key, None)
-        self._deadlines.pop(key, None)
-        self._limits.pop(key, None)
-        self._kind_of.pop(key, None)
+        self._active.pop(key, None)
 
     def _put_back(self, keys: set[Key]) -> None:
         for job_id, attempt in keys:

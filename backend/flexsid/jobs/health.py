@@ -26,7 +26,7 @@ class PartState(StrEnum):
     DEGRADED = "degraded"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class PartHealth:
     """State of one part of the workbench, with advice if it is degraded."""
 
@@ -73,14 +73,14 @@ class QueueHealth:
         dispatcher = self._dispatcher(lease, now)
         if dispatcher.state is not PartState.OK or status is None:
             text = "Unknown: no dispatcher reports the workers."
-            return dispatcher, _part("workers", dispatcher.state, text)
+            return dispatcher, PartHealth("workers", dispatcher.state, text)
         return dispatcher, _workers(status)
 
     def _dispatcher(self, lease: Lease, now: float) -> PartHealth:
         if self._free_since is not None:
             if now - self._free_since < _GRACE_S:
                 text = "Starting: jobs wait in the queue meanwhile."
-                return _part("dispatcher", PartState.STARTING, text)
+                return PartHealth("dispatcher", PartState.STARTING, text)
             text = (
                 "No server dispatches jobs: they wait in the queue. Read the log of the"
                 " server and restart it."
@@ -91,22 +91,19 @@ class QueueHealth:
                 " Read the log of the server and restart it."
             )
         else:
-            return _part("dispatcher", PartState.OK, "Dispatches jobs.")
-        return _part("dispatcher", PartState.DEGRADED, text)
+            return PartHealth("dispatcher", PartState.OK, "Dispatches jobs.")
+        return PartHealth("dispatcher", PartState.DEGRADED, text)
 
 
 def _workers(status: dict[str, object]) -> PartHealth:
     count, location = status["workers"], status["location"]
     if count != 0:
-        return _part("workers", PartState.OK, f"{count} on {location}.")
+        return PartHealth("workers", PartState.OK, f"{count} on {location}.")
     away_s = status.get("without_workers_s", 0.0)
     assert isinstance(away_s, float | int)
     text = (
         f"No worker has been available for {away_s:.0f} s ({location}): jobs wait in the queue."
         " Start the scheduler if it is not running, and at least one dask worker."
     )
-    return _part("workers", PartState.DEGRADED if away_s >= _GRACE_S else PartState.STARTING, text)
-
-
-def _part(name: str, state: PartState, text: str) -> PartHealth:
-    return PartHealth(name=name, state=state, text=text)
+    state = PartState.DEGRADED if away_s >= _GRACE_S else PartState.STARTING
+    return PartHealth("workers", state, text)

@@ -6,11 +6,10 @@ import logging
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from flexsid.errors import FlexsidError
 from flexsid.jobs.kind import Kind, build_job
-from flexsid.jobs.messages import describe_unexpected_error
+from flexsid.jobs.messages import ComputedMessage, FailedMessage, Report
 from flexsid.jobs.process_id import get_process_id, shorten_process_id
-from flexsid.jobs.worker import Report
+from flexsid.jobs.worker import execute_task
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue
@@ -38,7 +37,7 @@ def execute_request(
 ) -> Job:
     """Return the job of an equal request that succeeded, or execute it; see ``execute_job``."""
     job = build_job(store, kind, request)
-    known = None if job.request_hash is None else queue.find_equal(store, job.request_hash)
+    known = queue.find_equal(store, job.request_hash)
     if known is not None and known.state is RunState.SUCCEEDED:
         return known
     return execute_job(store, kind, lambda: queue.add_job(store, job).id or 0, report)
@@ -67,19 +66,18 @@ def execute_job(store: Store, kind: Kind[Any, Any], add: Callable[[], int], repo
         job_id = add()
         job = queue.claim(store, job_id, process_id=get_process_id())
     assert job is not None
+    worker = shorten_process_id(get_process_id())
     try:
-        outcome = kind.compute(kind.prepare(store, job, kind.read_request(job)), report)
-        with queue.storing_result(store, job):
-            kind.save(store, job, outcome, shorten_process_id(get_process_id()))
-    except queue.StaleAttempt:
-        raise
-    except FlexsidError as error:
-        queue.fail(store, job_id, job.attempt, error.code, error.message)
+        ended = kind.prepare_task(store, job)
+        if not isinstance(ended, FailedMessage):
+            ended = execute_task(kind.compute, ended, report, worker)
+        if isinstance(ended, ComputedMessage):
+            ended = kind.save_outcome(store, job, ended)
     except KeyboardInterrupt:
         queue.request_cancel(store, job_id)
         raise
-    except Exception as error:
-        _log.exception("job %d", job_id)
-        failed = describe_unexpected_error(error)
-        queue.fail(store, job_id, job.attempt, failed.code, failed.message)
+    if isinstance(ended, FailedMessage):
+        if ended.trace:
+            _log.error("job %d:\n%s", job_id, ended.trace)
+        queue.fail(store, job_id, job.attempt, ended.code, ended.message, worker)
     return store.jobs.get(job_id)

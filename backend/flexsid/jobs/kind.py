@@ -8,11 +8,17 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from flexsid.errors import Conflict
-from flexsid.jobs.worker import Report
+from flexsid.jobs.messages import (
+    ComputedMessage,
+    FailedMessage,
+    Report,
+    describe_error,
+)
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, encode
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.software_versions import METHODS, read_versions
 
@@ -31,6 +37,19 @@ def save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
     """
     assert job.id is not None
     queue.finish_job(store, job.id, job.attempt, encode(outcome), read_versions(), worker)
+
+
+def save_records(add: Callable[[Store, Job, Any, str], object]) -> Save:
+    """Return a function that stores the records of an outcome and ends its job, or neither.
+
+    ``add`` stores the records and returns the result in the table.
+    """
+
+    def save(store: Store, job: Job, outcome: object, worker: str) -> None:
+        with store.transaction():
+            save_result(store, job, add(store, job, outcome, worker), worker)
+
+    return save
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,8 +78,6 @@ class Kind(Generic[Request, Result]):
         whose result is never that of an earlier request.
     priority
         Jobs of higher priority start first.
-    time_limit_s
-        Computing time, unless the limits of a job differ. [s]
     """
 
     name: str
@@ -72,11 +89,38 @@ class Kind(Generic[Request, Result]):
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
     priority: int = 0
-    time_limit_s: float = 3600.0
 
     def read_request(self, job: Job) -> Request:
         """Return the request of a job."""
         return decode(self.request, job.request or {})
+
+    def prepare_task(self, store: Store, job: Job) -> Any:
+        """Return the task of a job, or a ``FailedMessage``."""
+        try:
+            return self.prepare(store, job, self.read_request(job))
+        except DatabaseUnavailable:
+            raise
+        except Exception as error:
+            return describe_error(error)
+
+    def save_outcome(
+        self, store: Store, job: Job, message: ComputedMessage
+    ) -> FailedMessage | None:
+        """Store the outcome of a job and end it; return the failure if that is not possible.
+
+        Raises
+        ------
+        StaleAttempt
+            If the job was cancelled or started again.
+        """
+        try:
+            with queue.storing_result(store, job):
+                self.save(store, job, message.outcome, message.worker)
+        except (queue.StaleAttempt, DatabaseUnavailable):
+            raise
+        except Exception as error:
+            return describe_error(error, message.worker)
+        return None
 
     def read_result(self, job: Job) -> Result:
         """Return the result of a job that succeeded."""
@@ -88,20 +132,28 @@ Kinds = Mapping[str, Kind[Any, Any]]
 LoadKinds = Callable[[], Kinds]
 
 
-def hash_request(store: Store, kind: Kind[Request, Any], request: Request) -> str | None:
-    """Hash a request and all records that its result depends on; None if it has no identity.
+def build_job(
+    store: Store, kind: Kind[Request, Any], request: Request, author: str = "", title: str = ""
+) -> Job:
+    """Build the job of a request, with the hash of all that its result depends on.
 
     Raises
     ------
-    BadInput
-        If the request is invalid.
-    UnknownRecord
-        If one of the records does not exist.
+    BadInput, UnknownRecord
+        If the request is invalid, or one of its records does not exist.
     """
-    if kind.identify is None:
-        return None
-    content = (METHODS, kind.name, request, kind.identify(store, request))
-    return hashlib.sha256(repr(content).encode()).hexdigest()
+    digest = None
+    if kind.identify is not None:
+        content = (METHODS, kind.name, request, kind.identify(store, request))
+        digest = hashlib.sha256(repr(content).encode()).hexdigest()
+    return Job(
+        kind=kind.name,
+        title=title,
+        author=author,
+        request=encode(request),
+        request_hash=digest,
+        priority=kind.priority,
+    )
 
 
 def submit(
@@ -112,34 +164,12 @@ def submit(
     Raises
     ------
     BadInput, UnknownRecord
-        As ``hash_request``.
+        As ``build_job``.
     """
     job = build_job(store, kind, request, author, title)
     with store.database.transaction() as connection:
         store.database.lock_writers(connection)
-        digest = job.request_hash
-        known = None if digest is None else queue.find_equal(store, digest)
-        return queue.add_job(store, job) if known is None else known
-
-
-def build_job(
-    store: Store, kind: Kind[Request, Any], request: Request, author: str = "", title: str = ""
-) -> Job:
-    """Build the job of a request, which is not stored yet.
-
-    Raises
-    ------
-    BadInput, UnknownRecord
-        As ``hash_request``.
-    """
-    return Job(
-        kind=kind.name,
-        title=title,
-        author=author,
-        request=encode(request),
-        request_hash=hash_request(store, kind, request),
-        priority=kind.priority,
-    )
+        return queue.find_equal(store, job.request_hash) or queue.add_job(store, job)
 
 
 def find_job(store: Store, kind: Kind[Request, Any], request: Request) -> Job | None:
@@ -148,9 +178,9 @@ def find_job(store: Store, kind: Kind[Request, Any], request: Request) -> Job | 
     Raises
     ------
     BadInput, UnknownRecord
-        As ``hash_request``.
+        As ``build_job``.
     """
-    digest = hash_request(store, kind, request)
+    digest = build_job(store, kind, request).request_hash
     assert digest is not None
     return queue.find_equal(store, digest) or queue.find_newest(store, digest)
 
@@ -161,7 +191,7 @@ def get_result(store: Store, kind: Kind[Request, Result], request: Request) -> R
     Raises
     ------
     BadInput, UnknownRecord
-        As ``hash_request``.
+        As ``build_job``.
     Conflict
         If the request has not been made, its job has not ended, or it failed.
     """

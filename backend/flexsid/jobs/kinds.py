@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
-from flexsid.jobs.kind import Kind, Kinds, save_result
-from flexsid.jobs.worker import Report
+from flexsid.jobs.kind import Kind, Kinds, save_records
+from flexsid.jobs.messages import Report
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
@@ -20,119 +21,37 @@ from flexsid.records.validation import (
     PosteriorCheck,
 )
 from flexsid.records.views import Reconstruction
-from flexsid.storage import backup as copies
-from flexsid.storage import queue
+from flexsid.storage import backup, queue
 from flexsid.storage.derived_runs import find_derived_runs
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.snapshot import open_snapshot, take_snapshot
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.amplitude_optimisation import (
-    AmplitudeQuery,
-    OptimisedAmplitudes,
-    optimise_amplitudes,
+from flexsid.workflow.excitation import (
+    amplitude_optimisation,
+    classic_inputs,
+    excitation_designs,
+    optimal_designs,
+    predicted_accuracy,
+    preflight_simulation,
 )
-from flexsid.workflow.excitation.classic_inputs import InputComparison, compare_inputs
-from flexsid.workflow.excitation.excitation_designs import DesignOrder, compute_design
-from flexsid.workflow.excitation.optimal_designs import (
-    FoundDesign,
-    OptimalDesign,
-    OptimalDesignQuery,
-    compute_optimal_design,
-    identify_optimal_design,
-)
-from flexsid.workflow.excitation.predicted_accuracy import (
-    DesignQuery,
-    PredictedAccuracy,
-    identify_design_query,
-    predict_accuracy,
-)
-from flexsid.workflow.excitation.preflight_simulation import (
-    SimulatedManeuver,
-    SimulationRequest,
-    simulate_design,
-    store_simulation,
-)
-from flexsid.workflow.flutter.closed_loop import (
-    ClosedLoopQuery,
-    analyse_closed_loop,
-    refuse_shaped_runs,
-)
-from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, compute_flutter
-from flexsid.workflow.flutter.flutter_models import fuse_runs, identify_query
-from flexsid.workflow.flutter.predicted_flutter import (
-    PredictedFlutterQuery,
-    compute_predicted_flutter,
-    identify_predicted_flutter,
-    prepare_predicted_flutter,
-)
-from flexsid.workflow.global_model.computation import compute_global_model
-from flexsid.workflow.global_model.estimates import (
-    GlobalModelQuery,
-    identify_global_model,
-    prepare_global_model,
-)
-from flexsid.workflow.importing.flight_import import store_upload
-from flexsid.workflow.importing.parsed_files import ParsedUpload
-from flexsid.workflow.importing.remembered_columns import IMPORT_KIND
-from flexsid.workflow.importing.uploads import ImportRequest, compute_import, prepare_import
-from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
+from flexsid.workflow.flutter import closed_loop, flutter_analysis, flutter_models
+from flexsid.workflow.flutter import predicted_flutter as of_prediction
+from flexsid.workflow.global_model import computation, estimates
+from flexsid.workflow.importing import flight_import, parsed_files, remembered_columns, uploads
+from flexsid.workflow.measurements import reconstruction
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
-from flexsid.workflow.modal_data.computed_predictions import (
-    ComputedPrediction,
-    PredictionRequest,
-    compute_prediction,
-    prepare_prediction,
-    store_computed_prediction,
-)
-from flexsid.workflow.modal_data.ground_vibration_test import (
-    ModeSearch,
-    find_modes,
-    identify_mode_search,
-    prepare_mode_search,
-)
-from flexsid.workflow.quality.maneuver_quality import (
-    assess_maneuver,
-    compute_content_hash,
-    store_quality,
-)
-from flexsid.workflow.review.database_backup import (
-    BackupFile,
-    BackupRequest,
-    compute_backup,
-    prepare_backup,
-)
-from flexsid.workflow.review.printed_reports import (
-    PrintedReport,
-    PrintingTask,
-    ReportRequest,
-    prepare_printing,
-    print_report,
-    store_printed_report,
-)
+from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test
+from flexsid.workflow.quality import maneuver_quality
+from flexsid.workflow.review import database_backup, printed_reports
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
-from flexsid.workflow.validation.aerodynamics_comparison import (
-    AerodynamicsQuery,
-    compare_aerodynamics,
-    identify_aerodynamics,
-)
-from flexsid.workflow.validation.cross_prediction import (
-    CrossPredictionQuery,
-    compute_cross_predictions,
-    identify_cross_prediction,
-    list_maneuver_ids,
-)
-from flexsid.workflow.validation.cross_validation import (
-    CrossValidationQuery,
-    cross_validate,
-    identify_cross_validation,
-)
-from flexsid.workflow.validation.posterior_check import (
-    PosteriorQuery,
-    check_posterior,
-    identify_posterior,
+from flexsid.workflow.validation import (
+    aerodynamics_comparison,
+    cross_prediction,
+    cross_validation,
+    posterior_check,
 )
 
 Result = TypeVar("Result")
@@ -163,21 +82,6 @@ class SnapshotTask:
 
     snapshot: bytes
     request: Any
-    design: ExcitationDesign | None = None
-
-    def open(self) -> Store:
-        """Return the store of the records."""
-        return open_snapshot(self.snapshot)
-
-    def open_design(self) -> tuple[Store, ExcitationDesign, int, int]:
-        """Return store, design, run and amplitude level of a design query."""
-        assert self.design is not None
-        return self.open(), self.design, self.request.run_id, self.request.level
-
-
-def _id(job: Job) -> int:
-    assert job.id is not None
-    return job.id
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,139 +92,130 @@ class Derived(Generic[Result]):
     fits: tuple[DerivedFit, ...]
 
 
-def _prepare_prediction(store: Store, run_ids: tuple[int, ...], request: object) -> SnapshotTask:
+def _in_snapshot(
+    compute: Callable[[Store, Any, Report], Any],
+) -> Callable[[SnapshotTask, Report], Any]:
+    """Return the computation of a task from that of its request in a store."""
+    return lambda task, report: compute(open_snapshot(task.snapshot), task.request, report)
+
+
+def _of_design(
+    compute: Callable[[Store, ExcitationDesign, Any, Report], Any],
+) -> Callable[[SnapshotTask, Report], Any]:
+    """Return the computation of a task from that of its request with its design."""
+    return _in_snapshot(
+        lambda store, query, report: compute(
+            store, store.designs.get(query.design_id), query, report
+        )
+    )
+
+
+def _send_run(store: Store, job: Job, query: Any) -> SnapshotTask:
+    return SnapshotTask(take_snapshot(store, run_ids=(query.run_id,)), query)
+
+
+def _send_maneuver(store: Store, job: Job, query: Any) -> SnapshotTask:
+    return SnapshotTask(take_snapshot(store, maneuver_ids=(query.maneuver_id,)), query)
+
+
+def _send_design(store: Store, job: Job, query: Any) -> SnapshotTask:
+    runs = (query.run_id, getattr(query, "other_run_id", None))
+    run_ids = tuple(number for number in runs if number is not None)
+    return SnapshotTask(take_snapshot(store, (), run_ids, (query.design_id,)), query)
+
+
+def _send_flutter_runs(store: Store, run_ids: tuple[int, ...], query: object) -> SnapshotTask:
     snapshot = take_snapshot(store, run_ids=(*run_ids, *find_derived_runs(store, run_ids)))
-    return SnapshotTask(snapshot, request)
+    return SnapshotTask(snapshot, query)
 
 
-def _compute_flutter(task: SnapshotTask, report: Report) -> Derived[FlutterResult]:
-    store = task.open()
-    models = fuse_runs(store, task.request, report)
-    return Derived(compute_flutter(store, models, report), models.new_fits)
+def _compute_flutter(
+    store: Store, query: flutter_models.FlutterQuery, report: Report
+) -> Derived[FlutterResult]:
+    models = flutter_models.fuse_runs(store, query, report)
+    return Derived(flutter_analysis.compute_flutter(store, models, report), models.new_fits)
 
 
-def _compute_closed_loop(task: SnapshotTask, report: Report) -> Derived[ClosedLoop]:
-    store, query = task.open(), task.request
-    models = fuse_runs(store, query.flutter, report)
-    found = analyse_closed_loop(store, models, query.controller_id, report)
+def _store_flutter(
+    store: Store, job: Job, outcome: Derived[FlutterResult], worker: str
+) -> FlutterResult:
+    stored = store_derived_fits(store, outcome.fits, job, worker)
+    flutter = outcome.result.flutter
+    flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, stored))
+    return replace(outcome.result, flutter=flutter)
+
+
+def _compute_closed_loop(
+    store: Store, query: closed_loop.ClosedLoopQuery, report: Report
+) -> Derived[ClosedLoop]:
+    models = flutter_models.fuse_runs(store, query.flutter, report)
+    found = closed_loop.analyse_closed_loop(store, models, query.controller_id, report)
     return Derived(found, models.new_fits)
 
 
-def _save_flutter(store: Store, job: Job, outcome: Derived[FlutterResult], worker: str) -> None:
-    with store.transaction():
-        stored = store_derived_fits(store, outcome.fits, job, worker)
-        flutter = outcome.result.flutter
-        flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, stored))
-        save_result(store, job, replace(outcome.result, flutter=flutter), worker)
+def _store_closed_loop(
+    store: Store, job: Job, outcome: Derived[ClosedLoop], worker: str
+) -> ClosedLoop:
+    stored = store_derived_fits(store, outcome.fits, job, worker)
+    return replace(outcome.result, derived_runs=renumber(outcome.result.derived_runs, stored))
 
 
-def _save_closed_loop(store: Store, job: Job, outcome: Derived[ClosedLoop], worker: str) -> None:
-    with store.transaction():
-        stored = store_derived_fits(store, outcome.fits, job, worker)
-        derived_runs = renumber(outcome.result.derived_runs, stored)
-        save_result(store, job, replace(outcome.result, derived_runs=derived_runs), worker)
+def _identify_closed_loop(store: Store, query: closed_loop.ClosedLoopQuery) -> tuple[object, ...]:
+    closed_loop.refuse_shaped_runs(store, query.flutter.run_ids)
+    controller = store.controllers.get(query.controller_id)
+    return *flutter_models.identify_query(store, query.flutter), controller
 
 
-def _compute_simulation(task: SnapshotTask, report: Report) -> SimulatedManeuver:
-    assert task.design is not None
-    return simulate_design(task.open(), task.design, task.request, report)
+def _store_simulation(
+    store: Store, job: Job, outcome: preflight_simulation.SimulatedManeuver, worker: str
+) -> dict[str, int | None]:
+    request = SIMULATION.read_request(job)
+    stored = preflight_simulation.store_simulation(store, request, outcome, job.author)
+    return {"simulation_id": stored.id, "run_id": stored.run_id}
 
 
-def _save_simulation(store: Store, job: Job, outcome: SimulatedManeuver, worker: str) -> None:
-    with store.transaction():
-        stored = store_simulation(store, SIMULATION.read_request(job), outcome, job.author)
-        save_result(store, job, {"simulation_id": stored.id, "run_id": stored.run_id}, worker)
+def _store_optimal_design(
+    store: Store, job: Job, outcome: optimal_designs.FoundDesign, worker: str
+) -> optimal_designs.OptimalDesign:
+    return replace(outcome.gain, optimal_design_id=store.designs.add(outcome.design).id or 0)
 
 
-def _save_design(store: Store, job: Job, outcome: ExcitationDesign, worker: str) -> None:
-    with store.transaction():
-        save_result(store, job, {"design_id": store.designs.add(outcome).id}, worker)
-
-
-def _prepare_optimal_design(store: Store, job: Job, query: OptimalDesignQuery) -> SnapshotTask:
-    other = () if query.other_run_id is None else (query.other_run_id,)
-    snapshot = take_snapshot(store, run_ids=(query.run_id, *other))
-    return SnapshotTask(snapshot, query, store.designs.get(query.design_id))
-
-
-def _compute_optimal_design(task: SnapshotTask, report: Report) -> FoundDesign:
-    assert task.design is not None
-    return compute_optimal_design(task.open(), task.design, task.request, report)
-
-
-def _save_optimal_design(store: Store, job: Job, outcome: FoundDesign, worker: str) -> None:
-    with store.transaction():
-        stored = store.designs.add(outcome.design)
-        save_result(store, job, replace(outcome.gain, optimal_design_id=stored.id or 0), worker)
-
-
-def _prepare_design_query(
-    store: Store, job: Job, query: DesignQuery | SimulationRequest
-) -> SnapshotTask:
-    snapshot = take_snapshot(store, run_ids=(query.run_id,))
-    return SnapshotTask(snapshot, query, store.designs.get(query.design_id))
-
-
-def _identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object, ...]:
-    refuse_shaped_runs(store, query.flutter.run_ids)
-    return *identify_query(store, query.flutter), store.controllers.get(query.controller_id)
-
-
-def _identify_reconstruction(store: Store, query: ReconstructionQuery) -> tuple[object, ...]:
+def _identify_reconstruction(
+    store: Store, query: reconstruction.ReconstructionQuery
+) -> tuple[object, ...]:
     maneuver = store.maneuvers.get(query.maneuver_id)
     gather_sensors(store, maneuver, query.axis)  # refused at once, not as a job
     return list_run_contents(store, (), (query.maneuver_id,))
 
 
-def _compute_quality(task: SnapshotTask, report: Report) -> ManeuverQuality:
-    store = task.open()
-    maneuver = store.maneuvers.get(task.request.maneuver_id)
-    return assess_maneuver(store, maneuver, compute_content_hash(store, maneuver))
+def _assess_quality(store: Store, request: QualityRequest, report: Report) -> ManeuverQuality:
+    maneuver = store.maneuvers.get(request.maneuver_id)
+    content = maneuver_quality.compute_content_hash(store, maneuver)
+    return maneuver_quality.assess_maneuver(store, maneuver, content)
 
 
-def _save_quality(store: Store, job: Job, outcome: ManeuverQuality, worker: str) -> None:
-    with store.transaction():
-        stored = store_quality(store, outcome)
-        save_result(store, job, {"verdict": stored.verdict.value}, worker)
-
-
-def _save_prediction(store: Store, job: Job, outcome: ComputedPrediction, worker: str) -> None:
-    with store.transaction():
-        stored = store_computed_prediction(store, outcome)
-        save_result(store, job, {"prediction_id": stored.id}, worker)
-
-
-def _save_import(store: Store, job: Job, outcome: ParsedUpload, worker: str) -> None:
+def _store_import(
+    store: Store, job: Job, outcome: parsed_files.ParsedUpload, worker: str
+) -> dict[str, int | None]:
     request = IMPORT.read_request(job)
-    with store.transaction():
-        stored = store_upload(store, outcome, request.aircraft_id, confirmed=request.confirmed)
-        result = {
-            "maneuver_id": None if stored.maneuver is None else stored.maneuver.id,
-            "flight_id": None if stored.flight is None else stored.flight.id,
-            "n_channels": len(outcome.channels),
-        }
-        save_result(store, job, result, worker)
-
-
-def _prepare_report(store: Store, job: Job, request: ReportRequest) -> PrintingTask:
-    assert job.created_at is not None
-    return prepare_printing(store, request, job.created_at)
-
-
-def _save_report(store: Store, job: Job, outcome: bytes, worker: str) -> None:
-    with store.transaction():
-        stored = store_printed_report(store, REPORT.read_request(job), outcome)
-        save_result(store, job, stored, worker)
+    stored = flight_import.store_upload(
+        store, outcome, request.aircraft_id, confirmed=request.confirmed
+    )
+    return {
+        "maneuver_id": None if stored.maneuver is None else stored.maneuver.id,
+        "flight_id": None if stored.flight is None else stored.flight.id,
+        "n_channels": len(outcome.channels),
+    }
 
 
 RUN = Kind(
     name=ESTIMATION,
     label="Estimation",
     request=EstimationRequest,
-    prepare=lambda store, job, request: estimation.prepare(store, store.runs.get(_id(job))),
+    prepare=lambda store, job, request: estimation.prepare(store, store.runs.get(job.id or 0)),
     compute=estimation.compute_run,
     save=lambda store, job, outcome, worker: estimation.store_result(
-        store, _id(job), job.attempt, outcome, worker
+        store, job.id or 0, job.attempt, outcome, worker
     ),
 )
 SEARCH = Kind(
@@ -338,237 +233,222 @@ SEARCH = Kind(
 DESIGN = Kind(
     name="excitation-design",
     label="Excitation design",
-    request=DesignOrder,
+    request=excitation_designs.DesignOrder,
     prepare=lambda store, job, request: request,
-    compute=compute_design,
-    save=_save_design,
+    compute=excitation_designs.compute_design,
+    save=save_records(
+        lambda store, job, outcome, worker: {"design_id": store.designs.add(outcome).id}
+    ),
 )
 SIMULATION = Kind(
     name="preflight-simulation",
     label="Pre-flight simulation",
-    request=SimulationRequest,
-    prepare=_prepare_design_query,
-    compute=_compute_simulation,
-    save=_save_simulation,
+    request=preflight_simulation.SimulationRequest,
+    prepare=_send_design,
+    compute=_of_design(preflight_simulation.simulate_design),
+    save=save_records(_store_simulation),
 )
 FLUTTER = Kind(
     name="flutter-prediction",
     label="Flutter prediction",
-    request=FlutterQuery,
-    prepare=lambda store, job, query: _prepare_prediction(store, query.run_ids, query),
-    compute=_compute_flutter,
-    save=_save_flutter,
+    request=flutter_models.FlutterQuery,
+    prepare=lambda store, job, query: _send_flutter_runs(store, query.run_ids, query),
+    compute=_in_snapshot(_compute_flutter),
+    save=save_records(_store_flutter),
     result=FlutterResult,
-    identify=identify_query,
+    identify=flutter_models.identify_query,
 )
 PREDICTED_FLUTTER = Kind(
     name="predicted-flutter",
     label="Flutter of a prediction",
-    request=PredictedFlutterQuery,
-    prepare=lambda store, job, query: prepare_predicted_flutter(store, query),
-    compute=compute_predicted_flutter,
+    request=of_prediction.PredictedFlutterQuery,
+    prepare=lambda store, job, query: of_prediction.prepare_predicted_flutter(store, query),
+    compute=of_prediction.compute_predicted_flutter,
     result=PredictedFlutterResult,
-    identify=identify_predicted_flutter,
+    identify=of_prediction.identify_predicted_flutter,
 )
 CLOSED_LOOP = Kind(
     name="closed-loop",
     label="Closed-loop stability",
-    request=ClosedLoopQuery,
-    prepare=lambda store, job, query: _prepare_prediction(store, query.flutter.run_ids, query),
-    compute=_compute_closed_loop,
-    save=_save_closed_loop,
+    request=closed_loop.ClosedLoopQuery,
+    prepare=lambda store, job, query: _send_flutter_runs(store, query.flutter.run_ids, query),
+    compute=_in_snapshot(_compute_closed_loop),
+    save=save_records(_store_closed_loop),
     result=ClosedLoop,
     identify=_identify_closed_loop,
 )
 GLOBAL_MODEL = Kind(
     name="global-model",
     label="Global model",
-    request=GlobalModelQuery,
-    prepare=lambda store, job, query: prepare_global_model(store, query),
-    compute=compute_global_model,
+    request=estimates.GlobalModelQuery,
+    prepare=lambda store, job, query: estimates.prepare_global_model(store, query),
+    compute=computation.compute_global_model,
     result=GlobalModelResult,
-    identify=identify_global_model,
+    identify=estimates.identify_global_model,
 )
 CROSS_PREDICTION = Kind(
     name="cross-prediction",
     label="Cross-prediction",
-    request=CrossPredictionQuery,
+    request=cross_prediction.CrossPredictionQuery,
     prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, list_maneuver_ids(store, query), query.run_ids), query
+        take_snapshot(store, cross_prediction.list_maneuver_ids(store, query), query.run_ids), query
     ),
-    compute=lambda task, report: compute_cross_predictions(task.open(), task.request, report),
+    compute=_in_snapshot(cross_prediction.compute_cross_predictions),
     result=CrossPredictionMatrix,
-    identify=identify_cross_prediction,
+    identify=cross_prediction.identify_cross_prediction,
 )
 CROSS_VALIDATION = Kind(
     name="cross-validation",
     label="Cross-validation",
-    request=CrossValidationQuery,
-    prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, run_ids=(query.run_id,)), query
-    ),
-    compute=lambda task, report: cross_validate(task.open(), task.request, report),
+    request=cross_validation.CrossValidationQuery,
+    prepare=_send_run,
+    compute=_in_snapshot(cross_validation.cross_validate),
     result=CrossValidation,
-    identify=identify_cross_validation,
+    identify=cross_validation.identify_cross_validation,
 )
 AERODYNAMICS = Kind(
     name="aerodynamics-comparison",
     label="Comparison of aerodynamics",
-    request=AerodynamicsQuery,
-    prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, run_ids=(query.run_id,)), query
-    ),
-    compute=lambda task, report: compare_aerodynamics(task.open(), task.request, report),
+    request=aerodynamics_comparison.AerodynamicsQuery,
+    prepare=_send_run,
+    compute=_in_snapshot(aerodynamics_comparison.compare_aerodynamics),
     result=AerodynamicsComparison,
-    identify=identify_aerodynamics,
+    identify=aerodynamics_comparison.identify_aerodynamics,
 )
 POSTERIOR = Kind(
     name="posterior-check",
     label="Posterior check",
-    request=PosteriorQuery,
-    prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, run_ids=(query.run_id,)), query
-    ),
-    compute=lambda task, report: check_posterior(task.open(), task.request, report),
+    request=posterior_check.PosteriorQuery,
+    prepare=_send_run,
+    compute=_in_snapshot(posterior_check.check_posterior),
     result=PosteriorCheck,
-    identify=identify_posterior,
+    identify=posterior_check.identify_posterior,
 )
 PREDICTED_ACCURACY = Kind(
     name="predicted-accuracy",
     label="Predicted accuracy",
-    request=DesignQuery,
-    prepare=_prepare_design_query,
-    compute=lambda task, report: predict_accuracy(*task.open_design()),
-    result=PredictedAccuracy,
-    identify=identify_design_query,
+    request=predicted_accuracy.DesignQuery,
+    prepare=_send_design,
+    compute=_of_design(
+        lambda store, design, query, report: predicted_accuracy.predict_accuracy(
+            store, design, query.run_id, query.level
+        )
+    ),
+    result=predicted_accuracy.PredictedAccuracy,
+    identify=predicted_accuracy.identify_design_query,
 )
 INPUT_COMPARISON = Kind(
     name="input-comparison",
     label="Comparison with classic inputs",
-    request=DesignQuery,
-    prepare=_prepare_design_query,
-    compute=lambda task, report: compare_inputs(*task.open_design()),
-    result=InputComparison,
-    identify=identify_design_query,
+    request=predicted_accuracy.DesignQuery,
+    prepare=_send_design,
+    compute=_of_design(
+        lambda store, design, query, report: classic_inputs.compare_inputs(
+            store, design, query.run_id, query.level
+        )
+    ),
+    result=classic_inputs.InputComparison,
+    identify=predicted_accuracy.identify_design_query,
 )
 AMPLITUDES = Kind(
     name="amplitude-optimisation",
     label="Amplitude optimisation",
-    request=AmplitudeQuery,
-    prepare=_prepare_design_query,
-    compute=lambda task, report: optimise_amplitudes(
-        *task.open_design(),
-        deflection=task.request.deflection,
-        load_factor=task.request.load_factor,
+    request=amplitude_optimisation.AmplitudeQuery,
+    prepare=_send_design,
+    compute=_of_design(
+        lambda store, design, query, report: amplitude_optimisation.optimise_amplitudes(
+            store, design, query.run_id, query.level, query.deflection, query.load_factor
+        )
     ),
-    result=OptimisedAmplitudes,
-    identify=identify_design_query,
+    result=amplitude_optimisation.OptimisedAmplitudes,
+    identify=predicted_accuracy.identify_design_query,
 )
 OPTIMAL_DESIGN = Kind(
     name="optimal-design",
     label="Optimal design",
-    request=OptimalDesignQuery,
-    prepare=_prepare_optimal_design,
-    compute=_compute_optimal_design,
-    save=_save_optimal_design,
-    result=OptimalDesign,
-    identify=identify_optimal_design,
+    request=optimal_designs.OptimalDesignQuery,
+    prepare=_send_design,
+    compute=_of_design(optimal_designs.compute_optimal_design),
+    save=save_records(_store_optimal_design),
+    result=optimal_designs.OptimalDesign,
+    identify=optimal_designs.identify_optimal_design,
 )
 RECONSTRUCTION = Kind(
     name="motion-reconstruction",
     label="Motion reconstruction",
-    request=ReconstructionQuery,
-    prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, maneuver_ids=(query.maneuver_id,)), query
-    ),
-    compute=lambda task, report: reconstruct(task.open(), task.request),
+    request=reconstruction.ReconstructionQuery,
+    prepare=_send_maneuver,
+    compute=_in_snapshot(lambda store, query, report: reconstruction.reconstruct(store, query)),
     result=Reconstruction,
     identify=_identify_reconstruction,
 )
 MODES = Kind(
     name="mode-identification",
     label="Mode identification",
-    request=ModeSearch,
-    prepare=lambda store, job, search: prepare_mode_search(store, search),
-    compute=lambda task, report: find_modes(task),
+    request=ground_vibration_test.ModeSearch,
+    prepare=lambda store, job, search: ground_vibration_test.prepare_mode_search(store, search),
+    compute=lambda task, report: ground_vibration_test.find_modes(task),
     result=ModeIdentification,
-    identify=identify_mode_search,
+    identify=ground_vibration_test.identify_mode_search,
 )
 QUALITY = Kind(
     name="quality-assessment",
     label="Quality assessment",
     request=QualityRequest,
-    prepare=lambda store, job, request: SnapshotTask(
-        take_snapshot(store, maneuver_ids=(request.maneuver_id,)), request
+    prepare=_send_maneuver,
+    compute=_in_snapshot(_assess_quality),
+    save=save_records(
+        lambda store, job, outcome, worker: {
+            "verdict": maneuver_quality.store_quality(store, outcome).verdict.value
+        }
     ),
-    compute=_compute_quality,
-    save=_save_quality,
     priority=-1,  # analysts wait for the others
 )
-
 PREDICTION = Kind(
     name="derivative-prediction",
     label="Derivative prediction",
-    request=PredictionRequest,
-    prepare=lambda store, job, request: prepare_prediction(store, request),
-    compute=compute_prediction,
-    save=_save_prediction,
+    request=computed_predictions.PredictionRequest,
+    prepare=lambda store, job, request: computed_predictions.prepare_prediction(store, request),
+    compute=computed_predictions.compute_prediction,
+    save=save_records(
+        lambda store, job, outcome, worker: {
+            "prediction_id": computed_predictions.store_computed_prediction(store, outcome).id
+        }
+    ),
 )
 IMPORT = Kind(
-    name=IMPORT_KIND,
+    name=remembered_columns.IMPORT_KIND,
     label="Import",
-    request=ImportRequest,
-    prepare=lambda store, job, request: prepare_import(store, request),
-    compute=lambda task, report: compute_import(task),
-    save=_save_import,
+    request=uploads.ImportRequest,
+    prepare=lambda store, job, request: uploads.prepare_import(store, request),
+    compute=lambda task, report: uploads.compute_import(task),
+    save=save_records(_store_import),
 )
 REPORT = Kind(
     name="report",
     label="Report",
-    request=ReportRequest,
-    prepare=_prepare_report,
-    compute=print_report,
-    save=_save_report,
-    result=PrintedReport,
+    request=printed_reports.ReportRequest,
+    prepare=printed_reports.prepare_printing,
+    compute=printed_reports.print_report,
+    save=save_records(
+        lambda store, job, outcome, worker: printed_reports.store_printed_report(
+            store, REPORT.read_request(job), outcome
+        )
+    ),
+    result=printed_reports.PrintedReport,
     identify=lambda store, request: (),  # the document is named by its content
 )
 BACKUP = Kind(
-    name=copies.BACKUP,
+    name=backup.BACKUP,
     label="Backup",
-    request=BackupRequest,
-    prepare=lambda store, job, request: prepare_backup(store, job),
-    compute=compute_backup,
-    result=BackupFile,
+    request=database_backup.BackupRequest,
+    prepare=database_backup.prepare_backup,
+    compute=database_backup.compute_backup,
+    result=database_backup.BackupFile,
 )
 
-KINDS: Kinds = {
-    kind.name: kind
-    for kind in (
-        RUN,
-        SEARCH,
-        DESIGN,
-        SIMULATION,
-        FLUTTER,
-        PREDICTED_FLUTTER,
-        CLOSED_LOOP,
-        GLOBAL_MODEL,
-        CROSS_PREDICTION,
-        CROSS_VALIDATION,
-        AERODYNAMICS,
-        POSTERIOR,
-        PREDICTED_ACCURACY,
-        INPUT_COMPARISON,
-        AMPLITUDES,
-        OPTIMAL_DESIGN,
-        RECONSTRUCTION,
-        MODES,
-        QUALITY,
-        PREDICTION,
-        IMPORT,
-        REPORT,
-        BACKUP,
-    )
-}
+# All values above, so that a kind is added in one place.
+KINDS: Kinds = {one.name: one for one in tuple(globals().values()) if isinstance(one, Kind)}
 
 
 def load_kinds() -> Kinds:

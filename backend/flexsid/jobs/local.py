@@ -5,30 +5,18 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
-from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from flexsid.jobs.child import Child
-from flexsid.jobs.messages import (
-    Key,
-    ProgressMessage,
-    StartedMessage,
-    WorkerDiedMessage,
-    WorkerMessage,
-)
+from flexsid.jobs.child import Child, pickle_task, take_child
+from flexsid.jobs.dispatcher import Workers
+from flexsid.jobs.messages import Key, ProgressMessage, WorkerDiedMessage, WorkerMessage
 from flexsid.jobs.worker import LoadKinds
 
 _MOST_WORKERS = 8
 
 
-@dataclass(slots=True)
-class _Worker:
-    child: Child
-    key: Key | None = None
-
-
-class LocalWorkers:
+class LocalWorkers(Workers):
     """Pool of worker processes, one task each.
 
     Not a pool of the standard library: such a pool shares one queue, whose lock is lost
@@ -41,7 +29,8 @@ class LocalWorkers:
         self.count = count or default_count()
         self.location = "processes of this computer"
         self._load_kinds = load_kinds
-        self._workers: list[_Worker] = []
+        self._idle: list[Child] = []
+        self._busy: dict[Key, Child] = {}
         self._wake_receiver, self._wake_sender = multiprocessing.Pipe(duplex=False)
         self._is_woken = threading.Event()
 
@@ -58,36 +47,28 @@ class LocalWorkers:
     @property
     def keys(self) -> set[Key]:
         """Keys of the running tasks."""
-        return {worker.key for worker in self._workers if worker.key is not None}
+        return set(self._busy)
 
     def warm_up(self) -> None:
         """Start a spare worker: loading the numerical libraries takes a second."""
-        if self.free_slots > 0 and all(worker.key is not None for worker in self._workers):
-            self._start()
+        if self.free_slots > 0 and not self._idle:
+            self._idle.append(Child(self._load_kinds))
 
     def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
         """Start a task on an idle worker, or on a further one."""
-        for worker in [w for w in self._workers if w.key is None]:
-            try:
-                worker.child.submit(kind, task, memory_mb)
-            except (BrokenPipeError, ConnectionResetError):  # it died while idle
-                self._remove(worker)
-            else:
-                worker.key = key
-                return
-        worker = self._start()
-        worker.child.submit(kind, task, memory_mb)
-        worker.key = key
+        content = pickle_task(kind, task, memory_mb)  # may fail, and then no worker is busy
+        child = self._busy[key] = take_child(self._idle, self._load_kinds)
+        child.connection.send_bytes(content)
 
     def cancel(self, key: Key) -> None:
         """Stop a task by killing its worker."""
-        for worker in list(self._workers):
-            if worker.key == key:
-                self._remove(worker)
+        child = self._busy.pop(key, None)
+        if child is not None:
+            child.kill()
 
     def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
         """Return new messages of the workers; return at once after ``wake``."""
-        by_connection = {worker.child.connection: worker for worker in self._workers}
+        by_connection = {child.connection: key for key, child in self._busy.items()}
         messages: list[tuple[Key, WorkerMessage]] = []
         for ready in wait([self._wake_receiver, *by_connection], timeout):
             if ready is self._wake_receiver:
@@ -95,17 +76,16 @@ class LocalWorkers:
                 self._wake_receiver.recv_bytes()
                 continue
             assert isinstance(ready, Connection)
-            worker = by_connection[ready]
-            key = worker.key
-            message = worker.child.receive()
-            if isinstance(message, WorkerDiedMessage):
-                self._remove(worker)
-            elif not isinstance(message, StartedMessage | ProgressMessage):
-                worker.key = None
-                if len(self._workers) > self.count:
-                    self._remove(worker)
-            if key is not None:
-                messages.append((key, message))
+            key = by_connection[ready]
+            message = self._busy[key].receive()
+            messages.append((key, message))
+            if not isinstance(message, ProgressMessage):
+                child = self._busy.pop(key)
+                is_spare = len(self._idle) + len(self._busy) >= self.count
+                if is_spare or isinstance(message, WorkerDiedMessage):
+                    child.kill()
+                else:
+                    self._idle.append(child)
         return messages
 
     def wake(self) -> None:
@@ -116,19 +96,10 @@ class LocalWorkers:
 
     def close(self) -> None:
         """Kill all workers."""
-        for worker in list(self._workers):
-            self._remove(worker)
+        for child in (*self._idle, *self._busy.values()):
+            child.kill()
         self._wake_receiver.close()
         self._wake_sender.close()
-
-    def _start(self) -> _Worker:
-        worker = _Worker(Child(self._load_kinds))
-        self._workers.append(worker)
-        return worker
-
-    def _remove(self, worker: _Worker) -> None:
-        self._workers.remove(worker)
-        worker.child.kill()
 
 
 def default_count() -> int:

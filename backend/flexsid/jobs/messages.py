@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from flexsid.errors import FlexsidError
 from flexsid.records.run import Progress
+
+Report = Callable[[Progress], None]
+"""Reports the progress of a task."""
 
 Key = tuple[int, int]
 """Id of a job and number of its attempt."""
 
 
 @dataclass(frozen=True, slots=True)
-class StartedMessage:
-    """A worker has started a task; its time limit counts from now."""
-
-
-@dataclass(frozen=True, slots=True)
 class ProgressMessage:
-    """Progress of a task."""
+    """Progress of a task; None when it starts, and its time limit counts from then."""
 
-    progress: Progress
+    progress: Progress | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,20 +57,24 @@ class TaskLostMessage:
 
 
 WorkerMessage = (
-    StartedMessage
-    | ProgressMessage
-    | ComputedMessage
-    | FailedMessage
-    | WorkerDiedMessage
-    | TaskLostMessage
+    ProgressMessage | ComputedMessage | FailedMessage | WorkerDiedMessage | TaskLostMessage
 )
 
 
-def describe_unexpected_error(error: BaseException) -> FailedMessage:
-    """Return the message for an internal error; the trace is for the log."""
+def describe_error(error: BaseException, worker: str = "") -> FailedMessage:
+    """Return the message for an error of a job; the trace of an internal one is for the log."""
+    if isinstance(error, FlexsidError):
+        return FailedMessage(error.code, error.message, worker=worker)
+    if isinstance(error, MemoryError):
+        message = (
+            "the job needs more memory than its limit; use a smaller model or band,"
+            " or raise the memory limit"
+        )
+        return FailedMessage("out-of-memory", message, worker=worker)
     return FailedMessage(
         "internal-error",
         f"the job stopped on an internal error ({type(error).__name__});"
         " the log of the server has the details",
         "".join(traceback.format_exception(error)),
+        worker,
     )

@@ -20,21 +20,18 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Protocol
 
-from flexsid.errors import FlexsidError
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
     ProgressMessage,
-    StartedMessage,
-    WorkerMessage,
-    describe_unexpected_error,
+    Report,
+    describe_error,
 )
 from flexsid.records.run import Progress
 
 _NICE = 5  # requests of pages have priority over computation in the background
 _PROGRESS_S = 0.2  # iterations may take a millisecond
 
-Report = Callable[[Progress], None]
 Compute = Callable[[Any, Report], Any]
 
 
@@ -74,37 +71,29 @@ def work(connection: Connection) -> None:
                 kind, task, memory_mb = pickle.loads(content)
                 del content
             except Exception as error:
-                connection.send(describe_unexpected_error(error))
+                connection.send(describe_error(error))
                 continue
-            connection.send(StartedMessage())
+            connection.send(ProgressMessage())
             with _limit_memory(memory_mb):
-                message = execute_task(
-                    kinds[kind].compute, task, _make_reporter(connection), worker
-                )
+                report = _make_reporter(connection)
+                message = execute_task(kinds[kind].compute, task, report, worker)
                 del task
             try:
                 connection.send(message)
             except (TypeError, AttributeError, ValueError, pickle.PicklingError) as error:
-                connection.send(describe_unexpected_error(error))  # it cannot be pickled
+                connection.send(describe_error(error))  # it cannot be pickled
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def execute_task(compute: Compute, task: Any, report: Report, worker: str = "") -> WorkerMessage:
+def execute_task(
+    compute: Compute, task: Any, report: Report, worker: str
+) -> ComputedMessage | FailedMessage:
     """Compute a task; exceptions become messages."""
     try:
         return ComputedMessage(compute(task, report), worker)
-    except FlexsidError as error:
-        return FailedMessage(error.code, error.message, worker=worker)
-    except MemoryError:
-        return FailedMessage(
-            "out-of-memory",
-            "the job needs more memory than its limit; use a smaller model or band,"
-            " or raise the memory limit",
-            worker=worker,
-        )
     except Exception as error:
-        return describe_unexpected_error(error)
+        return describe_error(error, worker)
 
 
 def _make_reporter(connection: Connection) -> Report:

@@ -391,8 +391,13 @@ def find_running(store: Store, attempts: Iterable[tuple[int, int]]) -> set[int]:
     return {job_id for job_id, attempt in rows if requested[job_id] == attempt}
 
 
-def find_equal(store: Store, request_hash: str) -> Job | None:
-    """Return the newest job with this request that has not failed or been cancelled."""
+def find_equal(store: Store, request_hash: str | None) -> Job | None:
+    """Return the newest job with this request that has not failed or been cancelled.
+
+    Without a hash no job is equal.
+    """
+    if request_hash is None:
+        return None
     is_equal = jobs.c.request_hash == request_hash
     return _find_newest(store, is_equal, jobs.c.state.not_in(_UNSUCCESSFUL))
 

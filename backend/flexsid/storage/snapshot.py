@@ -25,15 +25,21 @@ _AT_ONCE = 500  # names in one query
 _OF_AIRCRAFT = (tables.modal_tables, tables.predictions, tables.controllers)
 _OF_MANEUVERS = (tables.channels, tables.conditioning_steps)
 _OF_MODAL_TABLES = (tables.modal_shapes, tables.mode_corrections)
-_BY_ID = (tables.aircraft, tables.flights, tables.maneuvers, tables.jobs, tables.runs)
+_BY_ID = (
+    *(tables.aircraft, tables.flights, tables.maneuvers, tables.designs, tables.jobs),
+    tables.runs,
+)
 _EMPTY = (tables.job_events, tables.run_summaries)  # of runs that a worker adds
 _TABLES = (*_BY_ID, *_EMPTY, *_OF_AIRCRAFT, *_OF_MANEUVERS, *_OF_MODAL_TABLES, tables.arrays)
 
 
 def take_snapshot(
-    store: Store, maneuver_ids: Sequence[int] = (), run_ids: Sequence[int] = ()
+    store: Store,
+    maneuver_ids: Sequence[int] = (),
+    run_ids: Sequence[int] = (),
+    design_ids: Sequence[int] = (),
 ) -> bytes:
-    """Copy runs, maneuvers with samples, and all that belongs to their aircraft.
+    """Copy runs, maneuvers with samples, all that belongs to their aircraft, and designs.
 
     Parameters
     ----------
@@ -43,6 +49,8 @@ def take_snapshot(
         Maneuvers, in addition to those of the runs.
     run_ids
         Runs.
+    design_ids
+        Excitation designs.
 
     Returns
     -------
@@ -52,7 +60,7 @@ def take_snapshot(
     Raises
     ------
     UnknownRecord
-        If a run or maneuver does not exist.
+        If a run, maneuver or design does not exist.
     """
     requested = [store.runs.get(number) for number in run_ids]
     flown = {number for run in requested for number in run.settings.additional_maneuver_ids}
@@ -62,6 +70,7 @@ def take_snapshot(
         "aircraft": sorted({maneuver.aircraft_id for maneuver in maneuvers}),
         "flights": sorted({maneuver.flight_id for maneuver in maneuvers}),
         "maneuvers": sorted(flown),
+        "designs": [store.designs.get(number).id or 0 for number in design_ids],
         "jobs": sorted(set(run_ids)),
         "runs": sorted(set(run_ids)),
     }

@@ -57,7 +57,7 @@ def refuse_backup(store: Store) -> None:
     _locate(store)
 
 
-def prepare_backup(store: Store, job: Job) -> BackupTask:
+def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask:
     """Return the task of a job; what earlier jobs left when they were cancelled is deleted."""
     source, folder = _locate(store)
     make_private_folder(folder)

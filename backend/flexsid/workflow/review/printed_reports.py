@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from flexsid.errors import Conflict, FlexsidError
+from flexsid.records.job import Job
 from flexsid.records.run import Progress
 from flexsid.storage.arrays import ArrayRow, describe_array
 from flexsid.storage.store import Store
@@ -66,10 +67,11 @@ def describe_document(document: str) -> ArrayRow:
     return describe_array(_to_array(zlib.compress(document.encode())), "html")
 
 
-def prepare_printing(store: Store, request: ReportRequest, made_at: datetime) -> PrintingTask:
-    """Return the stored document of a request."""
+def prepare_printing(store: Store, job: Job, request: ReportRequest) -> PrintingTask:
+    """Return the stored document of a job, which states the time of its request."""
+    assert job.created_at is not None
     document = zlib.decompress(store.arrays.get(request.document).tobytes()).decode()
-    return PrintingTask(document, made_at)
+    return PrintingTask(document, job.created_at)
 
 
 def print_report(task: PrintingTask, report: Callable[[Progress], None]) -> bytes:
