@@ -10,7 +10,7 @@ import subprocess
 import sys
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 
@@ -105,13 +105,27 @@ def free_port() -> int:
 
 
 @contextmanager
-def serving(database: Path, port: int, log: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """A server on this database and port, until it is killed or no longer needed."""
+def serving(
+    database: Path,
+    port: int,
+    log: Path,
+    program: Sequence[str] = FLEXSID,
+    path: Sequence[Path] = (),
+) -> Iterator[subprocess.Popen[bytes]]:
+    """A server on this database and port, until it is killed or no longer needed.
+
+    ``path`` has further modules of the program.
+    """
     with log.open("a") as output:
         process = subprocess.Popen(
-            [*FLEXSID, "serve", "--database", f"sqlite:///{database}"],
+            [*program, "serve", "--database", f"sqlite:///{database}"],
             cwd=ROOT / "backend",
-            env={**os.environ, "FLEXSID_PORT": str(port), "OPENBLAS_NUM_THREADS": "1"},
+            env={
+                **os.environ,
+                "FLEXSID_PORT": str(port),
+                "OPENBLAS_NUM_THREADS": "1",
+                "PYTHONPATH": os.pathsep.join(map(str, path)),
+            },
             stdout=output,
             stderr=subprocess.STDOUT,
         )
