@@ -61,9 +61,9 @@ def backup(
         with new_file(target) as partial:
             report(Progress(message="Copying the database"))
             _copy(source, partial)
-            report(Progress(fraction=0.3, message="Checking pages and references"))
+            report(Progress(fraction=0.3, message="Checking pages"))
             check(partial)
-            report(Progress(fraction=0.5, message="Comparing samples with their hashes"))
+            report(Progress(fraction=0.5, message="Checking samples"))
             damaged = find_damaged(partial)
             if damaged:
                 raise DatabaseUnavailable(

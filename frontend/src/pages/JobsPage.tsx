@@ -8,6 +8,7 @@ import { BatchBar, left, total } from "../components/BatchBar";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { JobTable } from "../components/JobTable";
+import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
@@ -81,6 +82,7 @@ export function JobsPage() {
       />
       <Stack gap="md">
         {backup.isError && <ProblemAlert error={backup.error} />}
+        {backup.data !== undefined && <JobWait id={backup.data.id} />}
         <Section title="Queue">
           <Loaded query={queue} rows={2}>
             {(status) => <QueueStatus status={status} />}
