@@ -1,4 +1,4 @@
-"""A server that is killed in the middle of a job: the page reports it, goes on, the result comes."""
+"""A server killed in the middle of a job: the page reports it, goes on, the result comes."""
 
 from __future__ import annotations
 
