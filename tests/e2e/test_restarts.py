@@ -19,8 +19,7 @@ from flexsid.storage.store import Store
 
 from .conftest import free_port, serving
 
-pytestmark = pytest.mark.e2e
-_SHORT = "closed-loop"
+pytestmark = [pytest.mark.e2e, pytest.mark.long]
 _PROGRAM = [sys.executable, "-c", "import sys, held_kinds; sys.exit(held_kinds.serve())"]
 _PATH = (Path(__file__).parents[1] / "jobs",)
 # What the page reads of the requests of all kinds.
@@ -46,10 +45,7 @@ def _add_job(store: Store, kind: str, text: str) -> int:
     return queue.add(store, run).id or 0
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [pytest.param(name, marks=() if name == _SHORT else pytest.mark.long) for name in KINDS],
-)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_job_survives_a_restart_in_its_middle(
     browser: Browser, campaign: Path, tmp_path: Path, kind: str
 ) -> None:
