@@ -37,6 +37,7 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.run_results import store_hash
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels, jobs, maneuvers, run_summaries, runs
 
@@ -117,6 +118,7 @@ def _copy_runs(store: Store, template: int, maneuver_id: int, count: int) -> Non
             )
             copied = sa.update(run_summaries).where(run_summaries.c.run_id == job)
             connection.execute(copied.values(estimates=ids))
+            store_hash(connection, job)
 
 
 def _copies(table: sa.Table, where: sa.ColumnElement[bool], new: dict[str, object]) -> sa.Insert:
