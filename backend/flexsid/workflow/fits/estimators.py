@@ -182,7 +182,7 @@ def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
 def fit_likelihood(task: EstimationTask, report: Report) -> EstimatorFit:
     """Estimate by output error or frequency-response error."""
     candidates = collect_starting_points(task, report)
-    fit = fit_without_feedback_noise(task, candidates, report)
+    fit = fit_without_feedback_noise(task, report, candidates)
     if fit is not None:
         return _complete_corrected_fit(fit)
     experiments = build_experiments(task)

@@ -29,6 +29,7 @@ from flexsid.workflow.fits.likelihood_fit import (
     correct_interpolation,
 )
 from flexsid.workflow.fits.nuisance_parameters import refit_until_consistent
+from flexsid.workflow.fits.starting_values import collect_starting_points
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class CorrectedFit:
 
 
 def fit_without_feedback_noise(
-    task: EstimationTask, candidates: Mapping[str, Parameters], report: Report
+    task: EstimationTask, report: Report, candidates: Mapping[str, Parameters] | None = None
 ) -> CorrectedFit | None:
     """Fit with the inputs without their noise that feedback correlates with the outputs.
 
@@ -54,7 +55,8 @@ def fit_without_feedback_noise(
     task
         Output error or frequency-response error.
     candidates
-        Start parameters by name; the first with which errors in variables converge is used.
+        Start parameters by name, by default those of the task; the first with which errors in
+        variables converge is used.
 
     Returns
     -------
@@ -85,6 +87,8 @@ def fit_without_feedback_noise(
     noise = [own for own in joint if own is not None]
     if len(noise) < len(joint):
         return None
+    if candidates is None:
+        candidates = collect_starting_points(task, report)
 
     def remove(parameters: Parameters, spread: float) -> CorrectedInputs | None:
         def report_iteration(number: int) -> None:

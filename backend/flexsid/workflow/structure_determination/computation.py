@@ -68,7 +68,6 @@ from flexsid.workflow.fits.estimation_task import (
 )
 from flexsid.workflow.fits.feedback_correction import fit_without_feedback_noise
 from flexsid.workflow.fits.likelihood_fit import build_experiments, maximize_from_starts
-from flexsid.workflow.fits.starting_values import collect_starting_points
 
 _FLUTTER_BAND = (0.35, 2.0)  # of the fastest maneuver
 
@@ -474,8 +473,7 @@ def _remove_feedback_noise(task: SearchTask, report: Report) -> SearchTask:
 
     def remove(one: EstimationTask) -> EstimationTask:
         at = Progress(message=f"Errors in variables of {one.maneuvers[0].label}")
-        own = _report_at(at, report)
-        fit = fit_without_feedback_noise(one, collect_starting_points(one, own), own)
+        fit = fit_without_feedback_noise(one, _report_at(at, report))
         return one if fit is None else fit.task
 
     return replace(

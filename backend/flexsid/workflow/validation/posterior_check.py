@@ -112,7 +112,8 @@ def check_posterior(
         report(Progress(fraction=_SAMPLED * fraction, message="Sampling the posterior"))
 
     report_samples(0.0)
-    corrected = fit_without_feedback_noise(task, {"": replace(parameters, start=theta)}, report)
+    start = {"": replace(parameters, start=theta)}
+    corrected = fit_without_feedback_noise(task, report, start)
     if corrected is None:
         experiments = [remove_leakage(one, parameters, theta) for one in build_experiments(task)]
         densities = None
