@@ -11,12 +11,13 @@ from file_imports import import_maneuver
 from scipy.interpolate import CubicSpline
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
-from flexsid.demo.flex28 import INPUTS
+from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
+    Aerodynamics,
     EstimationRun,
     Method,
     OutOfBandModes,
@@ -30,6 +31,7 @@ from flexsid.sysid.aerodynamics.influence import Symmetry
 from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference, place_surface
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
+from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_crossing_error
 from flexsid.sysid.stability.flutter import track_roots
 from flexsid.sysid.stability.speeds import Aeroelastic
@@ -227,6 +229,47 @@ def test_held_out_frequencies_decide_between_aerodynamic_models(
         assert steady.flutter_m_s is None or steady.flutter_m_s > 1.05 * flutter
     if band_hz is not None:
         assert "the data reach k = 0.14" in found.sentence
+
+
+def test_turbulence_near_flutter_hides_no_lag(store: Store):
+    """Feedback moves the surfaces with it: taken as exact they gave 30 m/s, and no decision."""
+    aircraft = add_aircraft(store, unsteady=True)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    flown = fly(
+        airspeed_ratio=0.95,
+        modes_in_truth=2,
+        seed=1,
+        turbulence=Turbulence.LIGHT,
+        unsteady=True,
+    )
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    lattice = next(one for one in store.predictions.find(aircraft_id=aircraft.id) if one.unsteady)
+    request = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=MODES, fixed={}),
+        prediction_id=lattice.id,
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
+    )
+    shaped = replace(request, settings=replace(request.settings, aerodynamics=Aerodynamics.SHAPED))
+    found = compare_tasks(
+        prepare(store, request), prepare(store, shaped), "the lattice", lambda progress: None
+    )
+    assert found.verdict is AerodynamicsVerdict.SHAPED
+    truth = load_truth(unsteady=True)
+    flown_truth = Aeroelastic(
+        truth.condition_at(58.0, 0.5),
+        truth.modes_at(0.5, 2),
+        truth.derivatives_at(0.5, 2),
+        truth.shape_at(0.5, 2),
+    )
+    crossing = track_roots(flown_truth, np.linspace(40.0, 90.0, 26)).flutter
+    assert crossing is not None
+    with_shape = found.fits[1]
+    assert with_shape.flutter_m_s is not None
+    assert with_shape.flutter_std_m_s is not None
+    assert abs(with_shape.flutter_m_s - crossing.airspeed) < 2.0 * with_shape.flutter_std_m_s
+    assert with_shape.flutter_std_m_s < 0.02 * crossing.airspeed
 
 
 def test_a_wrong_shape_without_roots_to_follow_is_decided_against(store: Store, own_lattice):

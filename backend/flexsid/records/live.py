@@ -119,6 +119,7 @@ class LiveEstimate:
     damped; ``excluded`` are channels without data over the whole record.
     ``change_by_noise_weights`` is that of the damping of the least damped mode, in standard errors
     without the weights; what exceeds 1 is in the standard errors. None without a noise spectrum.
+    ``no_errors_reason`` is why there are no standard errors.
     """
 
     time_s: float
@@ -135,6 +136,7 @@ class LiveEstimate:
     excluded: tuple[str, ...]
     condition: LiveCondition | None = None  # states of earlier versions have none
     change_by_noise_weights: float | None = None
+    no_errors_reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

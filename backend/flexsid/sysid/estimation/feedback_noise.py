@@ -148,6 +148,21 @@ def remove_feedback_noise(
     )
 
 
+def compute_costs(
+    experiment: Experiment,
+    noise: NoiseSpectrum,
+    parameters: Parameters,
+    theta: Float[np.ndarray, " n_theta"],
+) -> Float[np.ndarray, " n_omega"]:
+    """Compute the cost of each frequency by errors in variables, see ``remove_feedback_noise``.
+
+    Its negative is the log likelihood, the true inputs concentrated out, less a constant that does
+    not depend on the model.
+    """
+    model = FrequencyDomainModel(experiment, parameters)
+    return ErrorsInVariablesModel(model, NormalForm(model), noise).evaluate(theta).costs
+
+
 def has_feedback_noise(
     experiment: Experiment, noise: NoiseSpectrum, parameters: Parameters
 ) -> bool:
@@ -185,14 +200,22 @@ def _correct(experiment: Experiment, point: ErrorsInVariablesPoint) -> Experimen
 
 @dataclass(frozen=True, slots=True)
 class ErrorsInVariablesPoint:
-    """One maneuver at one theta: residuals, their covariance, and the inputs without noise."""
+    """One maneuver at one theta: residuals, their covariance, and the inputs without noise.
+
+    ``costs`` are e^H C^-1 e of each frequency.
+    """
 
     residuals: Complex[np.ndarray, "n_omega n_y"]
     covariance: Complex[np.ndarray, "n_omega n_y n_y"]
     weights: SpectralMatrix
     inputs: Complex[np.ndarray, "n_omega n_u"]
     transfer: Complex[np.ndarray, "n_omega n_y n_u"]
-    cost: float
+    costs: Float[np.ndarray, " n_omega"]
+
+    @property
+    def cost(self) -> float:
+        """Sum over the frequencies."""
+        return float(self.costs.sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,8 +246,8 @@ class ErrorsInVariablesModel:
         e = one.measured - response.outputs
         weighted = weights.times(e[:, :, None])
         noise = np.matmul(joint[:, n_y:], weighted)[:, :, 0]
-        cost = float(np.real(np.vdot(e, weighted)))
-        return ErrorsInVariablesPoint(e, covariance, weights, one.inputs - noise, G, cost)
+        costs = np.sum(np.real(e.conj() * weighted[:, :, 0]), axis=1)
+        return ErrorsInVariablesPoint(e, covariance, weights, one.inputs - noise, G, costs)
 
     def expand(
         self, theta: Float[np.ndarray, " n_theta"], point: ErrorsInVariablesPoint

@@ -26,6 +26,15 @@ _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with t
 _MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; a few alternate between two
 _FIRST_ERRORS_S = 5.0  # of a record without noise spectrum, before which a bias by turbulence
 # cannot be noticed [s]
+_NOT_CORRECTED = (
+    "turbulence moves the surfaces through the controller, and the fit without this noise does not "
+    "converge"
+)
+_ALTERNATING = "the noise spectrum does not converge"
+_TOO_SHORT = (
+    f"a bias by turbulence cannot be noticed before {_FIRST_ERRORS_S:g} s of a record with so few "
+    "frequencies"
+)
 _LARGEST_RESIDUALS = 6.0
 """Power of the residuals over that of the noise: 1.2 to 5.6 at the right optimum. A short record
 averages the noise over a wide band; standard errors grow with the root of this power."""
@@ -128,7 +137,8 @@ def fit_growing_record(
     -------
     GrowingFit
         The derivatives; the end states are marginalised. No standard errors where the fit has not
-        converged, or the record is too short to notice a bias by turbulence.
+        converged, or the record is too short to notice a bias by turbulence; the message of the
+        estimate states why.
 
     Raises
     ------
@@ -170,7 +180,7 @@ def fit_growing_record(
     if corrected is not None:
         data, found = corrected
     elif noise is not None:
-        found = replace(near, outcome=Outcome.ITERATION_LIMIT)
+        found = replace(near, outcome=Outcome.ITERATION_LIMIT, message=_NOT_CORRECTED)
     else:
         found = weight_by_noise_spectrum(
             [experiment],
@@ -184,7 +194,9 @@ def fit_growing_record(
         if not is_weighted:
             found = maximize([experiment], replace(whole, start=near.values), settings)
         elif found.noise is not None and not found.noise.converged:
-            found = replace(found, outcome=Outcome.ITERATION_LIMIT)
+            found = replace(found, outcome=Outcome.ITERATION_LIMIT, message=_ALTERNATING)
+        if not is_weighted and found.outcome.is_optimum and duration_s < _FIRST_ERRORS_S:
+            found = replace(found, message=_TOO_SHORT)
     complete = remove_free_motion(data, replace(whole, start=found.values))
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)

@@ -179,9 +179,15 @@ def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
     return EstimatorFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
 
 
-def fit_likelihood(task: EstimationTask, report: Report) -> EstimatorFit:
-    """Estimate by output error or frequency-response error."""
-    candidates = collect_starting_points(task, report)
+def fit_likelihood(
+    task: EstimationTask, report: Report, candidates: Mapping[str, Parameters] | None = None
+) -> EstimatorFit:
+    """Estimate by output error or frequency-response error.
+
+    ``candidates`` are the start parameters by name, by default those of the task.
+    """
+    if candidates is None:
+        candidates = collect_starting_points(task, report)
     fit = fit_without_feedback_noise(task, report, candidates)
     if fit is not None:
         return _complete_corrected_fit(fit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,22 +70,9 @@ def fit_without_feedback_noise(
     estimate of output error. Frequency responses are computed from the corrected spectra and
     fitted from the same optimum, with weights from the spectrum of their own residuals.
     """
-    maneuvers = task.maneuvers
-    commands = [assign_commands(data.measured) for data in maneuvers]
-    known = [own for own in commands if own is not None]
-    is_fine = any(data.measured.resolution_overlap > 1.0 for data in maneuvers)
-    if len(known) < len(commands) or is_fine:
-        return None
     experiments = build_experiments(task, Method.OE)
-    pairs = list(zip(experiments, known, strict=True))
-    if not any(has_input_noise(one.inputs, own) for one, own in pairs):
-        return None
-    joint = [
-        estimate_joint_noise(one.omega, np.concatenate([one.measured, one.inputs], axis=1), own)
-        for one, own in pairs
-    ]
-    noise = [own for own in joint if own is not None]
-    if len(noise) < len(joint):
+    noise = estimate_task_noise(task, experiments)
+    if noise is None:
         return None
     if candidates is None:
         candidates = collect_starting_points(task, report)
@@ -116,6 +103,37 @@ def fit_without_feedback_noise(
     spread, _ = refit_until_consistent(task, estimate, refit)
     fit = _fit_corrected(task, found, parameters, spread)
     return replace(fit, start=start)
+
+
+def estimate_task_noise(
+    task: EstimationTask, experiments: Sequence[Experiment]
+) -> list[NoiseSpectrum] | None:
+    """Estimate the joint noise spectrum of outputs and inputs of each maneuver of a task.
+
+    Parameters
+    ----------
+    experiments
+        Output error of the maneuvers.
+
+    Returns
+    -------
+    list of NoiseSpectrum or None
+        None where commands are not recorded, or the inputs have too little noise for an effect.
+    """
+    commands = [assign_commands(data.measured) for data in task.maneuvers]
+    known = [own for own in commands if own is not None]
+    is_fine = any(data.measured.resolution_overlap > 1.0 for data in task.maneuvers)
+    if len(known) < len(commands) or is_fine:
+        return None
+    pairs = list(zip(experiments, known, strict=True))
+    if not any(has_input_noise(one.inputs, own) for one, own in pairs):
+        return None
+    joint = [
+        estimate_joint_noise(one.omega, np.concatenate([one.measured, one.inputs], axis=1), own)
+        for one, own in pairs
+    ]
+    noise = [own for own in joint if own is not None]
+    return noise if len(noise) == len(joint) else None
 
 
 def _fit_corrected(

@@ -154,6 +154,7 @@ class LiveFit:
             excluded=tuple(sorted(excluded)),
             condition=task.condition,
             change_by_noise_weights=change,
+            no_errors_reason="" if np.isfinite(found.std_errors).all() else found.message,
         )
 
     def _compute_change(self, fit: GrowingFit) -> float | None:

@@ -129,6 +129,8 @@ class LiveEstimator:
 
 def _describe_reservation(estimate: LiveEstimate) -> str:
     """Describe why an estimate is less certain than others; empty where it is not."""
+    if estimate.no_errors_reason:
+        return f"no standard errors: {estimate.no_errors_reason}"
     if not estimate.converged:
         return "the estimate did not converge"
     if (estimate.change_by_noise_weights or 0.0) > _SIGNIFICANT:

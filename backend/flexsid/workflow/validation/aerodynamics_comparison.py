@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from flexsid.records import finite_or_none
 from flexsid.records.run import (
+    AdequacyTest,
     Aerodynamics,
     EstimationRun,
     Method,
@@ -23,6 +25,7 @@ from flexsid.records.validation import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.feedback_noise import compute_costs
 from flexsid.sysid.estimation.held_out_likelihood import (
     LEAST_DIFFERENCE,
     LikelihoodDifference,
@@ -31,18 +34,23 @@ from flexsid.sysid.estimation.held_out_likelihood import (
 )
 from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
+from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
 from flexsid.sysid.stability.prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
 from flexsid.workflow.fits.estimation_task import EstimationTask, Report
-from flexsid.workflow.fits.estimators import complete_likelihood_fit
+from flexsid.workflow.fits.estimators import fit_likelihood
+from flexsid.workflow.fits.feedback_correction import (
+    estimate_task_noise,
+    fit_without_feedback_noise,
+)
 from flexsid.workflow.fits.likelihood_fit import (
     build_experiments,
     maximize_from_starts,
     refit_with_leakage_correction,
-    refit_with_spread,
 )
+from flexsid.workflow.fits.starting_values import collect_starting_points
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import list_run_contents
@@ -72,6 +80,24 @@ class _Fitted:
     estimate: Estimate
     adequacy: ModelAdequacy
     flutter: FlutterPrediction
+
+    @property
+    def lag(self) -> AdequacyTest | None:
+        """The score test for a lag of the forces that the model does not have."""
+        tests = self.adequacy.tests
+        return next((t for t in tests if t.hypothesis == Hypothesis.AERODYNAMIC_LAG), None)
+
+    @property
+    def flutter_std(self) -> float | None:
+        """Standard error of the flutter speed; None where the fit is no optimum. [m/s]"""
+        if self.flutter.crossing is None or not self.estimate.outcome.is_optimum:
+            return None
+        return finite_or_none(self.flutter.airspeed_std)
+
+    @property
+    def passes(self) -> bool:
+        """Whether the fit is an optimum that leaves no lag of the forces."""
+        return self.estimate.outcome.is_optimum and not (self.lag and self.lag.rejects)
 
 
 def identify_aerodynamics(store: Store, query: AerodynamicsQuery) -> tuple[object, ...]:
@@ -187,47 +213,77 @@ def _fit(task: EstimationTask, report: Report) -> _Fitted:
         ),
     )
     report(Progress(message="fitting two of three frequencies"))
-    experiments = build_experiments(some)
-    # A model that does not fit the data often converges from no start: perturbed ones add little.
-    parameters, _, estimate = maximize_from_starts(some, experiments, report, n_perturbed=0)
-    _, estimate = refit_with_leakage_correction(
-        some, experiments, parameters, estimate, report, PRIOR_SPREAD
-    )
-    every = build_experiments(task)
-    spectra = [
-        predict_outputs(one, parameters, estimate.values, mask)
-        for one, mask in zip(every, masks, strict=True)
-    ]
-    held_out = np.concatenate(
-        [
-            compute_held_out_likelihoods(part.omega, part.measured - part.fitted, mask)
-            for part, mask in zip(spectra, masks, strict=True)
-        ]
-    )
+    parameters, values = _maximize(some, report)
+    held_out = np.concatenate(_compute_held_out(task, masks, parameters, values))
     report(Progress(fraction=0.7, message="fitting all frequencies"))
-    estimate = refit_with_spread(task, every, parameters, estimate, PRIOR_SPREAD, report)
-    fit = complete_likelihood_fit(task, every, parameters, estimate, "", report)
+    start = replace(parameters, start=values)
+    fit = fit_likelihood(task, report, {"the fit to two of three frequencies": start})
     flutter = predict_flutter_of_fit(
         task, parameters, fit.estimate.values, fit.estimate.corrected_covariance
     )
     return _Fitted(held_out, fit.estimate, fit.adequacy, flutter)
 
 
+def _maximize(
+    task: EstimationTask, report: Report
+) -> tuple[Parameters, Float[np.ndarray, " n_theta"]]:
+    """Return the optimum without noise that feedback correlates, where the task has any."""
+    candidates = collect_starting_points(task, report)
+    corrected = fit_without_feedback_noise(task, report, candidates)
+    if corrected is not None:
+        return corrected.parameters, corrected.estimate.values
+    experiments = build_experiments(task)
+    # A model that does not fit the data often converges from no start: perturbed ones add little.
+    parameters, _, estimate = maximize_from_starts(
+        task, experiments, report, n_perturbed=0, candidates=candidates
+    )
+    _, estimate = refit_with_leakage_correction(
+        task, experiments, parameters, estimate, report, PRIOR_SPREAD
+    )
+    return parameters, estimate.values
+
+
+def _compute_held_out(
+    task: EstimationTask,
+    masks: Sequence[Bool[np.ndarray, " n_omega"]],
+    parameters: Parameters,
+    values: Float[np.ndarray, " n_theta"],
+) -> list[Float[np.ndarray, " n_held_out"]]:
+    """Compute the log likelihood of each held-out frequency of each maneuver.
+
+    Where feedback correlates the noise of inputs and outputs, that of errors in variables: the
+    residuals of output error near a sharp resonance are mostly response to noise of the inputs.
+    """
+    experiments = build_experiments(task)
+    noise = estimate_task_noise(task, experiments)
+    if noise is not None:
+        return [
+            -compute_costs(one, own, parameters, values)[mask]
+            for one, own, mask in zip(experiments, noise, masks, strict=True)
+        ]
+    spectra = [
+        predict_outputs(one, parameters, values, mask)
+        for one, mask in zip(experiments, masks, strict=True)
+    ]
+    return [
+        compute_held_out_likelihoods(part.omega, part.measured - part.fitted, mask)
+        for part, mask in zip(spectra, masks, strict=True)
+    ]
+
+
 def _decide(
     difference: LikelihoodDifference, shaped: _Fitted, quasi_steady: _Fitted, highest_k: float
 ) -> AerodynamicsVerdict:
-    """Return the model of larger likelihood, if its fit is an optimum and the band sufficient."""
+    """Return the model of larger likelihood, if its fit passes and the band is sufficient."""
     likelier, verdict = quasi_steady, AerodynamicsVerdict.QUASI_STEADY
     if difference.value > 0.0:
         likelier, verdict = shaped, AerodynamicsVerdict.SHAPED
-    is_sufficient = highest_k >= _LEAST_HIGHEST_K and likelier.estimate.outcome.is_optimum
+    is_sufficient = highest_k >= _LEAST_HIGHEST_K and likelier.passes
     return verdict if difference.is_decided and is_sufficient else AerodynamicsVerdict.NOT_DECIDED
 
 
 def _summarise(aerodynamics: Aerodynamics, fit: _Fitted) -> AerodynamicsFit:
-    tests = fit.adequacy.tests
-    lag = next((t for t in tests if t.hypothesis == Hypothesis.AERODYNAMIC_LAG), None)
-    crossing = fit.flutter.crossing
+    lag, crossing = fit.lag, fit.flutter.crossing
     return AerodynamicsFit(
         aerodynamics=aerodynamics,
         outcome=fit.estimate.outcome.value,
@@ -237,7 +293,7 @@ def _summarise(aerodynamics: Aerodynamics, fit: _Fitted) -> AerodynamicsFit:
         lag_rejects=lag is not None and lag.rejects,
         smallest_r_squared=float(min(part.r_squared().min() for part in fit.estimate.lines)),
         flutter_m_s=None if crossing is None else crossing.airspeed,
-        flutter_std_m_s=None if crossing is None else finite_or_none(fit.flutter.airspeed_std),
+        flutter_std_m_s=fit.flutter_std,
         flutter=fit.flutter.sentence,
     )
 
@@ -275,6 +331,12 @@ def _describe(
             f"Not decided: the data reach k = {highest_k:.2f}, and the lag of flutter needs "
             f"{_LEAST_HIGHEST_K:g}. Excite higher frequencies, or fit a wider band.{flutter}"
         )
+    if difference.is_decided:
+        return (
+            f"Not decided: log likelihoods of held-out frequencies differ by {size}, but the fit "
+            "of the likelier model is no optimum, or leaves a lag of the forces that it does not "
+            f"contain.{flutter}"
+        )
     return (
         f"Not decided: log likelihoods of held-out frequencies differ by {size}, and a decision "
         f"needs {LEAST_DIFFERENCE:g} and three standard errors. Excite higher frequencies, or fit "
@@ -283,7 +345,8 @@ def _describe(
 
 
 def _describe_speed(fit: _Fitted) -> str:
-    crossing = fit.flutter.crossing
+    crossing, std = fit.flutter.crossing, fit.flutter_std
     if crossing is None:
         return f"none up to {fit.flutter.locus.airspeed[-1]:.1f} m/s"
-    return f"{crossing.airspeed:.2f} ± {2.0 * fit.flutter.airspeed_std:.2f} m/s"
+    interval = "" if std is None else f" ± {2.0 * std:.2f}"
+    return f"{crossing.airspeed:.2f}{interval} m/s"
