@@ -100,10 +100,11 @@ def compute_sensor_influences(
     g = T.T @ (gradients.sum(axis=0) + prior_gradient)
     own_variance = np.sum(T**2, axis=1)[reported]
     inverse = T @ T.T
-    noises = [
-        _Noise(fit, w[:, :, None] * J @ T, inverse)
+    scores = [
+        _compute_score_covariances(fit, w[:, :, None] * J @ T, inverse)
         for fit, J, w in zip(fits, jacobians, weights, strict=True)
     ]
+    whole_score = np.sum([score for one in scores for score, _ in one.values()], axis=0)
     result = []
     for o, name in enumerate(outputs):
         share, V = np.linalg.eigh(T.T @ parts[o] @ T)
@@ -117,11 +118,13 @@ def compute_sensor_influences(
         more = (rows * growth) @ V.T  # (N - N_o)^-1 - N^-1, in the coordinates of T
         whole = (rows * np.where(lost, 0.0, 1.0 / left)) @ V.T
         change = more @ g - whole @ (T.T @ gradients[o])
-        covariance = 0.5 * (
-            overlap
-            * np.sum([n.compute_covariance(name, more, -T[reported]) for n in noises], axis=0)
-            + ((more @ T.T) * prior_information) @ (more @ T.T).T
-        )
+        own = -T[reported] - more
+        shared = np.sum([one[name][0] for one in scores if name in one], axis=0)
+        alone = np.sum([one[name][1] for one in scores if name in one], axis=0)
+        mixed = own @ shared @ more.T
+        noise = more @ whole_score @ more.T + mixed + mixed.T + own @ alone @ own.T
+        by_priors = more @ T.T
+        covariance = 0.5 * (overlap * noise + by_priors * prior_information @ by_priors.T)
         variance = np.diag(covariance)
         is_known &= variance > _LEAST_VARIANCE * own_variance
         if not is_known.any():
@@ -149,39 +152,27 @@ def compute_sensor_influences(
     return result
 
 
-class _Noise:
-    """Noise of the residuals of one maneuver, for the covariance of changes."""
+def _compute_score_covariances(
+    fit: FinalSpectra,
+    weighted: Complex[np.ndarray, "n_omega n_y n_theta"],
+    inverse: Float[np.ndarray, "n_theta n_theta"],
+) -> dict[str, tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_theta"]]]:
+    """Compute Re sum A_o^H (S A)_o and Re sum A_o^H S_oo A_o of every output o of a maneuver.
 
-    def __init__(
-        self,
-        fit: FinalSpectra,
-        weighted: Complex[np.ndarray, "n_omega n_y n_theta"],
-        inverse: Float[np.ndarray, "n_theta n_theta"],
-    ) -> None:
-        self.fit = fit if fit.shares_noise else fit.with_leave_one_out_residuals(inverse)
-        # Two real products take half the time of one of complex numbers.
-        self.parts = np.stack([np.real(weighted), np.imag(weighted)])
-
-    def compute_covariance(
-        self,
-        output: str,
-        others: Float[np.ndarray, "n n_theta"],
-        own: Float[np.ndarray, "n n_theta"],
-    ) -> Float[np.ndarray, "n n"]:
-        """Compute Re sum D^H S D with D the weighted sensitivities times ``others``.
-
-        Those of the output itself times ``own``.
-        """
-        real, imaginary = self.parts @ others.T
-        D = real + 1j * imaginary
-        outputs = _list_outputs(self.fit)
-        if output in outputs:
-            column = outputs.index(output)
-            real, imaginary = self.parts[:, :, column] @ own.T
-            D[:, column] = real + 1j * imaginary
-        A, S = weight_score_noise(self.fit, D)
-        n = A.shape[2]
-        return np.real(A.reshape(-1, n).conj().T @ S.times(A).reshape(-1, n))
+    A are the weighted sensitivities. The sum of the first over the outputs is Re sum A^H S A, so
+    that the covariance of a change needs no further sum over frequencies.
+    """
+    alone = fit if fit.shares_noise else fit.with_leave_one_out_residuals(inverse)
+    A, S = weight_score_noise(alone, weighted)
+    noise = S.times(A)
+    density = np.real(np.einsum("bii->bi", S.blocks))[S.block]
+    result = {}
+    for column, name in enumerate(_list_outputs(fit)):
+        own, own_density = A[:, column], density[:, column, None]
+        shared = own.real.T @ noise[:, column].real + own.imag.T @ noise[:, column].imag
+        square = (own.real * own_density).T @ own.real + (own.imag * own_density).T @ own.imag
+        result[name] = shared, square
+    return result
 
 
 def _list_outputs(fit: FinalSpectra) -> tuple[str, ...]:
