@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import socket
@@ -15,6 +14,7 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 
 import pytest
+from demonstration import campaign_file_with_runs
 from playwright.sync_api import (
     Browser,
     ConsoleMessage,
@@ -56,11 +56,17 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def server(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a server that runs on its own copy of the campaign."""
+def server(
+    request: pytest.FixtureRequest, campaign: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[str]:
+    """Address of a server that runs on its own copy of the campaign.
+
+    That of a module with ``HAS_RUNS = True`` has the runs ``RUN_IDS``.
+    """
     folder = tmp_path_factory.mktemp("server")
     database = folder / "flexsid.db"
-    shutil.copy(campaign, database)
+    has_runs = getattr(request.module, "HAS_RUNS", False)
+    shutil.copy(campaign_file_with_runs() if has_runs else campaign, database)
     with _serving_preloaded(database, folder / "server.log") as url:
         yield url
 
@@ -135,12 +141,6 @@ def serving(
         finally:
             process.terminate()
             process.wait(timeout=PATIENCE_S)
-
-
-@pytest.fixture(scope="module")
-def compared(server: str) -> list[int]:
-    """Runs that succeeded: OE and EE of two maneuvers."""
-    return [_estimate(server, maneuver, method) for maneuver in (2, 4) for method in ("OE", "EE")]
 
 
 @pytest.fixture
@@ -222,23 +222,3 @@ def _wait_until_healthy(address: str, is_running: Callable[[], bool], log: Path)
             return False
 
     wait_until(is_healthy, "a response of the server")
-
-
-def _estimate(server: str, maneuver: int, method: str) -> int:
-    specification = {"maneuver_id": maneuver, "method": method, "structure": {"modes": [7, 9]}}
-    request = urllib.request.Request(
-        f"{server}/api/v1/runs",
-        data=json.dumps(specification).encode(),
-        headers={"Content-Type": "application/json"},
-    )
-    with urllib.request.urlopen(request) as response:
-        run = json.load(response)["id"]
-
-    def has_succeeded() -> bool:
-        with urllib.request.urlopen(f"{server}/api/v1/jobs/{run}") as response:
-            state = json.load(response)["state"]
-        assert state in ("queued", "running", "succeeded"), state
-        return state == "succeeded"
-
-    wait_until(has_succeeded, f"the end of run {run}")
-    return run

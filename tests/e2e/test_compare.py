@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 
 import pytest
+from demonstration import RUN_IDS
 from playwright.sync_api import Page, expect
 from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
+HAS_RUNS = True
+_ADDRESS = f"/compare?runs={','.join(map(str, RUN_IDS))}&predictions=1,2"
 
 
-def test_runs_are_compared_every_way(page: Page, compared: list[int]):
+def test_runs_are_compared_every_way(page: Page):
     for tab, figure, table in (
         ("derivatives", "derivatives", "comparison-table"),
         ("agreement", "forest", "pairs-table"),
@@ -20,7 +23,7 @@ def test_runs_are_compared_every_way(page: Page, compared: list[int]):
         ("poles", "poles", None),
         ("setup", None, "setup-table"),
     ):
-        page.goto(f"{_address(compared)}&tab={tab}")
+        page.goto(f"{_ADDRESS}&tab={tab}")
         if figure is not None:
             shown = page.get_by_test_id(f"figure-{figure}").first
             expect(shown).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)
@@ -28,8 +31,8 @@ def test_runs_are_compared_every_way(page: Page, compared: list[int]):
             expect(page.get_by_test_id(table).locator("tbody tr").first).to_be_visible()
 
 
-def test_differences_from_a_baseline_and_only_those(page: Page, compared: list[int]):
-    page.goto(_address(compared))
+def test_differences_from_a_baseline_and_only_those(page: Page):
+    page.goto(_ADDRESS)
     rows = page.get_by_test_id("comparison-table").locator("tbody tr")
     expect(rows.first).to_be_visible()
     before = rows.count()
@@ -43,8 +46,8 @@ def test_differences_from_a_baseline_and_only_those(page: Page, compared: list[i
     assert rows.count() < before
 
 
-def test_a_baseline_is_pinned_for_every_comparison(page: Page, compared: list[int]):
-    page.goto(_address(compared))
+def test_a_baseline_is_pinned_for_every_comparison(page: Page):
+    page.goto(_ADDRESS)
     pin = page.locator("[data-testid^=pin-]").first
     pin.click()
     expect(pin).to_have_text("Unpin")
@@ -52,7 +55,3 @@ def test_a_baseline_is_pinned_for_every_comparison(page: Page, compared: list[in
     pinned = page.get_by_role("group", name="Pinned baselines").get_by_role("checkbox")
     pinned.check()
     expect(page.get_by_test_id("comparison-table")).to_be_visible()
-
-
-def _address(runs: list[int]) -> str:
-    return f"/compare?runs={','.join(map(str, runs))}&predictions=1,2"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 
 import pytest
+from demonstration import RUN_IDS
 from playwright.sync_api import Locator, Page, expect
 from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
+HAS_RUNS = True
 
 
 def test_a_brushed_band_is_shared_and_fitted(page: Page):
@@ -34,8 +36,8 @@ def test_a_band_without_data_is_named_beside_the_form(refused: Page):
     expect(refused.get_by_label("Band from")).to_have_value(re.compile(r"^60"))
 
 
-def test_fits_that_are_compared_share_zoom_and_cursor(page: Page, compared: list[int]):
-    page.goto(f"/compare?runs={compared[0]},{compared[2]}&tab=poles")
+def test_fits_that_are_compared_share_zoom_and_cursor(page: Page):
+    page.goto(f"/compare?runs={RUN_IDS[0]},{RUN_IDS[2]}&tab=poles")
     fits = page.get_by_test_id("figure-fit")
     for place in (0, 1):
         expect(fits.nth(place)).to_have_attribute("data-drawn", "true", timeout=PATIENCE_MS)

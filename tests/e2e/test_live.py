@@ -5,15 +5,17 @@ from __future__ import annotations
 import re
 
 import pytest
+from demonstration import RUN_IDS
 from playwright.sync_api import Page, expect
 from waiting import PATIENCE_MS
 
 pytestmark = pytest.mark.e2e
+HAS_RUNS = True
 
 
-def test_a_replay_is_watched_to_its_end(page: Page, compared: list[int]):
+def test_a_replay_is_watched_to_its_end(page: Page):
     page.add_init_script("localStorage.setItem('flexsid.analyst', 'Bo')")
-    page.goto(f"/live?run={compared[0]}")
+    page.goto(f"/live?run={RUN_IDS[0]}")
     page.get_by_test_id("option-speed").fill("10")
     page.get_by_test_id("stream-next").fill("60")
     page.get_by_test_id("stream-flight").click()
@@ -37,8 +39,8 @@ def test_a_replay_is_watched_to_its_end(page: Page, compared: list[int]):
     expect(page).to_have_url(re.compile(r"/maneuvers/\d+"))
 
 
-def test_an_alarm_stays_until_it_is_acknowledged_by_name(page: Page, compared: list[int]):
-    page.goto(f"/live?run={compared[0]}")
+def test_an_alarm_stays_until_it_is_acknowledged_by_name(page: Page):
+    page.goto(f"/live?run={RUN_IDS[0]}")
     page.get_by_test_id("option-speed").fill("10")
     page.get_by_test_id("add-limit").click()
     page.get_by_role("combobox", name="Limits of").fill("q")

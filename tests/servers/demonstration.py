@@ -4,31 +4,72 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 from flexsid.demo.campaign import add_campaign
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kinds import RUN
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.runs.run_proposal import attach_proposal_basis
 
 ROOT = Path(__file__).parents[2]
 
 
 def campaign_file() -> Path:
     """Database with the whole campaign; copy it before changing anything."""
-    cached = ROOT / ".cache" / "campaign" / f"{_hash_sources()}.db"
+    return _cached("", _simulate)
+
+
+def campaign_file_with_runs() -> Path:
+    """Database with the campaign and the runs ``RUN_IDS`` of it."""
+    return _cached("-runs", _estimate)
+
+
+RUN_IDS = [1, 2, 3, 4]
+"""OE and EE of maneuver 2, then of maneuver 4."""
+
+
+def _cached(suffix: str, fill: Callable[[Path], None]) -> Path:
+    cached = ROOT / ".cache" / "campaign" / f"{_hash_sources()}{suffix}.db"
     cached.parent.mkdir(parents=True, exist_ok=True)
-    with (cached.parent / "lock").open("w") as lock:
+    with (cached.parent / f"lock{suffix}").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # other processes of the same tests wait for it
         if not cached.is_file():
             for outdated in cached.parent.glob("*.db*"):
-                outdated.unlink()
+                if not outdated.name.startswith(_hash_sources()):
+                    outdated.unlink()
             partial = cached.with_suffix(".db.part")
-            upgrade(f"sqlite:///{partial}")
-            store = Store.open(f"sqlite:///{partial}")
-            add_campaign(store)
-            store.close()
+            partial.unlink(missing_ok=True)
+            fill(partial)
             partial.rename(cached)
     return cached
+
+
+def _simulate(file: Path) -> None:
+    upgrade(f"sqlite:///{file}")
+    store = Store.open(f"sqlite:///{file}")
+    add_campaign(store)
+    store.close()
+
+
+def _estimate(file: Path) -> None:
+    shutil.copy(campaign_file(), file)
+    store = Store.open(f"sqlite:///{file}")
+    for maneuver in (2, 4):
+        for method in (Method.OE, Method.EE):
+            run = EstimationRun(
+                maneuver_id=maneuver,
+                method=method,
+                structure=Structure(modes=(7, 9), fixed={}),
+                settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+            )
+            execute_run(store, attach_proposal_basis(store, run), RUN, lambda progress: None)
+    store.close()
 
 
 def _hash_sources() -> str:
