@@ -168,10 +168,9 @@ def _compute_score_covariances(
     density = np.real(np.einsum("bii->bi", S.blocks))[S.block]
     result = {}
     for column, name in enumerate(_list_outputs(fit)):
-        own, own_density = A[:, column], density[:, column, None]
-        shared = own.real.T @ noise[:, column].real + own.imag.T @ noise[:, column].imag
-        square = (own.real * own_density).T @ own.real + (own.imag * own_density).T @ own.imag
-        result[name] = shared, square
+        own = A[:, column]
+        shared = np.real(own.conj().T @ noise[:, column])
+        result[name] = shared, np.real((own.conj() * density[:, column, None]).T @ own)
     return result
 
 
