@@ -479,7 +479,9 @@ class _HeldOutFit(_HeldOutResiduals):
 class _Derivatives(FigureParameters):
     run_ids: _RunIds
     prediction_ids: _Ids = None
-    coefficient: _Text = Field(None, description="CZ, Cm, CQ7 ...")
+    coefficient: _Text = Field(
+        None, description="CZ, Cm, CQ7 ..., or `first`: that of the first derivative."
+    )
 
 
 class _Forest(FigureParameters):

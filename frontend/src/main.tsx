@@ -7,7 +7,7 @@ import { RouterProvider } from "@tanstack/react-router";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
-import { axesQuery, healthQuery } from "./api/queries";
+import { axesQuery, healthQuery, sessionQuery } from "./api/queries";
 import { SessionGate } from "./components/SessionGate";
 import { colorSchemeManager } from "./lib/colorScheme";
 import { setAxes } from "./lib/derivatives";
@@ -36,6 +36,7 @@ const queries: QueryClient = new QueryClient({
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no element with id root");
 
+queries.query(sessionQuery).catch(() => undefined); // beside the next request, not after it
 // Names of derivatives are those of the server.
 await queries
   .query(axesQuery)

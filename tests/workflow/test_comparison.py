@@ -169,6 +169,7 @@ def test_one_coefficient_can_be_picked(store, add_result):
     run = add_result({"CZ_alpha": (-4.0, 0.1), "CQ7_eta7": (-1.0, 0.1)})
     comparison = compare(store, [run.id], [])
     assert [row.name for row in select_coefficient(comparison, "CQ7").rows] == ["CQ7_eta7"]
+    assert select_coefficient(comparison, "first") == select_coefficient(comparison, "CZ")
     with pytest.raises(BadInput, match="CZ, CQ7"):
         select_coefficient(comparison, "Cm")
 

@@ -21,6 +21,7 @@ _LARGEST = 2.0 * ACCURATE
 """Relative standard error at the end of the colour scale: the guideline is in its middle."""
 
 _ROW = 1 / 6  # of a row of panels, for one derivative
+_LETTER_PX, _BESIDE_LABEL_PX = 7, 40  # of tick labels; the title of the axis and gaps
 _MARK: Spec = {"color": "#fff", "line": {"color": "#000", "width": 1}}
 """White with a black outline: visible on every colour of the scale."""
 
@@ -75,13 +76,14 @@ def draw_derivative_coverage(value: DerivativeCoverage, coefficient: str | None 
         _mark_missing(runs),
     ]
     ticks = {"tickmode": "array", "showgrid": False}
+    cells = [_format_cell(cell) for cell in value.cells]
     speed = of_unit("V", "m/s")
     layout = {
         "xaxis": {
             **title(f"True airspeed [{speed.unit}], fuel [%]"),
             **ticks,
             "tickvals": list(range(shape[1])),
-            "ticktext": [_format_cell(cell) for cell in value.cells],
+            "ticktext": cells,
             "tickangle": -90,
             "range": [-0.5, shape[1] - 0.5],
         },
@@ -90,6 +92,11 @@ def draw_derivative_coverage(value: DerivativeCoverage, coefficient: str | None 
             "tickvals": list(range(shape[0])),
             "ticktext": [parameter_label(name) for name in names],
             "range": [shape[0] - 0.5, -0.5],
+        },
+        # Labels that need more room than they have are drawn twice.
+        "margin": {
+            "l": _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, names)),
+            "b": _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, cells), default=0),
         },
         "showlegend": True,
         "hovermode": "closest",

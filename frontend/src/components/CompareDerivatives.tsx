@@ -12,6 +12,9 @@ import { AdequacyBadge } from "./ModelAdequacy";
 const differs = (row: ComparisonRow) =>
   row.consistent === false || row.values.some((value) => value?.consistent === false);
 
+/** Coefficient of the figure that can be requested before the comparison is known. */
+export const FIRST = "first";
+
 export interface CompareTabProps {
   comparison: Comparison;
   view: CompareView;
@@ -78,7 +81,7 @@ export function CompareDerivatives({ comparison, view, onChange, onRun }: Compar
             params={{
               run_ids: view.runs,
               prediction_ids: view.predictions,
-              coefficient: one,
+              coefficient: all ? one : view.coefficient === one ? one : FIRST,
             }}
             onPick={onRun}
           />

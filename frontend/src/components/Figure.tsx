@@ -8,8 +8,8 @@ import {
   Tooltip,
   useComputedColorScheme,
 } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
-import { useState } from "react";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState } from "react";
 import { address, type QueryValue } from "../api/client";
 import { asProblem } from "../api/problem";
 import { figureQuery } from "../api/queries";
@@ -166,6 +166,18 @@ export function Figure({ kind, params: given, title, height, revision, window, .
       )}
     </section>
   );
+}
+
+/** Fetches a figure before what is around it is known; without parameters there is none. */
+export function usePrefetchedFigure(kind: string, given: Record<string, QueryValue> | null) {
+  const cache = useQueryClient();
+  const units = useUnitParameters();
+  const key = given && JSON.stringify({ ...given, ...units });
+  useEffect(() => {
+    if (key === null) return;
+    const wanted = figureQuery(kind, JSON.parse(key) as Record<string, QueryValue>);
+    cache.query(wanted).catch(() => undefined); // the figure itself reports it
+  }, [cache, kind, key]);
 }
 
 /** Without data there is no figure and no retry. */

@@ -6,12 +6,13 @@ import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
 import { CompareAgreement } from "../components/CompareAgreement";
-import { CompareDerivatives, type CompareTabProps } from "../components/CompareDerivatives";
+import { CompareDerivatives, FIRST, type CompareTabProps } from "../components/CompareDerivatives";
 import { ComparePoles, CompareResponses } from "../components/CompareModels";
 import { CompareSetup } from "../components/CompareSetup";
 import { CompareTime } from "../components/CompareTime";
 import { CompareTrends } from "../components/CompareTrends";
 import { Empty } from "../components/Empty";
+import { usePrefetchedFigure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { PredictLinks } from "../components/PredictLinks";
@@ -32,6 +33,16 @@ export function ComparePage() {
   const comparison = useQuery(comparisonQuery(runs, predictions));
   const any = runs.length > 0; // predictions are evaluated at the condition of a run
   const shown = any ? comparison.data : undefined;
+  usePrefetchedFigure(
+    "derivatives",
+    any && (view.tab ?? "derivatives") === "derivatives" && view.coefficient !== "all"
+      ? {
+          run_ids: view.runs,
+          prediction_ids: view.predictions,
+          coefficient: view.coefficient ?? FIRST,
+        }
+      : null,
+  );
   const change = (part: Partial<CompareView>) =>
     void navigate({ search: (previous) => ({ ...previous, ...part }) });
 

@@ -7,7 +7,7 @@ import { ButtonLink } from "../components/ButtonLink";
 import { DataTable, numeric, type Column } from "../components/DataTable";
 import { DerivativeName } from "../components/DerivativeName";
 import { Empty } from "../components/Empty";
-import { Figure } from "../components/Figure";
+import { Figure, usePrefetchedFigure } from "../components/Figure";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { quantity } from "../components/Quantity";
@@ -17,6 +17,8 @@ import { count, percent } from "../lib/format";
 import { integer } from "../lib/urlState";
 
 const route = getRouteApi("/dashboard");
+
+const COVERAGE = "derivative-coverage";
 
 type Cell = Dashboard["cells"][number];
 type Derivative = Dashboard["derivatives"][number];
@@ -28,6 +30,8 @@ export function DashboardPage() {
   const aircraft = useQuery(aircraftQuery);
   const id = view.aircraft ?? aircraft.data?.[0]?.id;
   const dashboard = useQuery({ ...dashboardQuery(id ?? 0), enabled: id !== undefined });
+  const { coefficient } = view;
+  usePrefetchedFigure(COVERAGE, id === undefined ? null : { aircraft_id: id, coefficient });
   return (
     <>
       <PageHead
@@ -91,7 +95,7 @@ function Overview({ dashboard }: { dashboard: Dashboard }) {
           </Group>
         )}
         <Figure
-          kind="derivative-coverage"
+          kind={COVERAGE}
           title={`Derivatives of ${dashboard.aircraft_name} over the envelope`}
           params={{ aircraft_id: dashboard.aircraft_id, coefficient }}
           onPick={(run) => void navigate({ to: "/runs/$id", params: { id: run }, search: {} })}

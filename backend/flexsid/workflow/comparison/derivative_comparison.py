@@ -144,7 +144,7 @@ def list_coefficients(comparison: Comparison) -> tuple[str, ...]:
 
 
 def select_coefficient(comparison: Comparison, coefficient: str | None) -> Comparison:
-    """Select the derivatives of one coefficient, e.g. ``Cm``; all with None.
+    """Select the derivatives of one coefficient, e.g. ``Cm``, or the ``first``; all with None.
 
     Raises
     ------
@@ -153,6 +153,8 @@ def select_coefficient(comparison: Comparison, coefficient: str | None) -> Compa
     """
     if coefficient is None:
         return comparison
+    if coefficient == "first":
+        coefficient = next(iter(list_coefficients(comparison)), coefficient)
     rows = tuple(row for row in comparison.rows if row.name.partition("_")[0] == coefficient)
     if not rows:
         raise BadInput(
