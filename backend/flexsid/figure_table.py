@@ -113,8 +113,8 @@ from flexsid.workflow.validation.predicted_spectra import (
     read_held_out_fit,
     read_prediction,
 )
+from flexsid.workflow.views.bode import compute_bode
 from flexsid.workflow.views.campaign import read_envelope
-from flexsid.workflow.views.correlation import compute_assurance
 from flexsid.workflow.views.dashboard import read_derivative_coverage
 from flexsid.workflow.views.fuel import trace_modes
 from flexsid.workflow.views.loops import estimate_loops
@@ -124,6 +124,7 @@ from flexsid.workflow.views.maneuver import (
     estimate_signal_to_noise,
     read_time_history,
 )
+from flexsid.workflow.views.modal_assurance import compute_assurance
 from flexsid.workflow.views.model_order import (
     BAND_HZ,
     OrderQuery,
@@ -131,7 +132,6 @@ from flexsid.workflow.views.model_order import (
     study_model_order,
 )
 from flexsid.workflow.views.plot_matrix import Domain, compute_plot_matrix
-from flexsid.workflow.views.response import compute_bode
 from flexsid.workflow.views.run import (
     compare_derivatives,
     compute_parameter_correlation,

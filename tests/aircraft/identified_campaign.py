@@ -16,17 +16,17 @@ from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.envelope_fusion import fit_envelope
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     IdentifiedModes,
     fuse_at_crossing,
     fuse_identified,
     predict_flutter,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,

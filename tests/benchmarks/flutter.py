@@ -41,25 +41,25 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.bands import (
-    UncertainDerivatives,
-    estimate_root_bands,
-    sample_root_bands,
-)
-from flexsid.sysid.stability.flutter import track_roots
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     IdentifiedModes,
     compute_structure_spread,
     fuse_identified,
     predict_flutter,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import (
+    UncertainDerivatives,
+    estimate_root_bands,
+    sample_root_bands,
+)
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,

@@ -37,7 +37,7 @@ from flexsid.settings import Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.modal_data.modal_import import store_modal_data
-from flexsid.workflow.views.correlation import correlate
+from flexsid.workflow.views.modal_assurance import correlate
 
 ROUNDS = 5
 

@@ -24,7 +24,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
-from flexsid.sysid.stability.prediction import FlutterPrediction
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_analysis import (
     FlutterQuery,
     UnmodelledModes,

@@ -32,7 +32,7 @@ from flexsid.workflow.measurements.reconstruction import (
 )
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
-from flexsid.workflow.views.response import compute_bode
+from flexsid.workflow.views.bode import compute_bode
 
 pytestmark = [needs_records, pytest.mark.parametrize("backend", ["sqlite"])]
 

@@ -13,8 +13,8 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import Multisine
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.optimal_designs import (
     FoundDesign,

@@ -32,9 +32,9 @@ from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference, place
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
 from flexsid.sysid.simulation.turbulence import Turbulence
-from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_crossing_error
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_crossing_error
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.runs.estimation import compute_run, prepare

@@ -8,7 +8,7 @@ from identified_campaign import FUEL, DriftingAircraft, plan_runs, predict_flutt
 
 from flexsid.errors import BadInput
 from flexsid.sysid.stability.envelope_fusion import fit_envelope, remove_prior
-from flexsid.sysid.stability.prediction import DerivativePrior
+from flexsid.sysid.stability.flutter_prediction import DerivativePrior
 
 
 def measure(seed: int, drift: float, n_runs: int) -> tuple[float, bool]:

@@ -15,21 +15,14 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes.shapes import StructuralModes
-from flexsid.sysid.stability.bands import (
-    UncertainDerivatives,
-    estimate_crossing_error,
-    estimate_root_bands,
-    sample_root_bands,
-)
 from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.flutter import Mechanism, track_roots
 from flexsid.sysid.stability.flutter_extrapolation import TestPoint as Point
 from flexsid.sysid.stability.flutter_extrapolation import (
     extrapolate_damping,
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     DerivativePrior,
     IdentifiedModes,
     StiffnessError,
@@ -39,7 +32,14 @@ from flexsid.sysid.stability.prediction import (
     fuse_with_trend,
     predict_flutter,
 )
-from flexsid.sysid.stability.speeds import (
+from flexsid.sysid.stability.root_errors import (
+    UncertainDerivatives,
+    estimate_crossing_error,
+    estimate_root_bands,
+    sample_root_bands,
+)
+from flexsid.sysid.stability.root_tracking import Mechanism, track_roots
+from flexsid.sysid.stability.state_family import (
     Aeroelastic,
     build_state_family,
     compute_eigenvalue_slopes,

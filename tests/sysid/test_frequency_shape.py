@@ -23,10 +23,10 @@ from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_crossing_error
-from flexsid.sysid.stability.flutter import track_roots
 from flexsid.sysid.stability.poles import compute_named_poles
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_crossing_error
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 K = np.linspace(0.0, 2.5, 40)
 

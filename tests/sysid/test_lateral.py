@@ -22,10 +22,10 @@ from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.lateral import LATERAL, side_acceleration
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.model.sensors import SensorRows, stack_rows
-from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_root_bands
-from flexsid.sysid.stability.flutter import Mechanism, track_family_roots, track_roots
 from flexsid.sysid.stability.poles import compute_named_poles
-from flexsid.sysid.stability.speeds import Aeroelastic, build_state_family
+from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_root_bands
+from flexsid.sysid.stability.root_tracking import Mechanism, track_family_roots, track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic, build_state_family
 
 pytestmark = needs_records
 

@@ -12,7 +12,6 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.closed_loop import (
     close_loop,
     compute_broken_loops,
@@ -20,7 +19,8 @@ from flexsid.sysid.stability.closed_loop import (
     frequency_response,
 )
 from flexsid.sysid.stability.equivalent import compute_equivalent_modes, fit_in_vacuo_mode
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 OMEGA = np.geomspace(0.5, 150.0, 4000)
 

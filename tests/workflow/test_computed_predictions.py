@@ -32,7 +32,7 @@ from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.workflow.aircraft.derivative_predictions import load_frequency_shape
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, fuse_runs
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
-from flexsid.workflow.flutter.run_flutter import UnmodelledModes
+from flexsid.workflow.flutter.run_models import UnmodelledModes
 from flexsid.workflow.modal_data.computed_predictions import (
     PlanformSurface,
     PredictionRequest,

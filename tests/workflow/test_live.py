@@ -22,8 +22,8 @@ from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import growing_record
 from flexsid.sysid.simulation.turbulence import Turbulence
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.live.live_estimator import Adjust, LiveProcessor
 from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.packets import decode_frames, encode_frame

@@ -10,7 +10,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import limits
-from flexsid.workflow.flutter.run_flutter import UnmodelledModes, load_run_models
+from flexsid.workflow.flutter.run_models import UnmodelledModes, load_run_models
 from flexsid.workflow.runs.derived_runs import DerivedRuns
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_export import export_run

@@ -10,7 +10,7 @@ import numpy as np
 from flexsid.records.live import LiveState, LiveStream
 from flexsid.streams.receivers import Source
 from flexsid.workflow.live.live_task import LiveTask
-from flexsid.workflow.live.processing import StreamUpdate
+from flexsid.workflow.live.stream_processor import StreamUpdate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -40,7 +40,7 @@ from flexsid.streams.messages import (
 from flexsid.workflow.importing.maneuver_cutting import DECAY_S
 from flexsid.workflow.live.live_estimator import combine_states
 from flexsid.workflow.live.packets import decode_frames
-from flexsid.workflow.live.processing import StreamProcessor, StreamUpdate
+from flexsid.workflow.live.stream_processor import StreamProcessor, StreamUpdate
 
 _log = logging.getLogger(__name__)
 

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from flexsid.sysid.signals import FrequencyData, FrequencyResponse, TimeHistory
     from flexsid.sysid.spectra.fourier import finite_fourier_transform
     from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
-    from flexsid.sysid.stability.flutter import track_roots
-    from flexsid.sysid.stability.speeds import Aeroelastic
+    from flexsid.sysid.stability.root_tracking import track_roots
+    from flexsid.sysid.stability.state_family import Aeroelastic
 
 _PLACES = {
     "equation_error": "estimation.equation_error",
@@ -68,8 +68,8 @@ _PLACES = {
     "TimeHistory": "signals",
     "finite_fourier_transform": "spectra.fourier",
     "estimate_bare_airframe_responses": "spectra.response",
-    "track_roots": "stability.flutter",
-    "Aeroelastic": "stability.speeds",
+    "track_roots": "stability.root_tracking",
+    "Aeroelastic": "stability.state_family",
 }
 
 __all__ = [

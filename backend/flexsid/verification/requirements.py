@@ -21,8 +21,8 @@ from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.verification.gtm import FLIGHTS, build_rigid_model
 from flexsid.verification.nist import build_regression, count_digits, read_data_sets
 

@@ -1,6 +1,6 @@
 import { AppShell, Group } from "@mantine/core";
 import { Link, Outlet } from "@tanstack/react-router";
-import { useLive } from "../api/live";
+import { useServerEvents } from "../api/serverEvents";
 import { AnalystMenu } from "./AnalystMenu";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { Degraded, Health, LostConnection } from "./Health";
@@ -13,7 +13,7 @@ import { UnitMenu } from "./UnitMenu";
 
 /** Header with navigation around every page. */
 export function AppFrame() {
-  useLive();
+  useServerEvents();
   return (
     <AppShell header={{ height: 48 }}>
       <a className="skip" href="#content">

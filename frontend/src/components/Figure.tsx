@@ -175,8 +175,8 @@ export function usePrefetchedFigure(kind: string, given: Record<string, QueryVal
   const key = given && JSON.stringify({ ...given, ...units });
   useEffect(() => {
     if (key === null) return;
-    const wanted = figureQuery(kind, JSON.parse(key) as Record<string, QueryValue>);
-    cache.query(wanted).catch(() => undefined); // the figure itself reports it
+    const request = figureQuery(kind, JSON.parse(key) as Record<string, QueryValue>);
+    cache.query(request).catch(() => undefined); // the figure itself reports it
   }, [cache, kind, key]);
 }
 

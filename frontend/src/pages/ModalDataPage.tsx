@@ -5,11 +5,11 @@ import { aircraftQuery, modalTablesQuery } from "../api/queries";
 import type { Aircraft, ModalTable } from "../api/types";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
-import { CorrelationTab } from "../components/modes/CorrelationTab";
+import { ModalAssuranceTab } from "../components/modes/ModalAssuranceTab";
 import { FlutterTab } from "../components/modes/FlutterTab";
 import { FuelTab } from "../components/modes/FuelTab";
 import { OrderTab } from "../components/modes/OrderTab";
-import { SensorsTab } from "../components/modes/SensorsTab";
+import { ModeSensorsTab } from "../components/modes/ModeSensorsTab";
 import { ShapesTab } from "../components/modes/ShapesTab";
 import { ModalFiles } from "../components/modes/ModalFiles";
 import { tableTitle, type TableProps } from "../components/modes/tables";
@@ -148,10 +148,10 @@ function TablePanels(props: TableProps) {
         <ShapesTab {...props} />
       </Tabs.Panel>
       <Tabs.Panel value="mac">
-        <CorrelationTab {...props} />
+        <ModalAssuranceTab {...props} />
       </Tabs.Panel>
       <Tabs.Panel value="sensors">
-        <SensorsTab {...props} />
+        <ModeSensorsTab {...props} />
       </Tabs.Panel>
       <Tabs.Panel value="order">
         <OrderTab {...props} />

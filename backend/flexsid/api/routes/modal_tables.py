@@ -46,8 +46,8 @@ from flexsid.workflow.modal_data.modal_tables import (
 )
 from flexsid.workflow.modal_data.model_updating import update_modal_table
 from flexsid.workflow.views import model_order
-from flexsid.workflow.views.correlation import correlate
 from flexsid.workflow.views.fuel import list_modes_at
+from flexsid.workflow.views.modal_assurance import correlate
 from flexsid.workflow.views.observability import compute_observability
 from flexsid.workflow.views.shape import read_shape
 

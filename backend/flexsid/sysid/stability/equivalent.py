@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.stability.bands import UncertainDerivatives
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 _SAME_CONDITION = 1e-6  # of the dynamic pressure: a smaller range is one condition
 

@@ -9,8 +9,8 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.stability.flutter import RootLocus
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import RootLocus
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 _SIGMAS = 2.0  # standard errors from zero at which the sign of a growth rate is determined
 _LEAST_PARTICIPATION = 0.25  # of the unstable root, to determine its stability

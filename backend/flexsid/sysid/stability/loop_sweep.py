@@ -21,7 +21,7 @@ from flexsid.sysid.stability.closed_loop import (
     compute_margins,
     frequency_response,
 )
-from flexsid.sysid.stability.flutter import STATIC_ROOT_RAD_S
+from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
 
 _FINE = 400  # frequencies between which margins are interpolated
 

@@ -11,7 +11,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.rational_functions import build_lagged_forces
-from flexsid.sysid.stability.speeds import (
+from flexsid.sysid.stability.state_family import (
     Modal,
     StateFamily,
     compute_eigenvalue_slopes,

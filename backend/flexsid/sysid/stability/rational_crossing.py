@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.sensors import SensorRows
-from flexsid.sysid.stability.flutter import FlutterCrossing
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import FlutterCrossing
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 AGREEMENT = 0.003
 """Of the flutter speed, within which both methods agree: 0.02 % for 16 to 80 strips of FLEX-28U."""

@@ -14,7 +14,7 @@ from flexsid.sysid.aerodynamics.normal_washes import Reference
 from flexsid.sysid.aerodynamics.pk_flutter import ModalSystem, build_free_system
 from flexsid.sysid.model.derivatives import coefficients, variables
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 _STEP = 1e-5  # of k and airspeed, in central differences
 

@@ -23,9 +23,9 @@ from flexsid.sysid.estimation.power_optimisation import (
 )
 from flexsid.sysid.excitation import designer
 from flexsid.sysid.excitation.multisine import Multisine
-from flexsid.sysid.stability.bands import compute_crossing_slopes, compute_damping_slopes
-from flexsid.sysid.stability.flutter import track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import compute_crossing_slopes, compute_damping_slopes
+from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
     DesignQuery,

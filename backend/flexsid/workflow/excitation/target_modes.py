@@ -25,7 +25,7 @@ from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.stability.speeds import Aeroelastic, compute_named_roots
+from flexsid.sysid.stability.state_family import Aeroelastic, compute_named_roots
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,

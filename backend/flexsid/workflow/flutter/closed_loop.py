@@ -16,7 +16,7 @@ from flexsid.records.run import Progress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.stability.flutter import STATIC_ROOT_RAD_S
+from flexsid.sysid.stability.flutter_prediction import IdentifiedModes, compute_structure_spread
 from flexsid.sysid.stability.loop_sweep import (
     Loop,
     LoopPoint,
@@ -24,7 +24,7 @@ from flexsid.sysid.stability.loop_sweep import (
     evaluate_loop_point,
     find_stability_limit,
 )
-from flexsid.sysid.stability.prediction import IdentifiedModes, compute_structure_spread
+from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.flutter.controllers import interpolate_controller

@@ -22,16 +22,16 @@ from flexsid.records.flutter import (
 )
 from flexsid.records.run import DerivedRun, Progress
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.flutter import FlutterCrossing, track_roots
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
 )
+from flexsid.sysid.stability.root_tracking import FlutterCrossing, track_roots
 from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
@@ -47,7 +47,7 @@ from flexsid.workflow.flutter.flutter_roots import (
     compute_equivalents,
     trace_flutter_roots,
 )
-from flexsid.workflow.flutter.run_flutter import RunModel, UnmodelledModes
+from flexsid.workflow.flutter.run_models import RunModel, UnmodelledModes
 from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
 from flexsid.workflow.model_structures.run_results import get_result
 

@@ -17,7 +17,7 @@ from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.global_model.selection import LEAST_RUNS
 from flexsid.sysid.stability.envelope_fusion import EnvelopeModel, fit_envelope
 from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     IdentifiedModes,
     compute_structure_spread,
@@ -26,10 +26,10 @@ from flexsid.sysid.stability.prediction import (
     fuse_with_trend,
     predict_flutter,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
-from flexsid.workflow.flutter.run_flutter import (
+from flexsid.workflow.flutter.run_models import (
     RunModel,
     UnmodelledModes,
     compute_fuel_factors,

@@ -17,26 +17,26 @@ from flexsid.records.flutter import (
     TestedRoot,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.stability.bands import RootBands, estimate_root_bands
 from flexsid.sysid.stability.equivalent import (
     EquivalentMode,
     compute_equivalent_modes,
     fit_in_vacuo_mode,
 )
-from flexsid.sysid.stability.flutter import (
+from flexsid.sysid.stability.flutter_prediction import IdentifiedModes
+from flexsid.sysid.stability.root_errors import RootBands, estimate_root_bands
+from flexsid.sysid.stability.root_tracking import (
     RootLocus,
     track_family_roots,
     track_shaped_loadings,
 )
-from flexsid.sysid.stability.prediction import IdentifiedModes
-from flexsid.sysid.stability.speeds import StateFamily, build_state_family
+from flexsid.sysid.stability.state_family import StateFamily, build_state_family
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     FlutterModels,
     build_loaded_model,
     name_motion,
 )
-from flexsid.workflow.flutter.run_flutter import RunModel, scale_to_fuel
+from flexsid.workflow.flutter.run_models import RunModel, scale_to_fuel
 from flexsid.workflow.modal_data.modal_tables import AircraftModes
 
 _FUELS = 41

@@ -23,15 +23,15 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.model.frequency_shape import FrequencyShape
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.stability.bands import UncertainDerivatives, estimate_root_bands
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     IdentifiedModes,
     StiffnessError,
     predict_flutter,
 )
 from flexsid.sysid.stability.rational_crossing import AGREEMENT, find_rational_crossing
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_root_bands
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_prediction,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.sysid.stability.prediction import FlutterPrediction
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.flutter.flutter_models import FlutterModels
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexsid.errors import FlexsidError
 from flexsid.records.live import AlarmKind, Frame, LiveAlarm, LiveEstimate, LiveState
-from flexsid.workflow.live.live_estimate import LiveFit
+from flexsid.workflow.live.live_fit import LiveFit
 from flexsid.workflow.live.live_task import LiveTask
-from flexsid.workflow.live.processing import EstimateRequest, StreamProcessor, StreamUpdate
+from flexsid.workflow.live.stream_processor import EstimateRequest, StreamProcessor, StreamUpdate
 
 _WATCHED = 0.05  # damping ratio below which the recent motion is fitted too: it may change soon
 _UNSTABLE = 0.9  # probability of negative damping that raises an alarm

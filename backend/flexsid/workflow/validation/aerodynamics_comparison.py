@@ -36,7 +36,7 @@ from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
-from flexsid.sysid.stability.prediction import FlutterPrediction
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
 from flexsid.workflow.fits.estimation_task import EstimationTask, Report

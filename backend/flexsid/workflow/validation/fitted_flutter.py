@@ -6,9 +6,13 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.stability.bands import UncertainDerivatives
-from flexsid.sysid.stability.prediction import FlutterPrediction, IdentifiedModes, predict_flutter
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.flutter_prediction import (
+    FlutterPrediction,
+    IdentifiedModes,
+    predict_flutter,
+)
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.fits.estimation_task import EstimationTask
 
 _BAND = (0.35, 2.0)  # of the airspeed flown: range of the flutter search

@@ -1,7 +1,7 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef, useState, type RefObject } from "react";
 import { readStreamSamples, streamHistoryQuery } from "../../api/queries";
-import { listenToStream } from "../../api/streamEvents";
+import { listenToStream } from "../../api/liveStreamEvents";
 import type { LiveAlarm, LiveSnapshot, LiveState, LiveStreamDetail } from "../../api/types";
 import { addAlarms } from "../../lib/live/alarms";
 import { addStates } from "../../lib/live/maneuver";

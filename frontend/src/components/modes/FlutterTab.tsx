@@ -16,7 +16,7 @@ import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
 import { StoredPredictedFlutter } from "../PredictedFlutter";
 import { Section } from "../Section";
-import { Notes } from "./Notes";
+import { TableNotes } from "./TableNotes";
 
 type Point = FlutterSummary["points"][number];
 
@@ -262,7 +262,7 @@ function Overview({
             rowKey={(row) => row.place}
           />
         )}
-        <Notes notes={summary.notes} />
+        <TableNotes notes={summary.notes} />
       </Stack>
     </Section>
   );

@@ -10,7 +10,7 @@ import { Section } from "../Section";
 import type { TableProps } from "./tables";
 
 /** Modal observability of the sensors, and candidate accelerometer positions. */
-export function SensorsTab({ table, view, onChange }: TableProps) {
+export function ModeSensorsTab({ table, view, onChange }: TableProps) {
   const symmetry = view.symmetry ?? "symmetric";
   const query = {
     fuel: (view.fuel ?? 50) / 100,

@@ -9,11 +9,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.stability.bands import (
-    UncertainDerivatives,
-    compute_frequency_slopes,
-    estimate_crossing_error,
-)
 from flexsid.sysid.stability.flight_evidence import (
     FlownInstability,
     FlownPoint,
@@ -21,8 +16,13 @@ from flexsid.sysid.stability.flight_evidence import (
     compare_with_flight,
     name_leading,
 )
-from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus, track_roots
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import (
+    UncertainDerivatives,
+    compute_frequency_slopes,
+    estimate_crossing_error,
+)
+from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus, track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 _POINTS = 120  # airspeeds of a root locus
 _SIGMAS = 1.96  # of a 95 % interval

@@ -19,7 +19,7 @@ from flexsid.sysid.stability.shaped_roots import (
     build_shaped_system,
     compute_shaped_participation,
 )
-from flexsid.sysid.stability.speeds import (
+from flexsid.sysid.stability.state_family import (
     Aeroelastic,
     Modal,
     StateFamily,

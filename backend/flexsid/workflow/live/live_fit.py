@@ -21,14 +21,14 @@ from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.growing_record import GrowingSpectra
-from flexsid.sysid.stability.bands import UncertainDerivatives
-from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     IdentifiedModes,
     predict_flutter,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     get_output_instrument,

@@ -2,7 +2,7 @@ import { QueryClient, QueryClientProvider, QueryObserver } from "@tanstack/react
 import { act, renderHook, waitFor } from "@testing-library/react";
 import type { ReactNode } from "react";
 import { afterEach, expect, it, vi } from "vitest";
-import { useLive } from "./live";
+import { useServerEvents } from "./serverEvents";
 
 class FakeSource extends EventTarget {
   static readonly CLOSED = 2;
@@ -33,7 +33,7 @@ function listen() {
   );
   renderHook(
     () => {
-      useLive();
+      useServerEvents();
     },
     { wrapper },
   );

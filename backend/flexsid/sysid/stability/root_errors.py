@@ -9,13 +9,13 @@ from jaxtyping import Bool, Float
 from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.stability.flutter import FlutterCrossing, RootLocus
+from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus
 from flexsid.sysid.stability.shaped_roots import (
     ShapedRoots,
     build_shaped_system,
     compute_shaped_slopes,
 )
-from flexsid.sysid.stability.speeds import (
+from flexsid.sysid.stability.state_family import (
     Aeroelastic,
     Modal,
     StateFamily,

@@ -1,7 +1,7 @@
 import { Stack, Text } from "@mantine/core";
 
 /** What was noted of a source when it was imported: one line each. */
-export function Notes({ notes }: { notes: readonly string[] }) {
+export function TableNotes({ notes }: { notes: readonly string[] }) {
   return (
     <Stack gap={2}>
       {notes.map((note) => (

@@ -14,7 +14,7 @@ import { Section } from "../Section";
 import { tableTitle, type TableProps } from "./tables";
 
 /** MAC of two sources or two fuel weights, paired modes, and points of low COMAC. */
-export function CorrelationTab({ table, usable, view, onChange }: TableProps) {
+export function ModalAssuranceTab({ table, usable, view, onChange }: TableProps) {
   const comparable = usable.filter((one) => "nodes" in one.arrays || "shape" in one.arrays);
   const other = comparable.find((one) => one.id === view.other) ?? table;
   const query = {

@@ -24,7 +24,7 @@ const QUERIES_OF: Record<string, string[]> = {
 };
 
 /** Listens as long as the frame is there, and connects again. */
-export function useLive() {
+export function useServerEvents() {
   const cache = useQueryClient();
   useEffect(() => {
     if (typeof EventSource === "undefined") return;

@@ -13,14 +13,14 @@ from flexsid.records.run import EstimationRun, Progress, RetainedModes
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
-from flexsid.sysid.stability.bands import UncertainDerivatives
 from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.prediction import (
+from flexsid.sysid.stability.flutter_prediction import (
     DerivativePrior,
     IdentifiedModes,
     StiffnessError,
 )
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_errors import UncertainDerivatives
+from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_prediction,
     select_prediction,
