@@ -79,7 +79,8 @@ def estimate_with_nuisance_modes(
     u_noisy, z_noisy = maneuver.noisy("white", seed)
     model, rng = true.model, np.random.default_rng(5000 + seed)
     numbers = model.modes.numbers
-    size = build_nuisance_prior(numbers, model.inputs, true.truth.named()).size
+    median = build_nuisance_prior(numbers, model.inputs, true.truth.named()).median
+    size = np.hypot(true.truth.values, median)
     predicted = replace(
         true.truth, values=true.truth.values + SPREAD * size * rng.normal(size=size.shape)
     )

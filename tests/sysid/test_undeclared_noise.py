@@ -34,7 +34,8 @@ def compute_errors(
     z = maneuver.y + (z - maneuver.y) * factors
     model, truth = fitted.model, fitted.truth.named()
     numbers = model.modes.numbers
-    size = build_nuisance_prior(numbers, model.inputs, truth).size
+    median = build_nuisance_prior(numbers, model.inputs, truth).median
+    size = np.hypot(fitted.truth.values, median)
     shifted = fitted.truth.values + SPREAD * size * rng.normal(size=size.shape)
     predicted = replace(fitted.truth, values=shifted)
     own = list_derivative_names(numbers[:IN_BAND], model.inputs)

@@ -109,8 +109,9 @@ class RunSettings:
 
     ``noise`` is ``diagonal`` or ``full``; ``priors`` gives value and standard
     deviation by parameter, ``prior_spread`` gives every free derivative a prior at
-    the prediction with this share of its size; ``start_run_id`` goes with the start ``run``;
-    ``additional_maneuver_ids`` names further maneuvers fitted with the same derivatives;
+    the prediction whose errors are this share of the truth; ``start_run_id`` goes with
+    the start ``run``; ``additional_maneuver_ids`` names further maneuvers fitted with the
+    same derivatives;
     ``out_of_band_modes`` is the treatment of known modes outside the model structure;
     ``aerodynamics`` the dependence of the derivatives on frequency.
     """

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, RunSettings, Start
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
@@ -144,9 +141,7 @@ def _collect_priors(
             code="no-prediction",
         )
     table = next(iter(predicted.values()))
-    typical = np.median(np.abs(table.values), axis=1, keepdims=True)  # of each coefficient
-    sizes = spread * np.maximum(np.abs(table.values), typical)
-    spreads = replace(table, values=sizes).named()
     values = table.named()
-    of_prediction = {name: (values[name], spreads[name]) for name in free if name in values}
+    prior = build_nuisance_prior(table.modes, table.inputs, values, table.body)
+    of_prediction = prior.list_priors(tuple(name for name in free if name in values), spread)
     return of_prediction | dict(settings.priors)
