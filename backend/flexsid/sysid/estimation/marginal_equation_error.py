@@ -103,10 +103,13 @@ def marginal_equation_error(
     eta_o(r_i, u; nu). The sensors' rows become (P_i + P_o T) r_i, and the regressions of the
     band are those of ``equation_error`` with nu held. nu minimises the residuals of the
     sensors' redundancy and of the equations together with its prior (Gauss-Newton, the
-    derivatives of the band eliminated). Cov(theta) = Cov(theta | nu) + J Cov(nu) J^T with
-    J = d theta / d nu; Cov(nu) is the sandwich with the observed covariance of the residuals of
-    all equations, which share the error of the motion.
-    Source: variable projection, Golub and Pereyra, SIAM Journal on Numerical Analysis 10 (1973).
+    derivatives of the band eliminated). Noise of motion and inputs is part of residuals and of
+    the variables that multiply nu; its expectation is subtracted from the gradient.
+    Cov(theta) = Cov(theta | nu) + J Cov(nu) J^T with J = d theta / d nu; Cov(nu) is the sandwich
+    with the observed covariance of the residuals of all sensors and equations, which share the
+    errors of motion and inputs.
+    Sources: variable projection, Golub and Pereyra, SIAM Journal on Numerical Analysis 10 (1973);
+    corrected score, Nakamura, Biometrika 77 (1990).
     """
     z = outputs.pick(model.outputs).values
     check_signal(z, model.outputs)
@@ -117,7 +120,7 @@ def marginal_equation_error(
     problem = _MarginalProblem(model, P, z, inputs, parameters, priors, n_modes, sigma, input_noise)
     solution = problem.solve(parameters.start)
     for _ in range(_ITERATIONS):
-        if problem.is_small(solution):
+        if solution.relative_step < _CONVERGED:
             break
         trial = problem.take_step(solution)
         if trial is None:
@@ -146,6 +149,11 @@ class _MarginalSolution:
     covariance: Float[np.ndarray, "n_nu n_nu"]
     components: Float[np.ndarray, "n_nu n_omega"]
     prior_components: Float[np.ndarray, "n_nu n_nu"]
+
+    @property
+    def relative_step(self) -> float:
+        """Largest step of a nuisance parameter, in its standard errors."""
+        return float(np.max(np.abs(self.step) / np.sqrt(np.diag(self.covariance))))
 
 
 class _MarginalProblem:
@@ -186,15 +194,12 @@ class _MarginalProblem:
         self.shape = model.derivative_factors(self.omega)
         self.u = inputs.pick(model.inputs).values
 
-    def is_small(self, solution: _MarginalSolution) -> bool:
-        """Whether no nuisance parameter would move by more than a part of its standard error."""
-        std = np.sqrt(np.diag(solution.covariance))
-        return bool(np.max(np.abs(solution.step) / std) < _CONVERGED)
-
     def take_step(self, solution: _MarginalSolution) -> _MarginalSolution | None:
-        """Take the largest part of a step that reduces the cost, None without one.
+        """Take the largest part of a step that reduces the cost or the next step; else None.
 
-        The step is limited to the range where the equations are nearly linear.
+        The step is limited to the range where the equations are nearly linear. The cost is not
+        least where the gradient without the bias by noise is zero, so that near the solution
+        the next step decides.
         """
         largest = np.max(np.abs(solution.step) * np.sqrt(self.information))
         step = solution.step * min(1.0, _LARGEST_STEP / largest)
@@ -205,7 +210,7 @@ class _MarginalProblem:
                 trial = self.solve(theta)
             except NotIdentifiable:
                 continue  # the motion is not observable there: the step is too long
-            if trial.cost < solution.cost:
+            if trial.cost < solution.cost or trial.relative_step < solution.relative_step:
                 return trial
         return None
 
@@ -236,43 +241,47 @@ class _MarginalProblem:
             residual = residual - X @ values[:n_i].T
         else:
             residual = residual - np.einsum("krw,kw,rw->kr", self.shape[:, :n_i], X, values[:n_i])
-        of_sensors = self._differentiate_sensors(inner, equations, around)
+        # Residuals of the sensors, then of the equations.
+        sensors = equations.z - np.matmul(of_motion, inner.values[:, :, None])[:, :, 0]
+        n_y = sensors.shape[1]
+        every = np.concatenate([sensors, residual], axis=1)
+        variance = np.empty(every.shape)
+        variance[:, :n_y] = inner.noise**2
+        if inner.colour is not None:
+            variance[:, :n_y] *= inner.colour[:, None]
+        variance[:, n_y:] = np.mean(np.abs(residual) ** 2, axis=0)
         K = self._assemble(theta)[0][:, :n_i] / self.factors[:n_i, None]
-        per_variable = self._differentiate_equations(K, inner, equations, around)
+        per_coefficient = self._differentiate_residuals(K, inner, equations, around)
         rows, columns = (
             places[self.nuisance] for places in (self.parameters.rows, self.parameters.columns)
         )
-        of_equations = per_variable * shape_regressors(X, self.shape, rows, columns)[:, None]
-        per_error = K
+        per_variable = np.zeros((*every.shape, rows.size), dtype=complex)
+        out = self.of_rows
+        per_variable[:, :, out] = per_coefficient[:, :, rows[out] - n_i]
+        direct = np.flatnonzero(rows < n_i)
+        per_variable[:, n_y + rows[direct], direct] = -1.0
+        projected = per_variable * shape_regressors(X, self.shape, rows, columns)[:, None]
+        per_error = np.concatenate([np.zeros((len(K), n_y, K.shape[2])), K], axis=1)
         if self.input_noise is not None:
-            per_error = np.concatenate([K, -self._get_control(theta)[:, :n_i]], axis=2)
+            control = self._get_control(theta)
+            per_input = per_coefficient @ control[:, n_i:]
+            per_input[:, n_y:] = -control[:, :n_i]
+            per_error = np.concatenate([per_error, per_input], axis=2)
         common = per_error @ noise.spread.conj().transpose(0, 2, 1)
-        level = np.sqrt(1.0 if inner.colour is None else inner.colour)[:, None] * inner.noise
-        sensors = (equations.z - np.matmul(of_motion, inner.values[:, :, None])[:, :, 0]) / level
-        by_frequency, information, scores = self._project_sensors(
-            sensors, of_sensors / level[..., None], X
-        )
-        slope = np.zeros((self.own.size, self.nuisance.size))
-        variance = np.full(residual.shape, np.inf)
-        projected = np.zeros_like(of_equations)
-        for row in range(n_i):
-            fit = regressions.get(row)
-            if fit is None:
-                variance[:, row] = np.mean(np.abs(residual[:, row]) ** 2)
-                projected[:, row] = of_equations[:, row]
-                continue
+        slope = np.zeros((self.own.size, rows.size))
+        for row, fit in regressions.items():
             mine = np.flatnonzero(held.rows == row)
-            variance[:, row] = fit.variance
+            variance[:, n_y + row] = fit.variance
             Xr = shape_regressors(X, self.shape, row, held.columns[mine])
-            moment = np.real((Xr.conj() / fit.variance[:, None]).T @ of_equations[:, row])
-            slope[mine] = fit.inverse @ moment
-            projected[:, row] = of_equations[:, row] - Xr @ slope[mine]
+            weights = Xr.conj() / fit.variance[:, None]
+            slope[mine] = fit.inverse @ np.real(weights.T @ projected[:, n_y + row])
+            projected[:, n_y + row] -= Xr @ slope[mine]
         weighted = projected / np.sqrt(variance)[:, :, None]
-        scaled = residual / np.sqrt(variance)
-        flat = weighted.reshape(-1, weighted.shape[-1])
-        information += 2.0 * np.real(flat.conj().T @ flat)
-        by_frequency += 2.0 * np.real(np.einsum("kin,ki->nk", weighted.conj(), scaled))
-        # The error of the motion is part of residuals and regressors alike.
+        scaled = every / np.sqrt(variance)
+        flat = weighted.reshape(-1, rows.size)
+        information = 2.0 * np.real(flat.conj().T @ flat)
+        by_frequency = 2.0 * np.real(np.einsum("kin,ki->nk", weighted.conj(), scaled))
+        # The errors of motion and inputs are part of residuals and variables alike.
         conjugate = None if self.shape is None else self.shape.conj()
         biased = per_variable.conj() * common[:, :, columns] / variance[:, :, None]
         if conjugate is not None:
@@ -280,13 +289,13 @@ class _MarginalProblem:
         by_frequency -= 2.0 * np.real(biased.sum(axis=1)).T
         for row, fit in regressions.items():
             mine = np.flatnonzero(held.rows == row)
-            moment = shape_regressors(common[:, row], conjugate, row, held.columns[mine])
+            moment = shape_regressors(common[:, n_y + row], conjugate, row, held.columns[mine])
             moment = moment / fit.variance[:, None]
             by_frequency += 2.0 * slope[mine].T @ np.real(moment).T
         gradient = by_frequency.sum(axis=1)
         density = smooth_density(scaled, np.zeros(self.omega.size, dtype=int), 1)
         spread = density.times(weighted).reshape(flat.shape)
-        scores += 2.0 * np.real(flat.conj().T @ spread)
+        scores = 2.0 * np.real(flat.conj().T @ spread)
         total = information + np.diag(self.information)
         scale = 1.0 / np.sqrt(np.diag(total))
         inverse = np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale)
@@ -362,13 +371,6 @@ class _MarginalProblem:
             return K, self.u @ load.T
         return K, np.matmul(load, self.u[:, :, None])[:, :, 0]
 
-    def _differentiate_sensors(
-        self, inner: ReconstructedMotion, equations: SensorEquations, around: _OutOfBandMotion
-    ) -> Complex[np.ndarray, "n_omega n_y n_o"]:
-        """Change of the sensors' residuals per unit coefficient of every out-of-band mode."""
-        moved = self.P[:, :, self.n_i :] @ around.per_force
-        return -(moved - equations.P @ (self._compute_gain(inner, equations) @ moved))
-
     def _get_control(self, theta: np.ndarray) -> Inexact[np.ndarray, "n_omega n_r n_u"]:
         """Return the control derivatives of all rows, with their frequency shape."""
         n_u = self.u.shape[1]
@@ -395,46 +397,28 @@ class _MarginalProblem:
         weighted = equations.P.conj().transpose(0, 2, 1) / inner.noise**2
         return inner.covariance @ weighted
 
-    def _project_sensors(
-        self, residual: np.ndarray, per_coefficient: np.ndarray, X: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return gradient by frequency, information and score covariance of the sensors."""
-        k = self.of_rows
-        J = per_coefficient[:, :, self.parameters.rows[self.nuisance[k]] - self.n_i]
-        own = self.nuisance[k]
-        X = shape_regressors(X, self.shape, self.parameters.rows[own], self.parameters.columns[own])
-        J = J * X[:, None]
-        flat = J.reshape(-1, k.size)
-        n = self.nuisance.size
-        information = np.zeros((n, n))
-        information[np.ix_(k, k)] = 2.0 * np.real(flat.conj().T @ flat)
-        gradient = np.zeros((n, len(residual)))
-        gradient[k] = 2.0 * np.real(np.einsum("kyn,ky->nk", J.conj(), residual))
-        return gradient, information, information.copy()
-
-    def _differentiate_equations(
+    def _differentiate_residuals(
         self,
         K: Complex[np.ndarray, "n_omega n_i n_r"],
         inner: ReconstructedMotion,
         equations: SensorEquations,
         around: _OutOfBandMotion,
-    ) -> Complex[np.ndarray, "n_omega n_i n_nu"]:
-        """Change of the residuals of the equations in the band per nuisance parameter.
+    ) -> Complex[np.ndarray, "n_omega n_y_n_i n_o"]:
+        """Change of all residuals per unit coefficient of every out-of-band mode.
 
-        Over the variable that the parameter multiplies.
+        Of the residuals of the sensors, then of those of the equations in the band.
         """
         n_i = self.n_i
-        rows = self.parameters.rows[self.nuisance]
         moved = self.P[:, :, n_i:] @ around.per_force
         inside = -self._compute_gain(inner, equations) @ moved
         outside = around.per_force + around.T @ inside
-        per_coefficient = K[:, :, :n_i] @ inside + K[:, :, n_i:] @ outside
-        result = np.zeros((self.omega.size, n_i, self.nuisance.size), dtype=complex)
-        k = self.of_rows
-        result[:, :, k] = per_coefficient[:, :, rows[k] - n_i]
-        direct = np.flatnonzero(rows < n_i)
-        result[:, rows[direct], direct] = -1.0
-        return result
+        return np.concatenate(
+            [
+                -moved - equations.P @ inside,
+                K[:, :, :n_i] @ inside + K[:, :, n_i:] @ outside,
+            ],
+            axis=1,
+        )
 
     def build_estimate(self, solution: _MarginalSolution) -> Estimate:
         """Assemble values and covariances of all parameters."""

@@ -1,0 +1,55 @@
+"""Equation error with a nuisance mode that noise of the surfaces excites within the band."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.sysid.conftest import add_noise
+
+from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
+from flexsid.sysid.estimation.nuisance import build_nuisance_prior
+from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.signals import FrequencyData
+
+FREQUENCIES = 2.0 * np.pi * np.arange(6, 336) / 24.0  # to 14 Hz; mode 11 has 13.5 Hz
+INPUT_NOISE = 0.05  # of the deflections
+IN_BAND = 2
+
+
+@pytest.mark.parametrize("fits", [9, pytest.param(100, marks=pytest.mark.long)])
+def test_noise_of_the_surfaces_that_a_nuisance_mode_amplifies_causes_no_bias(make_case, fits):
+    case = make_case(3, airspeed_ratio=1.05)
+    model, truth = case.model, case.truth.named()
+    numbers = model.modes.numbers
+    own = list_derivative_names(numbers[:IN_BAND], model.inputs)
+    nuisance = tuple(name for name in model.derivative_names if name not in own)
+    rng = np.random.default_rng(8)
+    prior = build_nuisance_prior(numbers, model.inputs, truth)
+    errors = []
+    for _ in range(fits):
+        turns = np.exp(2j * np.pi * rng.uniform(size=FREQUENCIES.size))
+        u = np.zeros((FREQUENCIES.size, 5), dtype=complex)
+        u[np.arange(FREQUENCIES.size), np.arange(FREQUENCIES.size) % 5] = turns
+        z = (model.response(case.truth, FREQUENCIES) @ u[:, :, None])[:, :, 0]
+        wrong = 0.3 * prior.size * rng.normal(size=prior.size.shape)
+        predicted = replace(case.truth, values=case.truth.values + wrong)
+        shifted = build_nuisance_prior(numbers, model.inputs, predicted.named())
+        noise = INPUT_NOISE * np.sqrt(np.mean(np.abs(u) ** 2, axis=0))
+        estimate, _ = marginal_equation_error(
+            model,
+            FrequencyData(FREQUENCIES, add_noise(z, 0.01, rng), model.outputs),
+            np.ones(z.shape, dtype=complex),
+            FrequencyData(FREQUENCIES, add_noise(u, INPUT_NOISE, rng), model.inputs),
+            select_parameters(predicted, (*own, *nuisance), model.outputs),
+            shifted.list_priors(nuisance, 0.3),
+            IN_BAND,
+            input_noise=np.broadcast_to(noise**2, u.shape),
+        )
+        band = estimate.select(own)
+        errors.append((band.values - [truth[name] for name in own]) / band.std_errors)
+    mean = np.abs(np.mean(errors, axis=0))
+    assert mean.max() < 4.0 / np.sqrt(fits), own[mean.argmax()]
+    assert 0.9 < np.mean(np.abs(errors) < 2.0) < 0.98
