@@ -182,6 +182,15 @@ def test_maewing1_is_imported_with_flutter_summary(client: TestClient) -> None:
     table = client.post(f"/api/v1/uploads/{identity}/modal-data", json=payload).json()
     assert table["names"][:5] == ["SW1B", "AW1T", "SW1T", "AW1B", "SW2B"]
     assert any("agree with the largest displacements printed" in n for n in table["notes"])
+    assert table["symmetric"][:5] == [True, False, True, False, True]
+    antisymmetric = (
+        f"/api/v1/modal-tables/{table['id']}/shape?number={table['numbers'][3]}&fuel=0.5"
+    )
+    shape = client.get(antisymmetric).json()
+    assert shape["name"] == "AW1B"
+    nodes, normal = np.array(shape["nodes_m"]), np.array(shape["displacement_m"])[:, 2]
+    right, left = (nodes[:, 1] * side > 1.0 for side in (1.0, -1.0))  # outer half of each wing
+    assert normal[right].mean() == pytest.approx(-normal[left].mean(), rel=0.02)
     name = "sol145_maewing1_femv5p2.f06"
     identity = upload(client, (name, (FEM / name).read_bytes()))
     at = f"/api/v1/uploads/{identity}/flutter-summary"

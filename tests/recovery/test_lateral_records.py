@@ -11,6 +11,7 @@ import pytest
 from file_imports import import_maneuver
 from lateral_flying_wing import (
     FOLDER,
+    FOOT,
     MAPPING,
     add_independent_aircraft,
     add_lateral_aircraft,
@@ -25,6 +26,7 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import ComputedRun
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, analyse_flutter
 from flexsid.workflow.measurements.reconstruction import (
     ReconstructionQuery,
     reconstruct,
@@ -269,3 +271,33 @@ def test_a_structure_of_the_other_axis_is_refused(store: Store) -> None:
     assert refused.value.code == "axis-not-supported"
     with pytest.raises(BadInput, match="pitch rate q, not roll rate p or yaw rate r"):
         estimate(store, number, Method.EE, ("q", "p", "r", "beta", "phi"))
+
+
+@pytest.mark.parametrize(
+    ("record", "truth_ft_s"),
+    [
+        ("anti_105Vf_n4_fta536", 296.6),
+        pytest.param("anti_095Vf_n8_fta536", 297.4, marks=pytest.mark.long),
+    ],
+)
+def test_antisymmetric_flutter_is_within_the_interval_from_a_run(
+    store: Store, record: str, truth_ft_s: float
+) -> None:
+    """Maneuvers at 1.05 and .95 V_f of the symmetric axis, .69 and .62 of the other."""
+    number = add_record(store, MAPPING, record)
+    proposed = propose_run(store, [number])
+    request = EstimationRun(
+        maneuver_id=number,
+        method=Method.EE,
+        structure=proposed.structure,
+        settings=proposed.settings,
+    )
+    run = execute_run(store, request, RUN, lambda progress: None)
+    assert run.id is not None
+    found = analyse_flutter(store, FlutterQuery(run_ids=(run.id,)))
+    truth = truth_ft_s * FOOT
+    assert found.low_m_s is not None
+    assert found.high_m_s is not None
+    assert found.low_m_s < truth < found.high_m_s
+    assert found.airspeed_m_s == pytest.approx(truth, rel=0.01)
+    assert found.sentence.startswith("Flutter of AW1T with AW1B")
