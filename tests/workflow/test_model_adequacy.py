@@ -58,9 +58,11 @@ def test_a_correct_model_is_consistent_and_one_without_a_mode_suspect(flown_url:
     assert items[wrong.id or 0].adequacy is AdequacyState.SUSPECT
     sources = compare(store, [correct.id or 0, wrong.id or 0], []).sources
     assert [source.adequacy for source in sources] == ["consistent", "suspect"]
-    equation_error = estimate(store, Method.EE, (7,))
-    assert equation_error.result is not None
-    assert equation_error.result.adequacy.state is AdequacyState.SUSPECT
+    for method in (Method.EE, Method.FRE):
+        result = estimate(store, method, (7,)).result
+        assert result is not None
+        assert result.adequacy.state is AdequacyState.SUSPECT
+        assert "residual power" in {test.hypothesis for test in result.adequacy.tests}
     store.close()
 
 

@@ -13,11 +13,13 @@ from flexsid.records.run import (
     AdequacyState,
     AdequacyTest,
     EstimateWithoutSensor,
+    Method,
     ModelAdequacy,
 )
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.estimation.model_tests import (
     SYMMETRY_HYPOTHESES,
@@ -31,6 +33,7 @@ from flexsid.sysid.estimation.sensor_influence import SensorInfluence
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
+from flexsid.workflow.fits.likelihood_fit import build_experiments
 
 _MOST_REASONS = 2
 
@@ -42,14 +45,15 @@ def assess_model_adequacy(
     estimate: Estimate,
     spread: float,
 ) -> tuple[ModelAdequacy, ModelAdequacy | None]:
-    """Test a fit for remaining model error; equation error by the residuals of output error.
+    """Test a fit for remaining model error by the residuals of output error at its estimate.
 
     Parameters
     ----------
     task
         The estimation; known modes that are not in its model are tested as further modes.
     experiments
-        Data of the fit, after the correction of leakage.
+        Data of output error or frequency-response error, after their correction; frequency
+        responses are tested where they are of some of the excited inputs only.
     parameters, estimate
         The fit.
     spread
@@ -68,6 +72,10 @@ def assess_model_adequacy(
     if find_parameters_at_limits(parameters, estimate.values).any():
         return _describe_untested(task, "Not tested, since a parameter is at its limit.")
     maneuvers = task.maneuvers
+    is_of_record = not _fits_some_inputs(task)
+    if is_of_record and task.method is not Method.OE:
+        # The tests remove the errors of the estimate to first order, whatever the estimator.
+        experiments = _build_record_experiments(task, parameters, estimate)
     further = min(len(data.extended_model.modes.numbers) for data in maneuvers)
     try:
         tests = compute_model_tests(
@@ -76,7 +84,9 @@ def assess_model_adequacy(
             estimate.values,
             task.list_priors(spread),
             extended_models=[data.extended_model.with_modes(further) for data in maneuvers],
-            opposed_motions=[_reconstruct_opposed_motion(data) for data in maneuvers],
+            opposed_motions=[
+                _reconstruct_opposed_motion(data) if is_of_record else None for data in maneuvers
+            ],
             overlap=max(data.measured.resolution_overlap for data in maneuvers),
             nuisance=estimate.nuisance,
         )
@@ -98,6 +108,27 @@ def assess_model_adequacy(
         return adequacy, None
     claim = "of symmetry indicates an asymmetry"
     return adequacy, _summarize(of_symmetry, claim, results, is_shaped=is_shaped)
+
+
+def _fits_some_inputs(task: EstimationTask) -> bool:
+    """Whether frequency responses of some of the excited inputs are fitted.
+
+    The spectra of the record then contain the motion of the others, and are not tested.
+    """
+    fitted = set(task.model.inputs)
+    return task.method is Method.FRE and any(
+        not fitted.issuperset(data.measured.excited.inputs.names) for data in task.maneuvers
+    )
+
+
+def _build_record_experiments(
+    task: EstimationTask, parameters: Parameters, estimate: Estimate
+) -> list[Experiment]:
+    """Build output error at the estimate of another method."""
+    experiments = build_experiments(task, Method.OE)
+    if task.corrected:
+        return experiments
+    return [remove_leakage(one, parameters, estimate.values) for one in experiments]
 
 
 def _describe_untested(

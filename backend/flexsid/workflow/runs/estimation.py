@@ -23,7 +23,6 @@ from flexsid.records.run import (
     Fit,
     FitBlock,
     Iteration,
-    Method,
     NuisanceParameter,
     OutOfBandModes,
     OutputQuality,
@@ -168,7 +167,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
             outputs,
             settings,
             retained,
-            with_opposed=run.method is Method.OE,
+            with_opposed=True,
         )
         for maneuver in maneuvers
     )
