@@ -73,6 +73,7 @@ _ETADOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DOT ABOVE}"
 _ETADDOT = "\N{GREEK SMALL LETTER ETA}\N{COMBINING DIAERESIS}"
 _PDOT = "p\N{COMBINING DOT ABOVE}"
 _QDOT = "q\N{COMBINING DOT ABOVE}"
+_VDOT = "V\N{COMBINING DOT ABOVE}"
 _RDOT = "r\N{COMBINING DOT ABOVE}"
 
 GLOSSARY: tuple[Symbol, ...] = (
@@ -89,6 +90,8 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("eta", "1", "η", "η", "generalised displacement of a structural mode"),
     _symbol("etadot", "1/s", _ETADOT, _ETADOT, "generalised velocity of a structural mode"),
     _symbol("etaddot", "1/s2", _ETADDOT, _ETADDOT, "generalised acceleration of a mode"),
+    _symbol("V", "m/s", "V", "V", "deviation of true airspeed from trim"),
+    _symbol("Vdot", "m/s2", _VDOT, _VDOT, "rate of true airspeed"),
     _symbol("qdot", "rad/s2", _QDOT, _QDOT, "pitch acceleration, nose up"),
     _symbol(
         "normal_acceleration",
@@ -132,7 +135,9 @@ GLOSSARY: tuple[Symbol, ...] = (
     _symbol("modal_mass", "kg*m2", "m_i", "m<sub>i</sub>", "generalised mass of a mode"),
     # Coefficients
     _symbol("CZ", "1", "C_Z", "C<sub>Z</sub>", "force coefficient along body z, downwards"),
-    _symbol("CX", "1", "C_X", "C<sub>X</sub>", "force coefficient along body x, forwards"),
+    _symbol(
+        "CX", "1", "C_X", "C<sub>X</sub>", "force coefficient forwards, along the velocity (-C_D)"
+    ),
     _symbol("CY", "1", "C_Y", "C<sub>Y</sub>", "force coefficient along body y, right"),
     _symbol("CL", "1", "C_L", "C<sub>L</sub>", "lift coefficient"),
     _symbol("CD", "1", "C_D", "C<sub>D</sub>", "drag coefficient"),
@@ -237,6 +242,7 @@ MOTIONS = {
     "p": "roll rate",
     "q": "pitch rate",
     "r": "yaw rate",
+    "V": "true airspeed over that of trim",
 }
 """Rigid-body motions by which derivatives are taken."""
 
@@ -244,6 +250,7 @@ _GAUGE = re.compile(r"(bend|ros)(\d)([lrsa])(?:_(m45|0|p45))?")
 _SURFACE = re.compile(r"(bf|wf)(\d?)([lrsa]?)")
 _MODAL = re.compile(r"eta(d?dot)?(\d+)")
 _MODAL_WORDS = {None: "displacement", "dot": "velocity", "ddot": "acceleration"}
+_ENGINES = ("thrust", "throttle")  # inputs that are no surfaces
 _ANGLES = {"m45": "−45°", "0": "0°", "p45": "+45°"}
 
 
@@ -322,7 +329,9 @@ def _explain_variable(variable: str) -> tuple[str, str, str]:
         return f"{text}{modal[2]}", "1", f"{what} of mode {modal[2]}"
     if variable in MOTIONS:
         glyph = {"alpha": "α", "alphadot": "α̇", "beta": "β"}.get(variable, variable)
-        return glyph, "1/rad", MOTIONS[variable]
+        return glyph, "1" if variable == "V" else "1/rad", MOTIONS[variable]
+    if variable.startswith(_ENGINES):
+        return variable, "", f"{variable}, per unit of its channel"
     return f"δ{variable}", "1/rad", f"deflection of {_surface_words(variable)}"
 
 

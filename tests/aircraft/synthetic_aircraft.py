@@ -608,7 +608,7 @@ def _row(aircraft: SyntheticAircraft, frame: Airframe, sensor: Sensor) -> np.nda
     return feel.accelerometer(frame, "z", sensor.point, position)
 
 
-_ACC, _GYRO, _ATT, _VANE, _GAUGE = load_sensor_models()
+_ACC, _GYRO, _ATT, _VANE, _GAUGE, _ = load_sensor_models()
 
 TAILED_40_FT = Design(
     name="tailed, 40 ft",

@@ -87,7 +87,7 @@ def test_sensor_of_another_axis_is_refused_as_output(
     with pytest.raises(AxisNotSupported, match=f"'sensor_9' .*{message}"):
         prepare(flown, _run(replace(_MODE, outputs=("sensor_9", "az_egi"))))
     assert "sensor_9" not in prepare(flown, _run()).model.outputs
-    assert "lateral" in gather_sensors(flown, flown.maneuvers.get(1)).excluded["sensor_9"]
+    assert "longitudinal" in gather_sensors(flown, flown.maneuvers.get(1)).excluded["sensor_9"]
 
 
 def test_a_sensor_whose_name_contradicts_its_record_is_refused(flown: Store) -> None:

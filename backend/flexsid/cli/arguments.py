@@ -47,6 +47,7 @@ def read_structure(arguments: argparse.Namespace, extra_parameters: str = "") ->
     )
 
 
-def set_maneuver_axis(store: Store, structure: Structure, maneuver_id: int) -> Structure:
-    """Set the axis of a model structure to that of the maneuver it is fitted to."""
-    return replace(structure, axis=find_body(store.maneuvers.get(maneuver_id).axis).axis)
+def set_axis(store: Store, structure: Structure, maneuver_id: int, axis: str | None) -> Structure:
+    """Set the axis of a model structure, by default that of the maneuver it is fitted to."""
+    own = store.maneuvers.get(maneuver_id).axis if axis is None else axis
+    return replace(structure, axis=find_body(own).axis)

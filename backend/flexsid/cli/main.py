@@ -200,6 +200,8 @@ def _add_import_options(command: argparse.ArgumentParser) -> None:
 
 def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) -> None:
     option = command.add_argument
+    meaning = "longitudinal, lateral, or longitudinal-airspeed for long records"
+    option("--axis", metavar="AXIS", help=f"axis of the model: {meaning}; default: the maneuver's")
     option("--modes", metavar="M,N", help=f"numbers of structural modes{modes}")
     meaning = "inputs of the model; default: all excited inputs"
     option("--inputs", default="", metavar="A,B", help=meaning)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_maneuver_axis
+from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_axis
 from flexsid.cli.database import open_store
 from flexsid.cli.output import (
     print_error,
@@ -132,7 +132,7 @@ def _complete_structure(
         return attach_proposal_basis(store, requested)
     requested = replace(
         requested,
-        structure=set_maneuver_axis(store, requested.structure, requested.maneuver_id),
+        structure=set_axis(store, requested.structure, requested.maneuver_id, arguments.axis),
     )
     if arguments.modes is None:
         proposed = apply_proposal(store, requested)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_maneuver_axis
+from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_axis
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_error, print_result
 from flexsid.cli.runs import report_progress
@@ -22,7 +22,7 @@ def search(settings: Settings, arguments: argparse.Namespace) -> int:
     structure = read_structure(arguments)
     with open_store(settings) as store:
         if maneuvers:
-            structure = set_maneuver_axis(store, structure, maneuvers[0])
+            structure = set_axis(store, structure, maneuvers[0], arguments.axis)
         requested = StructureSearch(
             aircraft_id=store.maneuvers.get(maneuvers[0]).aircraft_id if maneuvers else 0,
             maneuver_ids=maneuvers,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexsid.sysid.estimation.parameters import select_parameters
     from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
     from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
+    from flexsid.sysid.model.airspeed import AIRSPEED
     from flexsid.sysid.model.condition import FlightCondition
     from flexsid.sysid.model.derivatives import DerivativeTable
     from flexsid.sysid.model.instruments import Instrument
@@ -59,6 +60,7 @@ _PLACES = {
     "vane_row": "model.longitudinal",
     "LONGITUDINAL": "model.longitudinal",
     "LATERAL": "model.lateral",
+    "AIRSPEED": "model.airspeed",
     "stack_rows": "model.sensors",
     "strain_row": "model.sensors",
     "time_response": "model.time_response",
@@ -73,6 +75,7 @@ _PLACES = {
 }
 
 __all__ = [
+    "AIRSPEED",
     "LATERAL",
     "LONGITUDINAL",
     "Aeroelastic",

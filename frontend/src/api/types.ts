@@ -173,9 +173,13 @@ export type GlossaryEntry = Received<"GlossaryEntry">;
 export type Method = Run["method"];
 export type RunState = Run["state"];
 
-/** Axis of a model; a combined maneuver has one of each. */
-export type ModelAxis = "longitudinal" | "lateral";
-export const MODEL_AXES: readonly ModelAxis[] = ["longitudinal", "lateral"];
+/** Axis of a model; a combined maneuver has a longitudinal and a lateral one. */
+export type ModelAxis = "longitudinal" | "lateral" | "longitudinal-airspeed";
+export const MODEL_AXES: readonly ModelAxis[] = [
+  "longitudinal",
+  "lateral",
+  "longitudinal-airspeed",
+];
 export const METHODS: readonly Method[] = ["OE", "FRE", "EE"];
 export const STATES: readonly RunState[] = [
   "queued",

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
+import { axisNames } from "../lib/derivatives";
 import { latestPerMethod } from "./latestRuns";
 import { asAxis } from "./runRequest";
 
@@ -10,7 +11,7 @@ import { asAxis } from "./runRequest";
 export function OtherAxis({ run }: { run: Run }) {
   const runs = useQuery(runsQuery({ maneuver_id: run.maneuver_id, state: "succeeded" }));
   const axis = asAxis(run.structure.axis);
-  const other = axis === "lateral" ? "longitudinal" : "lateral";
+  const other = axisNames(axis).symmetry === "symmetric" ? "lateral" : "longitudinal";
   const found = latestPerMethod(runs.data ?? []).filter((one) => one.axis === other);
   const shown = found.find((one) => one.method === run.method) ?? found[0];
   return (

@@ -30,14 +30,13 @@ interface Meta {
 /** Rigid and modal motion and coefficients reconstructed from all sensors (Fig. 16a). */
 export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const domain = view.domain ?? "time";
-  const both = maneuver.axis === "combined";
-  const axis = asAxis(both ? (view.axis ?? "longitudinal") : maneuver.axis);
+  const axis = view.axis ?? asAxis(maneuver.axis);
   const { coefficients, motions } = axisNames(axis);
   const params = {
     maneuver_id: maneuver.id,
     quantities: view.quantities,
     modes: view.modes,
-    axis: both ? axis : undefined,
+    axis: axis === maneuver.axis ? undefined : axis,
     domain,
   };
   const stored = reconstructionResult(maneuver.id, view.modes, params.axis);
@@ -53,14 +52,13 @@ export function ReconstructionTab({ maneuver, view, onChange }: ManeuverTabProps
   return (
     <div className="split">
       <Stack gap="md">
-        {both && (
-          <AxisPicker
-            value={axis}
-            onChange={(next) => {
-              onChange({ axis: next, quantities: undefined, modes: undefined });
-            }}
-          />
-        )}
+        <AxisPicker
+          maneuver={maneuver.axis}
+          value={axis}
+          onChange={(next) => {
+            onChange({ axis: next, quantities: undefined, modes: undefined });
+          }}
+        />
         <SegmentedControl
           aria-label="Domain"
           data={[

@@ -1,14 +1,16 @@
 /** From a draft to a request, and from an earlier run back to a draft. */
-import type {
-  Maneuver,
-  ModalTable,
-  Prediction,
-  Run,
-  RunProposal,
-  BatchRequest,
-  RunRequest,
-  RunTemplate,
-  StructureVersion as Origin,
+import {
+  MODEL_AXES,
+  type Maneuver,
+  type ModalTable,
+  type ModelAxis,
+  type Prediction,
+  type Run,
+  type RunProposal,
+  type BatchRequest,
+  type RunRequest,
+  type RunTemplate,
+  type StructureVersion as Origin,
 } from "../api/types";
 import { excitedInputs } from "../lib/channels";
 import { derivativeNames } from "../lib/derivatives";
@@ -22,9 +24,9 @@ import {
 } from "../lib/runDraft";
 import { stateOf, type Structure } from "../lib/structure";
 
-/** The axis of a model; the one of a ground record is the longitudinal one. */
-export const asAxis = (axis: string): "longitudinal" | "lateral" =>
-  axis === "lateral" ? "lateral" : "longitudinal";
+/** The axis of a model; that of ground records and combined maneuvers is the longitudinal one. */
+export const asAxis = (axis: string): ModelAxis =>
+  MODEL_AXES.find((one) => one === axis) ?? "longitudinal";
 
 interface RunContext {
   template?: Run;

@@ -244,17 +244,16 @@ function Form(props: FormProps) {
                 }
               />
             )}
-            {maneuver.axis === "combined" && (
-              <AxisPicker
-                value={asAxis(draft.axis)}
-                onChange={(axis) =>
-                  void navigate({
-                    search: (previous) => ({ ...previous, axis }),
-                    replace: true,
-                  })
-                }
-              />
-            )}
+            <AxisPicker
+              maneuver={maneuver.axis}
+              value={asAxis(draft.axis)}
+              onChange={(axis) =>
+                void navigate({
+                  search: (previous) => ({ ...previous, axis }),
+                  replace: true,
+                })
+              }
+            />
             {maneuvers.length > 1 && (
               <>
                 <Text size="sm" className="quiet">

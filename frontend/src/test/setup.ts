@@ -18,6 +18,12 @@ setAxes([
     coefficients: ["CY", "Cl", "Cn"],
     motions: ["beta", "p", "r"],
   },
+  {
+    axis: "longitudinal-airspeed",
+    symmetry: "symmetric",
+    coefficients: ["CZ", "Cm", "CX"],
+    motions: ["alpha", "q", "V"],
+  },
 ]);
 
 // jsdom lays nothing out; Mantine only needs these to exist.

@@ -104,7 +104,7 @@ def marginal_equation_error(
     band are those of ``equation_error`` with nu held. nu minimises the residuals of the
     sensors' redundancy and of the equations together with its prior (Gauss-Newton, the
     derivatives of the band eliminated). Noise of motion and inputs is part of residuals and of
-    the variables that multiply nu; its expectation is subtracted from the gradient.
+    the variables that multiply nu; its mean is subtracted from the gradient.
     Cov(theta) = Cov(theta | nu) + J Cov(nu) J^T with J = d theta / d nu; Cov(nu) is the sandwich
     with the observed covariance of the residuals of all sensors and equations, which share the
     errors of motion and inputs.

@@ -1,8 +1,8 @@
 """RigidBody: motions, coefficients and known terms of the rigid body in one axis.
 
-Everything in which the longitudinal and the lateral-directional model differ is one value of
-this class, ``longitudinal.LONGITUDINAL`` or ``lateral.LATERAL``; names of derivatives,
-estimators, reduction, poles and flutter ask it. The rows of sensors are those of
+Everything in which the models of the axes differ is one value of this class,
+``longitudinal.LONGITUDINAL``, ``airspeed.AIRSPEED`` or ``lateral.LATERAL``; names of
+derivatives, estimators, reduction, poles and flutter ask it. The rows of sensors are those of
 ``sensor_models``.
 """
 
@@ -19,6 +19,9 @@ from flexsid.sysid.model.condition import FlightCondition, Trim
 
 SPIRAL = "spiral"
 """Name of the slow real pole of bank angle: unstable in many aircraft, and no divergence."""
+
+PHUGOID = "PH"
+"""Name of the slow pole of airspeed and pitch angle: unstable in some aircraft, and no flutter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +54,17 @@ class RigidBody:
     acts_by_gravity
         Whether the attitude acts on the motion in level flight.
     acceleration
-        Name of the specific force at the c.g., V times the force of the first row.
+        Name of the specific force at the c.g., V times the force of the first row; empty where
+        it is another one.
     kinematics
         Known terms at a condition and trim.
     scale_rows
         Dimensional factors of the coefficients. [1/s, 1/s2...]
     scale_motions
         Factors that make the motions nondimensional.
+    fast
+        Rigid body without the slow motions, which are its last ones; the rows of sensors that
+        do not measure these are those of it.
     """
 
     axis: str
@@ -71,6 +78,7 @@ class RigidBody:
     kinematics: Callable[[FlightCondition, Trim], Kinematics]
     scale_rows: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
     scale_motions: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
+    fast: RigidBody | None = None
 
     @property
     def size(self) -> int:

@@ -17,7 +17,7 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.extensions import SENSORS, ExtensionFailed, load_extensions, report_errors
-from flexsid.sysid.model import lateral, longitudinal
+from flexsid.sysid.model import airspeed, lateral, longitudinal
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensors import Mounting, strain_row
@@ -41,7 +41,8 @@ class SensorModel:
         Standard deviation of the noise where the aircraft record has none. [units[0]]
     rows
         Rows by axis of the model (``longitudinal``, ``lateral``) and axis of the sensor; those
-        that are missing measure no motion of that axis.
+        that are missing measure no motion of that axis. An axis with slow motions has those of
+        its fast ones by default.
     senses
         What it measures of a mode; strain is that of gauges, the others are those of points.
     reversed_axes
@@ -82,7 +83,20 @@ class SensorModel:
 
     def measures(self, axis: str, body: RigidBody) -> bool:
         """Whether a sensor of this axis can be an output of the model of a rigid body."""
-        return axis in self.rows.get(body.axis, ())
+        return self._find_row(axis, body) is not None
+
+    def _find_row(self, axis: str, body: RigidBody) -> Row | None:
+        """Find the row in the model of a rigid body, else that of its fast motions."""
+        own, fast = self.rows.get(body.axis, {}).get(axis), body.fast
+        of_fast = None if fast is None else self.rows.get(fast.axis, {}).get(axis)
+        if own is not None or fast is None or of_fast is None:
+            return own
+        first, n_slow = fast.size, body.size - fast.size
+
+        def extend(at: Mounting, condition: FlightCondition) -> Float[np.ndarray, "4 n_r"]:
+            return np.insert(of_fast(at, condition), [first] * n_slow, 0.0, axis=1)
+
+        return extend
 
     def measures_rigid_body(self, axis: str, body: RigidBody) -> bool:
         """Whether it measures the motion of this rigid body wherever it is mounted."""
@@ -115,14 +129,15 @@ class SensorModel:
             If the row of another package fails, or is not finite and of shape
             (4, body.size + n_modes).
         """
-        if not self.measures(axis, body):
+        build = self._find_row(axis, body)
+        if build is None:
             raise BadInput(
                 f"a {self.kind} of axis {axis} measures no {body.axis} motion; remove it from the "
                 "outputs",
                 code="axis-not-supported",
             )
         with report_errors(self.package):
-            row = self.rows[body.axis][axis](at, condition)
+            row = build(at, condition)
         shape = (4, body.size + at.n_modes)
         if self.package and not (np.shape(row) == shape and np.isfinite(row).all()):
             raise ExtensionFailed(
@@ -187,6 +202,7 @@ ACCELEROMETER = SensorModel(
     rows={
         "longitudinal": _by_axis(longitudinal.mounted_accelerometer_row, "xyz"),
         "lateral": _by_axis(lateral.accelerometer_row, "xyz"),
+        "longitudinal-airspeed": _by_axis(airspeed.accelerometer_row, "xyz"),
     },
     senses="translation",
     reversed_axes="y",
@@ -262,4 +278,15 @@ STRAIN = SensorModel(
     calibration="uncertain",
 )
 
-_BUILT_IN = (ACCELEROMETER, GYRO, ATTITUDE, VANE, STRAIN)
+AIRSPEED_PROBE = SensorModel(
+    kind="airspeed",
+    units=("m/s",),
+    noise_std=0.2,
+    rows={"longitudinal-airspeed": {"x": airspeed.airspeed_row}},
+    senses="translation",
+    quantities={"x": "airspeed V"},
+    names={"x": r"airspeed|tas|vtas|vt"},
+    usual_axis="x",
+)
+
+_BUILT_IN = (ACCELEROMETER, GYRO, ATTITUDE, VANE, STRAIN, AIRSPEED_PROBE)

@@ -149,17 +149,20 @@ def _build_system(
     H = np.zeros((n_y + n_u, len(A)))
     H[:n_y], _ = model.output_matrices(A, np.zeros((len(A), 0)))
     H[n_y + np.arange(n_u), value[n_r:]] = 1.0
-    rows = np.zeros((n_k + 2 * n_r, len(A)))
+    rows = np.zeros((n_k + n_r, len(A)))
     rows[:n_k, :n_k] = np.eye(n_k)
-    # coefficients; a_z = V (alpha-dot - q) and thrust and gravity: V k_Z C_Z, a_y likewise
     rows[n_k : n_k + n_r, np.r_[variables, value[n_r:]]] = (
         derivatives.values * model.column_factors()
     )
     rows[n_k + np.arange(n_r), value[:n_r]] = 1.0
-    rows[n_k + n_r] = model.condition.airspeed * factors[0] * rows[n_k]
-    rows[n_k + n_r + 1 :] = A[np.r_[1 : body.size, n_k - len(numbers) : n_k]]
+    specific_forces, accelerations = [], ()
+    if body.acceleration:
+        # a_z = V (alpha-dot - q) and thrust and gravity: V k_Z C_Z, a_y likewise
+        specific_forces = [model.condition.airspeed * factors[0] * rows[n_k]]
+        accelerations = (body.acceleration,)
+    rows = np.vstack([rows, *specific_forces, A[np.r_[1 : body.size, n_k - len(numbers) : n_k]]])
     accelerations = (
-        body.acceleration,
+        *accelerations,
         *(f"{motion}dot" for motion in body.motions[1:]),
         *(f"etaddot{number}" for number in numbers),
     )

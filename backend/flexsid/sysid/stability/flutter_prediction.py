@@ -534,6 +534,7 @@ def compute_structure_spread(speeds: Sequence[float], preferred: float) -> float
 
 _RIGID_MOTIONS = {
     "SP": "the short period",
+    "PH": "the phugoid",
     "DR": "the dutch roll",
     "roll": "the roll mode",
     "spiral": "the spiral",

@@ -13,7 +13,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 from flexsid.errors import BadInput
 from flexsid.sysid.aerodynamics.pk_flutter import PkRoots, track_pk_roots, track_pk_systems
-from flexsid.sysid.model.rigid_body import SPIRAL
+from flexsid.sysid.model.rigid_body import PHUGOID, SPIRAL
 from flexsid.sysid.stability.shaped_roots import (
     ShapedRoots,
     build_shaped_system,
@@ -40,6 +40,10 @@ class Mechanism(StrEnum):
     FLUTTER = "flutter"
     DIVERGENCE = "divergence"
     SPIRAL = "spiral"
+    PHUGOID = "phugoid"
+
+
+_SLOW_FLIGHT = {Mechanism.SPIRAL, Mechanism.PHUGOID}  # a pilot or autopilot stabilises it
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,15 +83,16 @@ class RootLocus:
 
     @property
     def dangerous(self) -> tuple[FlutterCrossing, ...]:
-        """Crossings of flutter and divergence: a slowly unstable spiral is neither."""
-        return tuple(one for one in self.crossings if one.mechanism is not Mechanism.SPIRAL)
+        """Crossings of flutter and divergence: slowly unstable flight is neither."""
+        return tuple(one for one in self.crossings if one.mechanism not in _SLOW_FLIGHT)
 
     @property
     def unstable(self) -> tuple[int, ...]:
-        """Branches that are unstable at the lowest speed, without the spiral."""
+        """Branches that are unstable at the lowest speed, without spiral and phugoid."""
         growing = np.flatnonzero(np.real(self.roots[0]) > 0.0).tolist()
-        real = np.abs(np.imag(self.roots[0])) < STATIC_ROOT_RAD_S
-        return tuple(k for k in growing if not (real[k] and self.names[k] == SPIRAL))
+        roots = self.roots[0].tolist()
+        mechanisms = {k: _classify(self.names[k], roots[k].imag) for k in growing}
+        return tuple(k for k in growing if mechanisms[k] not in _SLOW_FLIGHT)
 
     def damping(self) -> Float[np.ndarray, "n_v n_branches"]:
         """Damping ratios; negative where unstable. [1]"""
@@ -305,14 +310,20 @@ def _find_crossings(
         recovery = _refine_crossing(family, x, modal, int(later[0])) if later.size else None
         shares = compute_participation(there, 0, states.membership)[:, root].tolist()
         participation = dict(zip(motions, shares, strict=True))
-        mechanism = Mechanism.FLUTTER
-        if frequency <= STATIC_ROOT_RAD_S:
-            is_spiral = max(motions, key=participation.__getitem__) == SPIRAL
-            mechanism = Mechanism.SPIRAL if is_spiral else Mechanism.DIVERGENCE
+        mechanism = _classify(max(motions, key=participation.__getitem__), frequency)
         found.append(
             FlutterCrossing(at, max(frequency, 0.0), mechanism, branch, participation, recovery)
         )
     return found
+
+
+def _classify(motion: str, frequency: float) -> Mechanism:
+    """Classify an instability by the motion that dominates it, and its frequency. [rad/s]"""
+    if motion == PHUGOID:
+        return Mechanism.PHUGOID
+    if frequency > STATIC_ROOT_RAD_S:
+        return Mechanism.FLUTTER
+    return Mechanism.SPIRAL if motion == SPIRAL else Mechanism.DIVERGENCE
 
 
 def _refine_crossing(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal, k: int) -> float:

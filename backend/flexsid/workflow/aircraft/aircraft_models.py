@@ -155,7 +155,7 @@ def _measures_other_motion(sensor: Sensor, body: RigidBody) -> bool:
         return False
     if ACCELEROMETER.measures_rigid_body(sensor.axis, body):
         return False
-    return body == LONGITUDINAL or reads_own_motion_only(((sensor, 1.0),), find_other(body))
+    return body.symmetry == "symmetric" or reads_own_motion_only(((sensor, 1.0),), find_other(body))
 
 
 def build_model(

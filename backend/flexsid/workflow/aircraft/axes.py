@@ -1,6 +1,6 @@
 """Validity of the model of an axis for maneuvers, surfaces and sensors.
 
-The longitudinal model describes the symmetric motion, the lateral-directional one the
+The longitudinal models describe the symmetric motion, the lateral-directional one the
 antisymmetric motion. Motion of the other axis can be fitted well (roll rate and pitch rate are
 both first-order lags) but gives invalid estimates.
 """
@@ -38,7 +38,8 @@ def list_bodies(axis: str) -> tuple[RigidBody, ...]:
     """List the rigid bodies of the models that describe a maneuver of an axis.
 
     The motion of a symmetric aircraft with independent surfaces is the sum of two motions,
-    each with its own model; that of a ground record is described as longitudinal.
+    each with its own model; that of a ground record is described as longitudinal. The first model
+    of a longitudinal maneuver has no airspeed, which varies in long records only.
 
     Raises
     ------
@@ -47,12 +48,10 @@ def list_bodies(axis: str) -> tuple[RigidBody, ...]:
     """
     if axis == COMBINED:
         return tuple(RIGID_BODIES.values())
-    body = LONGITUDINAL if axis == GROUND else RIGID_BODIES.get(axis)
-    if body is None:
-        raise AxisNotSupported(
-            f"no model describes the axis '{axis}'; known are {', '.join(RIGID_BODIES)}", axis=axis
-        )
-    return (body,)
+    if axis == GROUND:
+        return (LONGITUDINAL,)
+    body = _find_model(axis)
+    return tuple(one for one in RIGID_BODIES.values() if one == body or one.fast == body)
 
 
 def find_body(axis: str) -> RigidBody:
@@ -63,7 +62,15 @@ def find_body(axis: str) -> RigidBody:
     AxisNotSupported
         If no model describes the axis.
     """
-    return list_bodies(axis)[0]
+    return LONGITUDINAL if axis in (COMBINED, GROUND) else _find_model(axis)
+
+
+def _find_model(axis: str) -> RigidBody:
+    if axis not in RIGID_BODIES:
+        raise AxisNotSupported(
+            f"no model describes the axis '{axis}'; known are {', '.join(RIGID_BODIES)}", axis=axis
+        )
+    return RIGID_BODIES[axis]
 
 
 def require_axis(body: RigidBody, maneuvers: Iterable[Maneuver]) -> None:
@@ -127,7 +134,7 @@ def require_axis_inputs(aircraft: Aircraft, inputs: Iterable[str], body: RigidBo
 
 def find_other(body: RigidBody) -> RigidBody:
     """Return the rigid body of the other axis."""
-    return LATERAL if body == LONGITUDINAL else LONGITUDINAL
+    return LONGITUDINAL if body == LATERAL else LATERAL
 
 
 def is_axis_sensor(sensor: Sensor, body: RigidBody) -> bool:

@@ -213,7 +213,7 @@ def _load_flight_modes(store: Store, query: TargetQuery) -> _FlightModes:
     known = {"airspeed": airspeed, "altitude": query.altitude_m, "fuel_fraction": fuel}
     condition = build_flight_condition(aircraft, complete_condition(aircraft, known))
     roots: dict[str, complex] = {}
-    for body in RIGID_BODIES.values():
+    for body in (one for one in RIGID_BODIES.values() if one.fast is None):
         roots |= _compute_roots(store, aircraft, modes, fuel, condition, body)
     return _FlightModes(modes, fuel, airspeed, roots)
 
@@ -236,7 +236,7 @@ def _compute_roots(
     has_motion = prediction is not None and (
         f"{body.coefficients[0]}_{body.motions[0]}" in prediction.names
     )
-    has_inertia = not body.acts_by_gravity or (
+    has_inertia = body.symmetry == "symmetric" or (
         condition.roll_inertia > 0.0 and condition.yaw_inertia > 0.0
     )
     if prediction is None or not has_motion or not has_inertia:

@@ -11,6 +11,9 @@ from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensor_models import ATTITUDE
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
@@ -61,9 +64,15 @@ def read_spectra(
 
 
 def read_recording(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, names: Sequence[str]
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    names: Sequence[str],
+    body: RigidBody = LONGITUDINAL,
 ) -> Recording:
     """Read the recorded channels behind channels and combinations.
+
+    Attitudes need not return to trim where they have no effect on the motion of the body.
 
     Raises
     ------
@@ -83,7 +92,13 @@ def read_recording(
     }
     needed = list(dict.fromkeys(part for terms in parts.values() for part, _ in terms))
     _check_recorded(store, maneuver.id, needed, found)
-    attitudes = {s.name for s in aircraft.sensors if s.kind == ATTITUDE.kind and s.axis != "x"}
+    acting = [one for one in (body, LATERAL) if one.acts_by_gravity]
+    attitudes = {
+        sensor.name
+        for sensor in aircraft.sensors
+        if sensor.kind == ATTITUDE.kind
+        and not any(ATTITUDE.measures(sensor.axis, one) for one in acting)
+    }
     return Recording(
         maneuver=maneuver,
         channels=tuple(found[name] for name in needed),
@@ -100,8 +115,9 @@ def read_measurement(
     inputs: tuple[str, ...],
     outputs: tuple[OutputDefinition, ...],
     band_hz: tuple[float, float] | None = None,
+    body: RigidBody = LONGITUDINAL,
 ) -> ManeuverMeasurement:
-    """Read the inputs, outputs and recorded excitation of a maneuver.
+    """Read the inputs, outputs and recorded excitation of a maneuver for the model of a body.
 
     Excited inputs that are not named are read, too. An input that was not recorded itself is
     computed from single surfaces; it has the harmonics of them all, and their commands.
@@ -128,7 +144,7 @@ def read_measurement(
     commanded = list_command_names([t for name in every for t in parts.get(name, [name])])
     has_commands = all(roles.get(name) is Role.COMMAND for name in commanded)
     names = (*every, *(output.name for output in outputs), *(commands if has_commands else ()))
-    recording = read_recording(store, maneuver, aircraft, names)
+    recording = read_recording(store, maneuver, aircraft, names, body)
     own = _assign_inputs(frequencies, inputs)
     recording.check(own)
     return ManeuverMeasurement(

@@ -203,5 +203,5 @@ def _find_other_motion(
     ratio = others[largest] / max(*own, 1e-300)
     if ratio <= _OTHER_RATIO:
         return None
-    rate = "the pitch rate" if body == LONGITUDINAL else "roll and yaw rates"
+    rate = "the pitch rate" if body.symmetry == "symmetric" else "roll and yaw rates"
     return largest, f"{largest} is {ratio:.3g} times as large as {rate} (rms)"

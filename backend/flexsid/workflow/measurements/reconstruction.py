@@ -40,6 +40,8 @@ _INPUT_NOISE = 0.01  # of the deflections, where the noise is not known
 _UNITS = {
     **dict.fromkeys(("alpha", "beta"), "rad"),
     **dict.fromkeys(("p", "q", "r"), "rad/s"),
+    "V": "m/s",
+    "Vdot": "m/s2",
     **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"),
     **dict.fromkeys(("normal_acceleration", "lateral_acceleration"), "m/s2"),
     "etadot": "1/s",
@@ -183,8 +185,9 @@ def _list_quantities(model: AeroelasticModel) -> tuple[str, ...]:
     numbers = model.modes.numbers
     modal = [f"{kind}{n}" for kind in ("eta", "etadot", "etaddot") for n in numbers]
     body = model.body
-    accelerations = (f"{body.acceleration}_acceleration", *(f"{m}dot" for m in body.motions[1:]))
-    return (*model.coefficients, *body.motions, *accelerations, *modal)
+    own = (f"{body.acceleration}_acceleration",) if body.acceleration else ()
+    accelerations = (f"{m}dot" for m in body.motions[1:])
+    return (*model.coefficients, *body.motions, *own, *accelerations, *modal)
 
 
 def _build_trace(

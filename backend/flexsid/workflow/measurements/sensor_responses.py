@@ -20,7 +20,6 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs
 from flexsid.workflow.aircraft.axes import (
     find_body,
-    find_other,
     is_axis_sensor,
     list_opposed_surfaces,
     reads_own_motion_only,
@@ -41,7 +40,7 @@ from flexsid.workflow.modal_data.modal_tables import (
 
 _MAX_FREQUENCY_RATIO = 0.4  # of the sampling rate
 _MIN_CYCLES = 4.0  # cycles per record, where no harmonics are known
-_LOWEST_HZ = 0.25  # the unmodelled phugoid lies below
+_LOWEST_HZ = 0.25  # the phugoid lies below, which models without airspeed do not have
 _SMOOTHED = 9  # frequencies over which power is averaged
 _MIN_INPUT_POWER = 1e-2  # of the largest power of the surfaces: not excited below
 _SIGNAL_OVER_NOISE = 4.0  # times the power of the noise: 6 dB
@@ -143,12 +142,14 @@ def gather_sensors(store: Store, maneuver: Maneuver, axis: str | None = None) ->
     outputs = define_outputs(aircraft, names)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
     band = _select_default_band(maneuver, [channels[name] for name in (*names, *inputs)])
-    measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band).transform()
+    measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band, body).transform()
     rate_hz = min(channels[name].rate_hz for name in names)
     noise = compute_spectral_noise(outputs, rate_hz, maneuver.transformed_s)
     if maneuver.excitation is None:
-        band = _find_band_above_noise(measured, noise)
-        measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band).transform()
+        band = _find_band_above_noise(measured, noise, body)
+        measured = read_measurement(
+            store, maneuver, aircraft, inputs, outputs, band, body
+        ).transform()
     fuel = maneuver.condition.fuel_fraction
     shapes = table.table.at(fuel)
     lowest_first = sorted(zip(shapes.omega, shapes.numbers, strict=True))
@@ -193,8 +194,10 @@ def _count_independent(sensors: SensorRows) -> int:
     return int(np.sum(~np.any(np.tril(same, -1), axis=1)))
 
 
-def find_excited_band(store: Store, maneuver: Maneuver, aircraft: Aircraft) -> tuple[float, float]:
-    """Find the excited band of a maneuver without known excitation. [Hz]
+def find_excited_band(
+    store: Store, maneuver: Maneuver, aircraft: Aircraft, body: RigidBody
+) -> tuple[float, float]:
+    """Find the excited band of a maneuver without known excitation for a model. [Hz]
 
     Raises
     ------
@@ -215,7 +218,11 @@ def find_excited_band(store: Store, maneuver: Maneuver, aircraft: Aircraft) -> t
     quiet = np.flatnonzero(smooth[np.argmax(smooth) :] < _MIN_INPUT_POWER * smooth.max())
     top = smooth.size - 1 if quiet.size == 0 else int(np.argmax(smooth)) + int(quiet[0])
     hz = spectra.omega / (2.0 * np.pi)
-    return float(min(max(hz[0], _LOWEST_HZ), 0.5 * hz[top])), float(hz[top])
+    return float(min(max(hz[0], _get_lowest_hz(body)), 0.5 * hz[top])), float(hz[top])
+
+
+def _get_lowest_hz(body: RigidBody) -> float:
+    return _LOWEST_HZ if body.fast is None else 0.0
 
 
 def reconstruct_resolved_modes(
@@ -303,7 +310,9 @@ def _reconstruct(
     return reconstruct_motion(model, spectra.outputs, spectra.instruments, noise)
 
 
-def _find_band_above_noise(spectra: MeasuredSpectra, noise: np.ndarray) -> tuple[float, float]:
+def _find_band_above_noise(
+    spectra: MeasuredSpectra, noise: np.ndarray, body: RigidBody
+) -> tuple[float, float]:
     """Find the band in which outputs exceed their noise, for an unknown excitation.
 
     The noise of an output is its known noise, or the level at the top of the spectrum.
@@ -321,7 +330,7 @@ def _find_band_above_noise(spectra: MeasuredSpectra, noise: np.ndarray) -> tuple
     floor = np.maximum(np.median(top, axis=0), np.nan_to_num(noise) ** 2)
     hz = spectra.omega / (2.0 * np.pi)
     above = np.mean(power > _SIGNAL_OVER_NOISE * floor, axis=1) >= _MIN_OUTPUTS_WITH_SIGNAL
-    edges = np.flatnonzero(np.diff(np.r_[False, above & (hz >= _LOWEST_HZ), False]))
+    edges = np.flatnonzero(np.diff(np.r_[False, above & (hz >= _get_lowest_hz(body)), False]))
     first, stop = edges[::2], edges[1::2]
     if not first.size or np.max(stop - first) < _MIN_FREQUENCIES:
         raise BadInput(
@@ -351,7 +360,7 @@ def _select_usable_sensors(
             excluded[sensor.name] = f"the modal table has no shape at '{sensor.point}'"
         elif not is_axis_sensor(sensor, body):
             excluded[sensor.name] = (
-                f"it measures {find_other(body).axis} motion, or its name contradicts its record"
+                f"it measures no {body.axis} motion, or its name contradicts its record"
             )
         elif opposed and not reads_own_motion_only(((sensor, 1.0),), body):
             excluded[sensor.name] = (

@@ -383,7 +383,9 @@ def _prepare_maneuver(
 ) -> ManeuverTask:
     own, body = structure.modes, find_body(structure.axis)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
-    measurement = read_measurement(store, maneuver, aircraft, inputs, outputs, settings.band_hz)
+    measurement = read_measurement(
+        store, maneuver, aircraft, inputs, outputs, settings.band_hz, body
+    )
     fuel = maneuver.condition.fuel_fraction
     opposed, pairs = None, {}
     if maneuver.axis == COMBINED and with_opposed:

@@ -29,7 +29,7 @@ from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
-from flexsid.workflow.aircraft.axes import find_body, require_axis
+from flexsid.workflow.aircraft.axes import find_body, list_bodies, require_axis
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,
     list_predicted_modes,
@@ -158,10 +158,10 @@ def attach_proposal_basis(store: Store, run: EstimationRun) -> EstimationRun:
 
 
 def _propose_for(store: Store, run: EstimationRun) -> RunProposal:
-    """Propose a run of the maneuvers and band of a run; of combined ones, in its axis."""
+    """Propose a run of the maneuvers and band of a run, in its axis if one of theirs."""
     ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
-    is_combined = store.maneuvers.get(run.maneuver_id).axis == COMBINED
-    axis = run.structure.axis if is_combined else None
+    bodies = list_bodies(store.maneuvers.get(run.maneuver_id).axis)
+    axis = run.structure.axis if find_body(run.structure.axis) in bodies else None
     return propose_run(store, ids, run.settings.band_hz, axis)
 
 
@@ -174,7 +174,7 @@ def _read_band_and_modes(
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     build_flight_condition(aircraft, maneuver.condition)  # refuses ground records
     if maneuver.excitation is None and band_hz is None:
-        band_hz = find_excited_band(store, maneuver, aircraft)
+        band_hz = find_excited_band(store, maneuver, aircraft, body)
     frequencies = select_frequencies(maneuver, band_hz)
     top_hz = float(frequencies.omega.max()) / (2.0 * np.pi)
     modes = _find_modes_near_band(store, maneuver, aircraft, top_hz, body)
