@@ -201,11 +201,12 @@ def _transform(
         first = samples[: _count_level_samples(rate_hz)].mean(axis=0)
         samples = samples - np.where(is_attitude, first, 0.0)
     # A multisine starts and ends at trim; other records start and end in motion.
-    transform = finite_fourier_transform(
-        samples, rate_hz, omega, start_s, end_corrected=excitation is None
-    )
+    integrated = excitation is None
+    transform = finite_fourier_transform(samples, rate_hz, omega, start_s, end_corrected=integrated)
     if is_attitude.any():
-        held = _transform_held_level(samples[:, is_attitude], rate_hz, omega, start_s)
+        held = _transform_held_level(
+            samples[:, is_attitude], rate_hz, omega, start_s, integrated=integrated
+        )
         transform[:, is_attitude] += held
     return transform
 
@@ -229,16 +230,21 @@ def _count_level_samples(rate_hz: float) -> int:
 
 
 def _transform_held_level(
-    samples: np.ndarray, rate_hz: float, omega: np.ndarray, start_s: float
+    samples: np.ndarray, rate_hz: float, omega: np.ndarray, start_s: float, *, integrated: bool
 ) -> np.ndarray:
     """Compute the transform of the final attitude level after the end of the record.
 
     Attitude integrates pitch rate and need not return to trim; a truncated record would
-    contain a step back to trim.
+    contain a step back to trim. The level continues an integral to the last sample, or the sum
+    of all samples.
     """
     level = samples[-_count_level_samples(rate_hz) :].mean(axis=0)
-    end_s = start_s + samples.shape[0] / rate_hz
-    step = np.exp(-1j * omega * end_s) / (1j * omega)
+    if integrated:
+        last_s = start_s + (samples.shape[0] - 1) / rate_hz
+        step = np.exp(-1j * omega * last_s) / (1j * omega)
+    else:
+        next_s = start_s + samples.shape[0] / rate_hz
+        step = np.exp(-1j * omega * next_s) / rate_hz / (1.0 - np.exp(-1j * omega / rate_hz))
     return step[:, None] * level
 
 
