@@ -13,9 +13,9 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensor_models import find_sensor_model
 from flexsid.sysid.model.sensors import Mounting, stack_rows
 from flexsid.sysid.modes import StructuralModes
-from flexsid.sysid.stability.flutter import Mechanism, track_roots
 from flexsid.sysid.stability.poles import compute_named_poles
-from flexsid.sysid.stability.speeds import Aeroelastic
+from flexsid.sysid.stability.root_tracking import Mechanism, track_roots
+from flexsid.sysid.stability.state_family import Aeroelastic
 
 RIGID = StructuralModes(
     (), np.zeros(0), np.zeros(0), np.zeros(0), (), np.zeros((0, 3, 0)), np.zeros((0, 3, 0)),
