@@ -64,6 +64,7 @@ from flexsid.jobs.kinds import (
     PREDICTED_ACCURACY,
     PREDICTED_FLUTTER,
     RECONSTRUCTION,
+    TRANSFER_FUNCTION,
 )
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
@@ -73,6 +74,7 @@ from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
 from flexsid.records.validation import CrossPredictionMatrix, Partition
 from flexsid.records.views import (
+    Bode,
     DesignedExcitation,
     ExpectedResponse,
     FitPlot,
@@ -83,6 +85,7 @@ from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.sysid.model.axes import ModelAxis
+from flexsid.sysid.stability.transfer_function import MOST_ORDER
 from flexsid.text import split_ids, split_names
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
@@ -100,6 +103,7 @@ from flexsid.workflow.global_model.slices import compute_coverage, slice_derivat
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
 from flexsid.workflow.live.sortie import read_live_history
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
+from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.quality.ground_records import read_ground_spectra
 from flexsid.workflow.review.audit import read_figure
@@ -199,6 +203,9 @@ _Derivative = Annotated[str, Field(max_length=64, description="Derivative, e.g. 
 _Fuel = Annotated[float, Field(ge=0.0, le=1.0, description="Fuel fraction.")]
 _Number = Annotated[float | None, Field(allow_inf_nan=False)]
 _Points = Annotated[int, Field(ge=100, le=20_000)]
+_Order = Annotated[
+    int | None, Field(ge=0, le=MOST_ORDER, description="By default that usual for the output.")
+]
 _Text = str | None
 
 
@@ -334,6 +341,20 @@ class OrderParameters(FigureParameters):
     high_hz: float = Field(BAND_HZ[1], gt=0.01, le=1000.0)
 
 
+class TransferFunctionParameters(FigureParameters):
+    """Input, output and orders of a transfer function; usual orders by default."""
+
+    maneuver_id: _Id
+    input: str = Field(max_length=64, description="A surface, or its command (wf4s_command).")
+    output: str = Field(max_length=64, description="A sensor or combination.")
+    zeros: _Order = None
+    poles: _Order = None
+    integrators: _Order = None
+    delay: bool = Field(True, description="Whether it has an equivalent delay.")
+    low_hz: float | None = Field(None, ge=0.0, le=100_000.0, description="Begin of the band.")
+    high_hz: float | None = Field(None, gt=0.0, le=100_000.0, description="End of the band.")
+
+
 class ModeSearchParameters(FigureParameters):
     """Band and highest model order of a search for modes."""
 
@@ -422,6 +443,10 @@ class _Reconstruction(_Maneuver):
         None, description="Half of a combined maneuver; by default the longitudinal one."
     )
     domain: Domain = "time"
+
+
+class _TransferFunction(TransferFunctionParameters):
+    view: View = "bode"
 
 
 class _Run(FigureParameters):
@@ -716,6 +741,17 @@ def _get_reconstruction(store: Store, names: tuple[str, ...] = (), **query: Any)
     return select_quantities(found, names)
 
 
+def _get_transfer_function(store: Store, **query: Any) -> Bode:
+    found = get_result(store, TRANSFER_FUNCTION, TransferFunctionQuery(**query))
+    return Bode(
+        maneuver_id=query["maneuver_id"],
+        inputs=(query["input"],),
+        measured=(found.measured,),
+        models=(found.modelled,),
+        modes=(),
+    )
+
+
 def _read_frozen_figure(store: Store, figure_id: int) -> Spec:
     return read_figure(store, store.frozen_figures.get(figure_id))
 
@@ -747,6 +783,9 @@ _KINDS = (
         "In the time domain by the smoother (Fig. 16a), in the frequency domain by least "
         "squares at each harmonic, with rank and condition number.",
         drawing=("domain",)),
+    FigureKind("transfer-function", _TransferFunction, _get_transfer_function, draw_bode,
+        "Draw the measured response of an output to an input, and its transfer function.",
+        drawing=("view",)),
     FigureKind("loops", _Maneuver, estimate_loops, draw_loops,
         "Draw the measured loop gain of each surface, with its stability margins."),
     FigureKind("ground-test", _Flight, read_ground_spectra, draw_ground_test,

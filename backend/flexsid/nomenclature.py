@@ -182,6 +182,8 @@ TERMS: tuple[Symbol, ...] = (
     _term("SP", "short-period mode: angle of attack and pitch rate"),
     _term("SW1B", "first symmetric wing bending mode"),
     _term("SW1T", "first symmetric wing torsion mode"),
+    _term("Equivalent delay", "of a transfer function of low order: for dynamics that it omits"),
+    _term("Mismatch cost", "20 times the mean of dB² + 0.02 deg² over the logarithm of frequency"),
     _term("RPF", "relative peak factor: peak-to-peak over 2√2 rms; 1 for a single sine"),
     _term("Theil", "inequality coefficient of measured and predicted output; 0 is perfect"),
     _term("Insensitivity", "σ if all other parameters were known exactly"),

@@ -223,6 +223,7 @@ export const MANEUVER_TABS = [
   "inputs",
   "reconstruction",
   "bode",
+  "transfer-function",
   "runs",
 ] as const;
 
@@ -246,6 +247,14 @@ export const maneuverView = view((search) => ({
   /** Responses from averaged windows instead of harmonics. */
   windowed: flag(search.windowed),
   plane: oneOf(search.plane, BODE_PLANES),
+  /** Input, output and orders of the transfer function; usual orders where undefined. */
+  from_input: text(search.from_input),
+  to_output: text(search.to_output),
+  zeros: integer(search.zeros),
+  poles: integer(search.poles),
+  integrators: integer(search.integrators),
+  /** Without an equivalent delay. */
+  no_delay: flag(search.no_delay),
   /** Scales of the Bode plot; logarithmic frequencies and dB where undefined. */
   frequency_scale: oneOf(search.frequency_scale, ["linear"] as const),
   magnitude_scale: oneOf(search.magnitude_scale, ["log", "linear"] as const),

@@ -170,6 +170,15 @@ def test_runs_are_validated(flown_url: str, capsys) -> None:
     )
 
 
+def test_a_transfer_function_is_fitted(flown_url: str, capsys) -> None:
+    orders = ["--zeros", "5", "--poles", "6"]
+    command = ["transfer-function", "--maneuver", "1", "--input", "wf4s", "--output", "q", *orders]
+    assert main([*command, "--database", flown_url]) == 0
+    printed = capsys.readouterr().out
+    assert "equivalent delay [s]" in printed
+    assert printed.count("pole, ω [rad/s]") == 3
+
+
 def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     mapping = tmp_path / "m.toml"
     mapping.write_text(

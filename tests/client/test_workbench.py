@@ -123,6 +123,20 @@ def test_identified_derivatives_are_a_table(workbench: Workbench) -> None:
     assert workbench.get("aircraft/1/dashboard")["n_runs"]["EE"] >= 1
 
 
+def test_transfer_functions_have_the_poles_of_the_model(workbench: Workbench) -> None:
+    found = workbench.transfer_function(1, "wf4s", "q", zeros=5, poles=6)
+    assert found["mismatch_cost"] < 10.0
+    short_period = found["poles"][0]
+    known = {pole["name"]: pole for pole in workbench.run(1)["poles"]}["SP"]
+    expected = abs(complex(known["real"], known["imag"]))
+    assert short_period["frequency_rad_s"] == pytest.approx(expected, rel=0.03)
+    orders = {"zeros": 3, "poles": 4, "low_hz": 0.2, "high_hz": 6.0}
+    bare, augmented = (
+        workbench.transfer_function(1, name, "q", **orders) for name in ("wf4s", "wf4s_command")
+    )
+    assert augmented["delay_s"] > bare["delay_s"] + 0.005, "of the servo"
+
+
 def test_models_are_python_control_objects(workbench: Workbench, tmp_path) -> None:
     model = workbench.model(1)
     assert isinstance(model, control.StateSpace)

@@ -39,6 +39,7 @@ from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.uploads import ImportRequest, add_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
+from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.review.database_backup import BackupRequest
@@ -201,6 +202,11 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     ),
     kinds.CROSS_VALIDATION.name: lambda store, folder: submit(
         store, kinds.CROSS_VALIDATION, CrossValidationQuery(run_id=1, folds=2)
+    ),
+    kinds.TRANSFER_FUNCTION.name: lambda store, folder: submit(
+        store,
+        kinds.TRANSFER_FUNCTION,
+        TransferFunctionQuery(maneuver_id=1, input="wf4s", output="q"),
     ),
     kinds.POSTERIOR.name: lambda store, folder: _check_posterior(store),
     kinds.PREDICTED_ACCURACY.name: lambda store, folder: submit(

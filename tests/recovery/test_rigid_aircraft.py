@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy import signal
 
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.transfer_function import TransferFunction
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.axes import RIGID_BODIES
@@ -19,7 +21,13 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensor_models import find_sensor_model
 from flexsid.sysid.model.sensors import Mounting, stack_rows
 from flexsid.sysid.modes import StructuralModes
+from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct
+from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.measurements.transfer_functions import (
+    TransferFunctionQuery,
+    estimate_transfer_function,
+)
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
 
@@ -124,44 +132,55 @@ def simulate(axis: str) -> dict[str, np.ndarray]:
     return columns
 
 
-def write_mapping(axis: str) -> str:
+def write_mapping(axis: str, names: Iterable[str], label: str) -> str:
     lines = [MAPPING]
     for sensors in OUTPUTS.values():
         for name, (kind, about) in sensors.items():
             lines.append(
                 f'[[aircraft.sensors]]\nname = "{name}"\nkind = "{kind}"\naxis = "{about}"'
             )
-    lines.append(f'[flight]\nnumber = 1\n[maneuver]\nlabel = "{axis}"\naxis = "{axis}"')
+    lines.append(f'[flight]\nnumber = 1\n[maneuver]\nlabel = "{label}"\naxis = "{axis}"')
     lines.append(
         '[maneuver.condition]\nairspeed = { value = 70.0, unit = "m/s" }\n'
         'density = { value = 1.0, unit = "kg/m3" }\nalpha = { value = 0.05, unit = "rad" }\n'
         '[time]\ncolumn = "t"'
     )
-    for name in (*INPUTS[axis], *OUTPUTS[axis]):
+    for name in names:
         role = "input" if name in INPUTS[axis] else "output"
         unit = UNITS.get(name, "rad")
         lines.append(f'[[channels]]\ncolumn = "{name}"\nunit = "{unit}"\nrole = "{role}"')
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
-def test_a_text_file_gives_derivatives_in_every_axis(
-    store: Store, tmp_path: Path, axis: str
-) -> None:
-    columns = simulate(axis)
-    file = tmp_path / "flight.csv"
+def add_record(
+    store: Store, folder: Path, axis: str, columns: dict[str, np.ndarray], label: str
+) -> int:
+    file = folder / "flight.csv"
     np.savetxt(
         file, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns),
         comments="", fmt="%.12g",
     )  # fmt: skip
-    number = import_maneuver(store, [file], write_mapping(axis)).id
+    names = [name for name in columns if name != "t"]
+    number = import_maneuver(store, [file], write_mapping(axis, names, label)).id
     assert number is not None
+    return number
+
+
+def add_flight(store: Store, folder: Path, axis: str) -> int:
+    return add_record(store, folder, axis, simulate(axis), axis)
+
+
+@pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
+def test_a_text_file_gives_derivatives_in_every_axis(
+    store: Store, tmp_path: Path, axis: str
+) -> None:
+    number = add_flight(store, tmp_path, axis)
     proposed = propose_run(store, [number])
     assert proposed.structure == Structure(modes=(), fixed={}, axis=axis)
     assert set(proposed.outputs) == set(OUTPUTS[axis])
     motion = reconstruct(store, ReconstructionQuery(maneuver_id=number))
     assert motion.n_motions == RIGID_BODIES[axis].size
-    for method, tolerance in ((Method.EE, 0.02), (Method.OE, 0.02)):
+    for method, tolerance in ((Method.EE, 0.005), (Method.OE, 0.005)):
         run = EstimationRun(
             maneuver_id=number,
             method=method,
@@ -175,3 +194,89 @@ def test_a_text_file_gives_derivatives_in_every_axis(
             largest = max(abs(v) for n, v in TRUE[axis].items() if n[:2] == name[:2])
             error = abs(values[name] - expected) / max(abs(expected), 0.05 * largest)
             assert error < tolerance, (method, name, values[name], expected)
+
+
+def fit(
+    store: Store,
+    number: int,
+    surface: str,
+    output: str,
+    zeros: int | None = None,
+    poles: int | None = None,
+) -> TransferFunction:
+    query = TransferFunctionQuery(
+        maneuver_id=number, input=surface, output=output, zeros=zeros, poles=poles
+    )
+    return estimate_transfer_function(store, query).function
+
+
+def test_equivalent_systems_of_a_rigid_aircraft(store: Store, tmp_path: Path) -> None:
+    """Pitch rate and pitch angle over elevator have the short period, with the usual orders."""
+    number = add_flight(store, tmp_path, "longitudinal")
+    for output, integrators in (("q", 0), ("theta", 1)):
+        found = fit(store, number, "de", output)
+        assert (found.n_zeros, found.n_poles, found.integrators) == (1, 2, integrators)
+        (pole,) = found.poles
+        assert pole.frequency_rad_s == pytest.approx(3.3017, rel=0.005)
+        assert pole.damping == pytest.approx(0.5682, rel=0.005)
+        assert abs(found.delay_s) < 0.005
+        assert found.mismatch_cost < 1.0
+        assert found.warnings == ()
+
+
+def test_a_second_surface_that_moves_is_reported(store: Store, tmp_path: Path) -> None:
+    number = add_flight(store, tmp_path, "lateral")
+    found = fit(store, number, "da", "p", zeros=2, poles=3)
+    assert (found.n_zeros, found.n_poles) == (2, 3)
+    assert found.warnings[0].startswith("dr also moves in this maneuver")
+
+
+def test_a_final_pitch_angle_is_continued_from_the_last_sample(
+    store: Store, tmp_path: Path
+) -> None:
+    maneuver = store.maneuvers.get(add_flight(store, tmp_path, "longitudinal"))
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    frequencies = select_frequencies(maneuver, (0.05, 1.0))
+    theta, q = read_spectra(store, maneuver, aircraft, ("theta", "q"), frequencies).values.T
+    np.testing.assert_allclose(theta * 1j * frequencies.omega, q, rtol=1e-3)
+
+
+def record_equivalent_system(seed: int, gain: float, roots: tuple[float, float, float], tau: float):
+    """Elevator steps and the pitch rate of a second-order system with delay, 5 % noise."""
+    zero, frequency, damping = roots
+    time = np.arange(0.0, 60.0, 0.001)
+    steps = np.zeros(time.size)
+    for k, (start, stop, sign) in enumerate(3 * STEPS["longitudinal"]):
+        later = 18.0 * (k // 4)
+        steps[(time >= start + later) & (time < stop + later)] = 0.04 * sign * (-1) ** (k // 4)
+    elevator = signal.lfilter(*signal.butter(2, 3.0, fs=1000.0), steps)
+    system = signal.TransferFunction(
+        [gain, gain * zero], [1.0, 2.0 * damping * frequency, frequency**2]
+    )
+    _, q, _ = signal.lsim(system, np.interp(time - tau, time, elevator, left=0.0), time)
+    noise = 0.05 * q.std() * np.random.default_rng(seed).normal(size=time.size)
+    return {"t": time[::20], "de": elevator[::20], "q": (q + noise)[::20]}
+
+
+@pytest.mark.parametrize("flights", [5, pytest.param(100, marks=pytest.mark.long)])
+def test_two_standard_errors_hold_an_equivalent_system_with_delay(
+    store: Store, tmp_path: Path, flights: int
+) -> None:
+    gain, roots, tau = -12.0, (1.5, 3.3, 0.5), 0.05
+    inside = []
+    for seed in range(flights):
+        columns = record_equivalent_system(seed, gain, roots, tau)
+        number = add_record(store, tmp_path, "longitudinal", columns, f"seed {seed}")
+        found = fit(store, number, "de", "q")
+        (zero,), (pole,) = found.zeros, found.poles
+        pairs = (
+            (found.gain, gain, found.gain_std),
+            (-zero.real_rad_s, roots[0], zero.frequency_std_rad_s),
+            (pole.frequency_rad_s, roots[1], pole.frequency_std_rad_s),
+            (pole.damping, roots[2], pole.damping_std),
+            (found.delay_s, tau, found.delay_std_s),
+        )
+        inside += [abs(value - true) < 2.0 * std for value, true, std in pairs]
+        assert found.is_close, "noise is no mismatch"
+    assert np.mean(inside) > (0.9 if flights > 20 else 0.75)
+    assert flights < 20 or np.mean(inside) < 0.985

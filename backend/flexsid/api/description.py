@@ -62,6 +62,7 @@ _EXAMPLES: dict[str, Any] = {
     "number": 9,
     "airspeed_m_s": 40.0,
     "surface": "bfs",
+    "input": "wf4s",
     "since_s": 600.0,
     "columns": 600,
     "analysis": 0,
@@ -468,6 +469,9 @@ _AERODYNAMICS_FIT = {
     "flutter": "Flutter of the short period with SW1B at 63.87 ± 0.66 m/s, 16.95 rad/s.",
 }
 _POSTERIOR_JOB = _describe_queued_job("posterior-check", "run 1", {"run_id": 1})
+_TRANSFER_FUNCTION_JOB = _describe_queued_job(
+    "transfer-function", "q over wf4s, FTA 506", {"maneuver_id": 1, "input": "wf4s", "output": "q"}
+)
 # Routes that respond as another one, whose example is recorded.
 _SAME_RESPONSE = {"replace_aircraft": "add_aircraft", "import_mass_properties": "get_aircraft"}
 
@@ -632,6 +636,52 @@ _NOT_RECORDED: dict[str, Any] = {
         ],
         "optimal_design_id": 2,
     },
+    "request_transfer_function": _TRANSFER_FUNCTION_JOB,
+    "get_transfer_function_job": {"job": _TRANSFER_FUNCTION_JOB},
+    "get_transfer_function": {
+        "maneuver_id": 1,
+        "input": "wf4s_command",
+        "output": "q",
+        "n_zeros": 1,
+        "n_poles": 2,
+        "integrators": 0,
+        "has_delay": True,
+        "band_hz": [0.375, 1.83],
+        "n_frequencies": 8,
+        "gain": -26.3,
+        "gain_std": 0.914,
+        "delay_s": 0.0636,
+        "delay_std_s": 0.00357,
+        "numerator": [-60.2, -26.3],
+        "denominator": [64.6, 5.85, 1.0],
+        "zeros": [
+            {
+                "real_rad_s": -2.29,
+                "imag_rad_s": 0.0,
+                "frequency_rad_s": 2.29,
+                "frequency_std_rad_s": 0.222,
+                "damping": 1.0,
+                "damping_std": 0.0,
+            }
+        ],
+        "poles": [
+            {
+                "real_rad_s": -2.93,
+                "imag_rad_s": 7.49,
+                "frequency_rad_s": 8.04,
+                "frequency_std_rad_s": 0.0642,
+                "damping": 0.364,
+                "damping_std": 0.0127,
+            }
+        ],
+        "mismatch": 0.0,
+        "mismatch_cost": 2.67,
+        "cost_beyond_noise": 0.0,
+        "is_close": True,
+        "sentence": "q over wf4s_command: mismatch cost 2.67, 0 beyond noise (below 10 is close): "
+        "a close match.",
+        "warnings": [],
+    },
     "request_posterior_check": _POSTERIOR_JOB,
     "get_posterior_check_job": {"job": _POSTERIOR_JOB},
     "get_posterior_check": {
@@ -720,6 +770,10 @@ _NOT_RECORDED: dict[str, Any] = {
     },
     "get_global_model_job": {"job": None},
     "request_global_model": _GLOBAL_MODEL_JOB,
+    "draw_transfer_function": {
+        "data": [{"type": "scatter", "mode": "markers", "x": [0.5], "y": [-3.1]}],
+        "layout": {},
+    },
     "draw_global_slice": _GLOBAL_FIGURE,
     "draw_global_coverage": _GLOBAL_FIGURE,
     "get_session": _SESSION,

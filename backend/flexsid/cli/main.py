@@ -165,6 +165,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
     _add_validation_options(add("validate", "validation:validate", summary))
+    summary = "fit the transfer function of an output over an input, with equivalent delay"
+    _add_transfer_function_options(
+        add("transfer-function", "transfer_function:fit_transfer_functions", summary)
+    )
     summary = "sample the posterior of output-error runs, and check their standard errors"
     meaning = "ids of succeeded output-error runs"
     add("posterior", "validation:check_posterior", summary).add_argument(
@@ -210,6 +214,18 @@ def _add_model_options(command: argparse.ArgumentParser, modes: str, free: str) 
     option("--free", metavar="A,B", help=f"{free}; default: all")
     option("--free-delays", action="store_true", help="estimate the delay of every output")
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all")
+
+
+def _add_transfer_function_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "ids of maneuvers, each fitted separately"
+    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
+    option("--input", required=True, help="a surface, or its command (wf4s_command)")
+    option("--output", required=True, help="a sensor or combination")
+    for name, what in (("zeros", "zeros"), ("poles", "poles"), ("integrators", "integrators")):
+        option(f"--{name}", type=int, help=f"number of {what}; default: usual for the output")
+    option("--no-delay", action="store_true", help="without an equivalent delay")
+    option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
 
 
 def _add_run_options(command: argparse.ArgumentParser) -> None:

@@ -479,6 +479,31 @@ class Workbench:
         """Return the posterior of an output-error run, sampled, against its standard errors."""
         return self._compute("posterior-checks", run_id=run_id)
 
+    def transfer_function(
+        self,
+        maneuver_id: int,
+        input: str,
+        output: str,
+        **options: Any,
+    ) -> dict[str, Any]:
+        """Return the transfer function of an output over an input, with standard errors.
+
+        Parameters
+        ----------
+        maneuver_id
+            Maneuver.
+        input
+            A surface (``wf4s``), or its recorded command (``wf4s_command``).
+        output
+            A sensor or combination.
+        options
+            Orders ``zeros``, ``poles`` and ``integrators``, those usual for the output by
+            default; ``delay=False``; limits ``low_hz`` and ``high_hz`` of the band.
+        """
+        return self._compute(
+            "transfer-functions", maneuver_id=maneuver_id, input=input, output=output, **options
+        )
+
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:

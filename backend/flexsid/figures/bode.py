@@ -178,7 +178,7 @@ def _describe(response: Response, first: int, value: Bode) -> Spec:
 def _select_style(response: Response, value: Bode) -> Spec:
     """Select style: colour by input, symbol by maneuver, dash by run."""
     colour, symbol = style.of_inputs(value.inputs).get(response.input, style.of_index(0))
-    if response.run_id is None:
+    if not response.is_model:
         flown = tuple(dict.fromkeys(r.maneuver_id for r in value.measured))
         if len(flown) > 1:
             _, symbol = style.of_index(flown.index(response.maneuver_id))
@@ -213,7 +213,7 @@ def _draw_rows(response: Response, first: int, shared: Spec, scale: MagnitudeSca
         )
         for row, (values, hover) in enumerate(drawn, start=first)
     ]
-    if response.relative_std is not None and response.run_id is None:
+    if response.relative_std is not None and not response.is_model:
         reach = np.nan_to_num(_blank(response, N_SIGMA * response.relative_std), posinf=0.0)
         colour = shared["marker"]["color"]
         of_magnitude = _DB if scale == "dB" else size
@@ -235,7 +235,7 @@ def _draw_locus(response: Response, number: int, shared: Spec, view: View) -> Sp
         with np.errstate(divide="ignore"):
             x, y = np.rad2deg(response.phase_rad), 20.0 * np.log10(size)
         text = f"%{{x:.1f}} deg, %{{y:.1f}} dB re {unit}"
-    if response.run_id is None:
+    if not response.is_model:
         shared = {**shared, "mode": "lines+markers", "line": {"width": 0.6}}
     return scatter(
         x,

@@ -14,6 +14,7 @@ from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification
 from flexsid.records.quality import ManeuverQuality
+from flexsid.records.transfer_function import TransferFunctionResult
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
@@ -38,7 +39,7 @@ from flexsid.workflow.flutter import closed_loop, flutter_analysis, flutter_mode
 from flexsid.workflow.flutter import predicted_flutter as of_prediction
 from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import flight_import, parsed_files, remembered_columns, uploads
-from flexsid.workflow.measurements import reconstruction
+from flexsid.workflow.measurements import reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test
 from flexsid.workflow.quality import maneuver_quality
@@ -185,6 +186,13 @@ def _identify_reconstruction(
 ) -> tuple[object, ...]:
     maneuver = store.maneuvers.get(query.maneuver_id)
     gather_sensors(store, maneuver, query.axis)  # refused at once, not as a job
+    return list_run_contents(store, (), (query.maneuver_id,))
+
+
+def _identify_transfer_function(
+    store: Store, query: transfer_functions.TransferFunctionQuery
+) -> tuple[object, ...]:
+    transfer_functions.check_transfer_function(store, query)
     return list_run_contents(store, (), (query.maneuver_id,))
 
 
@@ -381,6 +389,17 @@ RECONSTRUCTION = Kind(
     compute=_in_snapshot(lambda store, query, report: reconstruction.reconstruct(store, query)),
     result=Reconstruction,
     identify=_identify_reconstruction,
+)
+TRANSFER_FUNCTION = Kind(
+    name="transfer-function",
+    label="Transfer function",
+    request=transfer_functions.TransferFunctionQuery,
+    prepare=_send_maneuver,
+    compute=_in_snapshot(
+        lambda store, query, report: transfer_functions.estimate_transfer_function(store, query)
+    ),
+    result=TransferFunctionResult,
+    identify=_identify_transfer_function,
 )
 MODES = Kind(
     name="mode-identification",

@@ -118,8 +118,8 @@ class Response:
     """Output over input: ``magnitude`` [unit / unit] and unwrapped ``phase_rad``, both (M,).
 
     ``relative_std`` (M,) is the standard error of the magnitude over the magnitude,
-    which is also that of the phase in radians. ``run_id`` is None for measured data,
-    ``maneuver_id`` for an average of several. ``rigid`` is a model with rigid-body
+    which is also that of the phase in radians. ``run_id`` is that of a model, ``maneuver_id``
+    None for an average of several maneuvers. ``rigid`` is a model with rigid-body
     sensors (C_e = 0). ``coherence`` (M,) is the share of the output that the inputs
     explain, or that repeats from period to period, where known.
     """
@@ -135,6 +135,7 @@ class Response:
     run_id: int | None = None
     maneuver_id: int | None = None
     label: str = ""
+    is_model: bool = False
     rigid: bool = False
     blanked: tuple[Blanked, ...] = ()
     coherence: np.ndarray | None = None

@@ -44,6 +44,7 @@ export type Verdict = ManeuverQuality["verdict"];
 export type GroundTest = Received<"GroundTest">;
 export type Flutter = Received<"Flutter">;
 export type PredictedFlutter = Received<"PredictedFlutter">;
+export type TransferFunction = Received<"TransferFunction">;
 export type PosteriorCheck = Received<"PosteriorCheck">;
 export type AerodynamicsComparison = Received<"AerodynamicsComparison">;
 export type DerivedRun = Received<"DerivedRun">;

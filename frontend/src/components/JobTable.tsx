@@ -4,7 +4,7 @@ import { address } from "../api/client";
 import { useCancelJob, useRetryJob } from "../api/commands";
 import { isOver, type Job } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
-import { oneOf } from "../lib/urlState";
+import { oneOf, text } from "../lib/urlState";
 import { PARTITIONS, VARIABLES, VARIATIONS } from "../views";
 import { DataTable, type Column } from "./DataTable";
 import { stateText } from "./JobWait";
@@ -104,6 +104,7 @@ const KINDS: Record<string, string> = {
   "cross-validation": "Cross-validation",
   "aerodynamics-comparison": "Comparison of aerodynamics",
   "posterior-check": "Posterior check",
+  "transfer-function": "Transfer function",
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
@@ -206,6 +207,27 @@ function JobSubject({ job }: { job: Job }) {
           to="/runs/$id"
           params={{ id: id("run_id") }}
           search={{ tab: job.kind === "posterior-check" ? "posterior" : "aerodynamics" }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "transfer-function":
+      return (
+        <Link
+          to="/maneuvers/$id"
+          params={{ id: id("maneuver_id") }}
+          search={{
+            tab: "transfer-function",
+            from_input: text(request.input),
+            to_output: text(request.output),
+            zeros: readNumber(request, "zeros"),
+            poles: readNumber(request, "poles"),
+            integrators: readNumber(request, "integrators"),
+            no_delay: request.delay === false ? true : undefined,
+            low: readNumber(request, "low_hz"),
+            high: readNumber(request, "high_hz"),
+          }}
           className="link"
         >
           {label}

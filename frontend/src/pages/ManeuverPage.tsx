@@ -15,6 +15,7 @@ import { QualityTab } from "../components/QualityTab";
 import { ReconstructionTab } from "../components/ReconstructionTab";
 import { SpectraTab } from "../components/SpectraTab";
 import { TimeHistoryTab } from "../components/TimeHistoryTab";
+import { TransferFunctionTab } from "../components/TransferFunctionTab";
 import { flightName } from "../lib/format";
 import { MANEUVER_TABS, type ManeuverView } from "../views";
 
@@ -27,6 +28,7 @@ const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   inputs: "Correlation",
   reconstruction: "Reconstruction",
   bode: "Bode",
+  "transfer-function": "Transfer function",
   runs: "Runs",
 };
 
@@ -108,6 +110,9 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         </Tabs.Panel>
         <Tabs.Panel value="bode" pt="md">
           <BodeTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="transfer-function" pt="md">
+          <TransferFunctionTab maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
         <Tabs.Panel value="runs" pt="md">
           <ManeuverRuns maneuver={maneuver} view={view} onChange={change} />

@@ -22,6 +22,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
     get_output_instrument,
 )
 
+COMMAND_SUFFIX = "_command"  # of the channel with the excitation of an input
 SHORTEST_TRIM_S = 0.25  # shortest interval before the excitation that counts as trim [s]
 _NO_TAPER = 0.625  # of the sampling rate: a pass band above the Nyquist frequency
 
@@ -438,12 +439,12 @@ def compute_spectral_noise(
 
 def list_command_names(inputs: Sequence[str]) -> tuple[str, ...]:
     """Return the names of the channels with the recorded excitation of inputs."""
-    return tuple(f"{name}_command" for name in inputs)
+    return tuple(name + COMMAND_SUFFIX for name in inputs)
 
 
 def list_excitation_names(inputs: Iterable[str], recorded: Container[str]) -> list[str]:
     """Return the channel with the excitation of each input: its command, else the input."""
-    return [f"{n}_command" if f"{n}_command" in recorded else n for n in inputs]
+    return [n + COMMAND_SUFFIX if n + COMMAND_SUFFIX in recorded else n for n in inputs]
 
 
 def _compute_resolution_overlap(omega: np.ndarray, duration_s: float) -> float:

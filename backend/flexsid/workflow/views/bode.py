@@ -114,7 +114,13 @@ def compute_bode(
             for curve in _compute_curves(model, pairs, (low, high), units, parts):
                 anchor = anchors[curve.output, curve.input]
                 models.append(
-                    replace(_align_phase(curve, anchor), run_id=run.id, label=name, rigid=is_rigid)
+                    replace(
+                        _align_phase(curve, anchor),
+                        run_id=run.id,
+                        label=name,
+                        is_model=True,
+                        rigid=is_rigid,
+                    )
                 )
     return Bode(
         maneuver_id=maneuver_id,

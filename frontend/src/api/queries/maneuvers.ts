@@ -1,7 +1,7 @@
 /** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, items, json } from "../client";
-import type { FigureSpec, ManeuverFilters, ModelAxis } from "../types";
+import type { FigureSpec, ManeuverFilters, ModelAxis, TransferFunction } from "../types";
 import type { StoredResultOptions } from "../useStoredResult";
 import { PAGED } from "./habits";
 
@@ -53,6 +53,33 @@ export const reconstructionResult = (
       json(address("figures/reconstruction", { maneuver_id: id, modes, axis }), {
         signal,
       }) as Promise<FigureSpec>,
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
+
+export interface TransferFunctionParams {
+  maneuver_id: number;
+  input: string;
+  output: string;
+  zeros?: number;
+  poles?: number;
+  integrators?: number;
+  delay?: boolean;
+  low_hz?: number;
+  high_hz?: number;
+}
+
+/** The transfer function of an output over an input, with standard errors. */
+export const transferFunctionResult = (
+  query: TransferFunctionParams,
+): StoredResultOptions<TransferFunction> => {
+  const params = { query };
+  const path = "/api/v1/transfer-functions/results";
+  return {
+    key: ["transfer-functions", query],
+    enabled: true,
+    read: (signal) => body(api.GET("/api/v1/transfer-functions", { params, signal })),
     find: (signal) => body(api.GET(path, { params, signal })),
     submit: () => body(api.POST(path, { params })),
   };

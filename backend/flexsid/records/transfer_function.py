@@ -1,0 +1,67 @@
+"""Transfer functions of one input and output that were fitted to a maneuver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexsid.records.views import Response
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TransferFunctionRoot:
+    """A zero or pole; of a pair, that above the real axis. [rad/s]
+
+    ``damping`` is its damping ratio, 1 or -1 for a real root, whose time constant is the inverse
+    of ``frequency_rad_s``.
+    """
+
+    real_rad_s: float
+    imag_rad_s: float
+    frequency_rad_s: float
+    frequency_std_rad_s: float
+    damping: float
+    damping_std: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TransferFunction:
+    """K (s^m + ...) e^(-tau s) / (s^i (s^n + ...)) with standard errors.
+
+    ``numerator`` and ``denominator`` are coefficients of rising powers of s, the latter without
+    the ``integrators``; ``gain`` is the leading one of the numerator. ``mismatch`` is the
+    standard deviation of the relative error beyond noise, ``mismatch_cost`` that of low-order
+    equivalent systems, ``is_close`` whether pilots do not distinguish what of it exceeds noise.
+    """
+
+    maneuver_id: int
+    input: str
+    output: str
+    n_zeros: int
+    n_poles: int
+    integrators: int
+    has_delay: bool
+    band_hz: tuple[float, float]
+    n_frequencies: int
+    gain: float
+    gain_std: float
+    delay_s: float
+    delay_std_s: float
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+    zeros: tuple[TransferFunctionRoot, ...]
+    poles: tuple[TransferFunctionRoot, ...]
+    mismatch: float
+    mismatch_cost: float
+    cost_beyond_noise: float
+    is_close: bool
+    sentence: str
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TransferFunctionResult:
+    """A transfer function with the measured response and its own."""
+
+    function: TransferFunction
+    measured: Response
+    modelled: Response
