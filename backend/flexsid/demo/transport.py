@@ -20,7 +20,6 @@ from flexsid.records.maneuver import COMBINED, Condition, Excitation, Flight, Ma
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
@@ -155,13 +154,13 @@ def fly_transport() -> tuple[FlownManeuver, ...]:
     time = np.arange(0.0, _DURATION_S, 1.0 / _RATE_HZ)
     servo = signal.butter(2, _SERVO_HZ, fs=_RATE_HZ)
     flown = []
-    for (label, steps), axis in zip(_STEPS.items(), RIGID_BODIES, strict=True):
+    for (label, steps), body in zip(_STEPS.items(), (LONGITUDINAL, LATERAL), strict=True):
         surfaces: dict[str, np.ndarray] = {}
         for start, stop, name, sign in steps:
             moved = surfaces.setdefault(name, np.zeros(time.size))
             moved[(time >= start) & (time < stop)] = sign * _PEAK_RAD
         filtered = {name: signal.lfilter(*servo, moved) for name, moved in surfaces.items()}
-        flown.append(_record(label, axis, filtered, len(flown)))
+        flown.append(_record(label, body.axis, filtered, len(flown)))
     harmonics = assign_harmonics(_SIDES, 20, 2)
     multisine = design_multisine(harmonics, _PERIOD_S, dict.fromkeys(_SIDES, _PEAK_RAD))
     first, count = round(_START_S * _RATE_HZ), round(_PERIOD_S * _RATE_HZ)
