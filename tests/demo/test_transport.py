@@ -5,8 +5,13 @@ from __future__ import annotations
 import pytest
 
 from flexsid.demo.transport import TRUE, add_transport
+from flexsid.errors import BadInput
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
+from flexsid.workflow.measurements.transfer_functions import (
+    TransferFunctionQuery,
+    estimate_transfer_function,
+)
 from flexsid.workflow.runs.estimation import compute_run, prepare
 from flexsid.workflow.runs.run_proposal import propose_run
 
@@ -35,3 +40,23 @@ def test_every_maneuver_gives_the_derivatives_of_its_axes(
     for name, value, std_error in zip(found.names, found.values, found.std_errors, strict=True):
         true = TRUE[axis][name]
         assert abs(value - true) < 3.5 * std_error, name
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_transfer_functions_of_a_combination_of_recorded_surfaces(store: Store) -> None:
+    """The ailerons move against each other, with and without known harmonics."""
+    aircraft = add_transport(store)
+    _, doublets, independent = (m.id for m in store.maneuvers.find(aircraft_id=aircraft.id))
+    assert doublets is not None
+    assert independent is not None
+
+    def fit(number: int, surface: str):
+        query = TransferFunctionQuery(maneuver_id=number, input=surface, output="p", poles=2)
+        return estimate_transfer_function(store, query).function
+
+    assert fit(independent, "aileron_a").warnings == ()
+    (warning,) = fit(doublets, "aileron_a").warnings
+    assert warning.startswith("rudder also moves")
+    with pytest.raises(BadInput, match="'aileron_s' has power") as refused:
+        fit(doublets, "aileron_s")
+    assert refused.value.code == "not-excited"

@@ -25,7 +25,7 @@ _LINEAR_ROUNDS = 8  # of Sanathanan-Koerner weights
 _ITERATIONS = 200
 _CONVERGED = 1e-9  # relative change of the cost
 _DAMPING = 1e-4  # first of the iteration, in the scaled normal matrix
-_LARGEST_DAMPING = 1e12
+_LEAST_DAMPING, _LARGEST_DAMPING = 1e-12, 1e12  # below, rounding makes it indefinite
 _ROUNDS = 12  # of weights and mismatch
 _SAME_MISMATCH = 1e-3  # relative change of the mismatch at convergence
 _LARGEST_CONDITION = 1e12  # of the scaled normal matrix
@@ -356,7 +356,7 @@ class _ResponseProblem:
                 trial = theta + step
                 found = self._compute_cost(trial, weights)
                 if found < cost:
-                    theta, cost, damping = trial, found, max(0.1 * damping, 1e-15)
+                    theta, cost, damping = trial, found, max(0.1 * damping, _LEAST_DAMPING)
                     break
                 damping *= 10.0
             if before - cost <= _CONVERGED * before:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Aircraft
+from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
@@ -16,22 +17,20 @@ from flexsid.sysid.spectra.residual_spectrum import (
     estimate_noise_about_responses,
     estimate_scatter,
 )
-from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.measurements.maneuver_spectra import (
-    load_channels,
     read_measurement,
     read_spectra,
 )
 from flexsid.workflow.measurements.recording import (
     COMMAND_SUFFIX,
-    MeasuredSpectra,
     select_frequencies,
 )
 from flexsid.workflow.measurements.sensor_responses import find_excited_band
 
 _QUIET = 0.03  # of the largest deflection: the response at a frequency is noise below
-_STILL = 0.1  # of the input's rms travel: another surface that moves more is part of the response
+_STILL = 0.1  # of the input's rms amplitude: another surface that moves more is reported
+_AT_REST = 1e-6  # of the rms amplitude of another surface: a sum of surfaces that cancel
 _LEAST_FREQUENCIES = 4
 
 
@@ -80,16 +79,7 @@ def measure_single_response(
     """
     surface = name.removesuffix(COMMAND_SUFFIX)
     if maneuver.excitation is None:
-        if band_hz is None:
-            band_hz = find_excited_band(store, maneuver, aircraft, LONGITUDINAL)
-        measurement = read_measurement(store, maneuver, aircraft, (surface,), (output,), band_hz)
-        spectra = measurement.transform()
-        u = spectra.inputs.values
-        if name != surface:
-            frequencies = select_frequencies(maneuver, band_hz)
-            u = read_spectra(store, maneuver, aircraft, (name,), frequencies).values
-        warnings = _warn_of_other_motion(store, maneuver, surface)
-        return _divide_spectra(name, u, spectra, warnings)
+        return _measure_without_harmonics(store, maneuver, aircraft, name, output, band_hz)
     measurement = read_measurement(store, maneuver, aircraft, (surface,), (output,), band_hz)
     spectra = measurement.transform()
     own = spectra.assigned_input == 0
@@ -118,22 +108,42 @@ def measure_single_response(
     return SingleResponse(omega, outputs[:, 0] / command, std, overlap, ())
 
 
-def _divide_spectra(
+def _measure_without_harmonics(
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
     name: str,
-    u: Complex[np.ndarray, "n_omega 1"],
-    spectra: MeasuredSpectra,
-    warnings: tuple[str, ...],
+    output: OutputDefinition,
+    band_hz: tuple[float, float] | None,
 ) -> SingleResponse:
-    """Divide the spectra of a record without known harmonics, where the input has power."""
-    z = spectra.true_outputs().values
+    """Divide the spectra of output and input where the input has power."""
+    surface = name.removesuffix(COMMAND_SUFFIX)
+    if band_hz is None:
+        band_hz = find_excited_band(store, maneuver, aircraft, LONGITUDINAL)
+    recorded = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
+    own = {surface, *(part for part, _ in list_surface_parts(aircraft).get(surface, ()))}
+    inputs = (surface, *(one for one in recorded if one != surface))
+    measurement = read_measurement(store, maneuver, aircraft, inputs, (output,), band_hz)
+    spectra = measurement.transform()
+    travel = np.sqrt(np.mean(np.abs(spectra.inputs.values) ** 2, axis=0))
+    u, z = spectra.inputs.values[:, :1], spectra.true_outputs().values
+    if name != surface:
+        frequencies = select_frequencies(maneuver, band_hz)
+        u = read_spectra(store, maneuver, aircraft, (name,), frequencies).values
     has_power = np.abs(u[:, 0]) > _QUIET * np.abs(u[:, 0]).max()
-    if np.count_nonzero(has_power) < _LEAST_FREQUENCIES:
+    if np.count_nonzero(has_power) < _LEAST_FREQUENCIES or travel[0] < _AT_REST * travel.max():
         raise BadInput(
             f"'{name}' has power at fewer than {_LEAST_FREQUENCIES} frequencies of this band; use "
-            "a wider band",
+            "a wider band, or another input",
             code="not-excited",
             input=name,
         )
+    moving = [
+        other
+        for other, rms in zip(inputs, travel, strict=True)
+        if other not in own and rms > _STILL * travel[0]
+    ]
+    warnings = (_describe_other_motion(surface, moving),) if moving else ()
     u, z = u[has_power], z[has_power]
     scatter = estimate_scatter(u, z)
     std = None if scatter is None else scatter[0] / np.abs(u[:, 0])
@@ -141,18 +151,9 @@ def _divide_spectra(
     return SingleResponse(spectra.omega[has_power], (z / u)[:, 0], std, overlap, warnings)
 
 
-def _warn_of_other_motion(store: Store, maneuver: Maneuver, surface: str) -> tuple[str, ...]:
-    """Warn of other surfaces whose response is part of the output."""
-    inputs = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
-    travel = {
-        channel.name: float(np.std(to_si(samples, channel.unit)))
-        for channel, samples in load_channels(store, maneuver.id, inputs)
-    }
-    moving = [n for n, rms in travel.items() if n != surface and rms > _STILL * travel[surface]]
-    if not moving:
-        return ()
+def _describe_other_motion(surface: str, moving: Sequence[str]) -> str:
     return (
         f"{', '.join(moving)} also {'moves' if len(moving) == 1 else 'move'} in this maneuver: "
         "what the output responds to it is attributed to "
-        f"{surface}. Cut the part in which {surface} moves alone, or use known harmonics.",
+        f"{surface}. Cut the part in which {surface} moves alone, or use known harmonics."
     )
