@@ -23,6 +23,7 @@ from flexsid.demo.recorder import Recorder
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.maneuver import GROUND, Condition, Maneuver
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
@@ -100,7 +101,9 @@ def simulate_ground_test(
     moved = fft.rfft(excitation, length, axis=0) * _actuator(truth, s)[:, None]
     eta = (s**2)[:, None] * (moved @ _coupling(modes))
     eta /= (s**2)[:, None] + 2.0 * s[:, None] * modes.zeta * modes.omega + modes.omega**2
-    measured = np.einsum("fyr,fr->fy", sensor_model.response(np.abs(s))[:, :, 2:], eta)
+    measured = np.einsum(
+        "fyr,fr->fy", sensor_model.response(np.abs(s))[:, :, LONGITUDINAL.size :], eta
+    )
     n_samples = excitation.shape[0]
     generator = np.random.default_rng(seed) if noise else None
     recorder = Recorder(aircraft, build_anti_alias_filter(truth.source), generator)

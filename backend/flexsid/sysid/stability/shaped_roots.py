@@ -147,9 +147,9 @@ def _load_by_derivative(
     load[:, :, 0] = respond(-ik / b * s[:, :, 0], 0) + respond(s[:, :, 0], 1)
     load[:, :, 1] = respond(ik * s[:, :, 1], 1)
     n = len(table.modes)
-    for mode in range(n):
-        load[:, :, 2 + mode] = respond(s[:, :, 2 + mode], 2 + mode)
-        load[:, :, 2 + n + mode] = respond(ik * s[:, :, 2 + n + mode], 2 + mode)
+    for motion in range(LONGITUDINAL.size, LONGITUDINAL.size + n):
+        load[:, :, motion] = respond(s[:, :, motion], motion)
+        load[:, :, n + motion] = respond(ik * s[:, :, n + motion], motion)
     condition = aircraft.condition
     force = np.full(s.shape[1], condition.area * condition.chord)
     force[0] = -condition.area
@@ -191,7 +191,8 @@ def compute_shaped_slopes(
         return moved[:, 0] + 1j * moved[:, 1]
 
     by_theta = _load_by_derivative(found, aircraft, left, right)[:, rows, columns]
-    mass = np.diag(found.system.mass)[2:]
-    by_stiffness = left.conj()[:, 2:] * mass * right[:, 2:]
+    modal = slice(LONGITUDINAL.size, None)
+    mass = np.diag(found.system.mass)[modal]
+    by_stiffness = left.conj()[:, modal] * mass * right[:, modal]
     by_speed = (by_V - by_k * k / V)[:, None]
     return solve(by_theta), solve(by_speed)[:, 0], solve(by_stiffness)
