@@ -5,14 +5,12 @@ from __future__ import annotations
 from flexsid.records.quality import ManeuverQuality
 from flexsid.storage.store import Store
 from flexsid.workflow.quality.maneuver_quality import (
+    QualityRequest,
     assess_maneuver,
-    compute_content_hash,
     store_quality,
 )
 
 
 def assess_quality(store: Store, maneuver_id: int) -> ManeuverQuality:
     """Assess a maneuver and store its quality."""
-    maneuver = store.maneuvers.get(maneuver_id)
-    content = compute_content_hash(store, maneuver)
-    return store_quality(store, assess_maneuver(store, maneuver, content))
+    return store_quality(store, assess_maneuver(store, QualityRequest(maneuver_id=maneuver_id)))

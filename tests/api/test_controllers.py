@@ -101,6 +101,7 @@ def test_a_preflight_simulation_is_a_task_whose_run_is_queued(client: TestClient
     (one,) = client.get(f"{design}/preflight-simulations").json()["items"]
     assert one["state"] == "succeeded"
     assert {"CZ_alpha", "Cm_q"} <= {row["name"] for row in one["derivatives"]}
+    assert all(row["expected"] > 0.0 for row in one["derivatives"])
     assert client.delete(f"{URL}/{controller}").json()["code"] == "controller-used"
     missing = client.post(f"{design}/preflight-simulations", json=body | {"controller_id": 999})
     assert missing.status_code == 404

@@ -14,9 +14,9 @@ import pytest
 from waiting import wait_until
 
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
-from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.kinds import KINDS
+from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue

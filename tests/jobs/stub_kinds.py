@@ -93,7 +93,7 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
     return {"value": 2.0}
 
 
-def save(store: Store, job: Job, outcome: dict[str, Any], worker: str) -> None:
+def save(store: Store, job: Job, request: Request, outcome: dict[str, Any]) -> None:
     # Imported here, so that workers start quickly.
     import numpy as np
 
@@ -102,10 +102,10 @@ def save(store: Store, job: Job, outcome: dict[str, Any], worker: str) -> None:
     with store.transaction():
         array = store.arrays.put(np.array([outcome["value"]]))
         result = {"value": outcome["value"], "array": array}
-        queue.finish_job(store, job.id or 0, job.attempt, result, {"flexsid": "test"}, worker)
+        queue.finish_job(store, job.id or 0, job.attempt, result, {"flexsid": "test"}, job.worker)
 
 
-def save_run(store: Store, job: Job, outcome: dict[str, Any], worker: str) -> None:
+def save_run(store: Store, job: Job, request: Request, outcome: dict[str, Any]) -> None:
     import numpy as np
 
     from flexsid.storage import queue
@@ -128,4 +128,4 @@ def save_run(store: Store, job: Job, outcome: dict[str, Any], worker: str) -> No
             poles=(),
             blocks=(),
         )
-        queue.finish(store, job.id or 0, job.attempt, result, {"flexsid": "test"}, worker)
+        queue.finish(store, job.id or 0, job.attempt, result, {"flexsid": "test"}, job.worker)

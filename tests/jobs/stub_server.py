@@ -8,7 +8,7 @@ import time
 import stub_kinds
 
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
+from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.storage.store import Store
 
 if __name__ == "__main__":

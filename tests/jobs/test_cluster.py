@@ -14,8 +14,8 @@ from waiting import wait_until
 from flexsid.jobs import cluster as cluster_module
 from flexsid.jobs import health
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
-from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.dispatcher_process import make_workers
+from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.storage import job_log, leases

@@ -15,7 +15,7 @@ from waiting import PATIENCE_S, wait_until
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
-from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.storage import leases

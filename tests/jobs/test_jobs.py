@@ -17,10 +17,10 @@ import sqlalchemy as sa
 from sqlalchemy import event
 
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
+from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.kind import LoadKinds
 from flexsid.jobs.kinds import KINDS
+from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure

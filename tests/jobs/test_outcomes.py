@@ -42,6 +42,7 @@ from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.quality.maneuver_quality import QualityRequest
 from flexsid.workflow.review.database_backup import BackupRequest
 from flexsid.workflow.review.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.structure_determination.searches import add_search
@@ -222,7 +223,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     ),
     kinds.MODES.name: lambda store, folder: _identify_modes(store),
     kinds.QUALITY.name: lambda store, folder: submit(
-        store, kinds.QUALITY, kinds.QualityRequest(maneuver_id=1)
+        store, kinds.QUALITY, QualityRequest(maneuver_id=1)
     ),
     kinds.PREDICTION.name: lambda store, folder: _predict_derivatives(store),
     kinds.IMPORT.name: _import_files,
@@ -253,19 +254,20 @@ def test_a_result_is_stored_once_by_the_last_attempt(
     requested = _REQUESTS[name](flown, tmp_path)
     first = queue.claim(flown, requested.id)
     assert first is not None
-    task = pickle.loads(pickle.dumps(kind.prepare(flown, first, kind.read_request(first))))
+    request = kind.read_request(first)
+    task = pickle.loads(pickle.dumps(kind.prepare(flown, first, request)))
     queue.requeue_orphans(flown)  # the server was killed
     second = queue.claim(flown, requested.id)
     assert second is not None
     outcome = pickle.loads(pickle.dumps(kind.compute(task, lambda progress: None)))
     before = _count_rows(flown)
     with pytest.raises(queue.StaleAttempt):
-        kind.save(flown, first, outcome, "worker")
+        kind.save(flown, first, request, outcome)
     assert _count_rows(flown) == before, "the result of the lost attempt"
-    kind.save(flown, second, outcome, "worker")
+    kind.save(flown, second, request, outcome)
     after = _count_rows(flown)
     with pytest.raises(Conflict):
-        kind.save(flown, second, outcome, "worker")
+        kind.save(flown, second, request, outcome)
     assert _count_rows(flown) == after, "the same result twice"
     ended = flown.jobs.get(requested.id or 0)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)

@@ -9,8 +9,8 @@ import sys
 import pytest
 from waiting import PATIENCE_S
 
-from flexsid.jobs.kind import LoadKinds
 from flexsid.jobs.local import LocalWorkers
+from flexsid.jobs.worker import LoadKinds
 
 FIRST_PRODUCT = """
 from flexsid.jobs.worker import _limit_memory

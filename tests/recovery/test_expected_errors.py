@@ -9,7 +9,7 @@ from flown_runs import estimated, planned
 from flexsid.demo.campaign import add_aircraft
 from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.predicted_accuracy import predict_errors
+from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, predict_accuracy
 
 BEFORE = 2.0  # degrees of the body flap in the maneuver that is known
 PLANNED = [(506, 4.0, (7, 9)), (506, 1.0, (7, 9)), (503, 2.0, (7,))]  # aid, degrees, modes
@@ -28,7 +28,9 @@ def test_expected_errors_are_those_of_the_flight(store: Store, ratio: float, mos
         if fta not in flown:
             flown[fta] = estimated(store, flight, ratio, (fta, BEFORE, modes), seed=1)
         before = flown[fta]
-        predicted = predict_errors(store, planned(store, fta, peak_deg), before.id or 0)
+        design = planned(store, fta, peak_deg)
+        query = DesignQuery(design_id=design.id or 0, run_id=before.id or 0)
+        predicted = predict_accuracy(store, query, lambda progress: None).errors
         after = estimated(store, flight, ratio, (fta, peak_deg, modes), seed=2)
         assert after.result is not None
         found = {row.name: row.std_error for row in after.result.parameters}

@@ -47,7 +47,7 @@ def optimise(
         objective=Objective.FLUTTER,
         after_run=after_run,
     )
-    return compute_optimal_design(store, store.designs.get(design_id), query, lambda progress: None)
+    return compute_optimal_design(store, query, lambda progress: None)
 
 
 def measure_scatter(

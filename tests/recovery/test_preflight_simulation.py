@@ -11,6 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.job import Job
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
@@ -61,8 +62,9 @@ def _simulate(
         controller_id=controller_id,
         turbulence=turbulence,
     )
-    simulated = simulate_design(store, design, request, lambda progress: None)
-    return store_simulation(store, request, simulated, "")
+    simulated = simulate_design(store, request, lambda progress: None)
+    stored = store_simulation(store, Job(kind="preflight-simulation"), request, simulated)
+    return store.preflight_simulations.get(stored["simulation_id"] or 0)
 
 
 def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers_what_flew(
@@ -92,7 +94,7 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
     z = [(row.estimate - row.flown) / (row.std_error or np.nan) for row in done.derivatives]
     assert len(z) == 44
     assert np.sqrt(np.mean(np.square(z))) < 2.0
-    ratios = [row.expected / (row.std_error or np.nan) for row in done.derivatives]
+    ratios = [(row.expected or np.nan) / (row.std_error or np.nan) for row in done.derivatives]
     assert 0.7 < np.median(ratios) < 1.4
     maneuver = store.maneuvers.get(simulated.maneuver_id)
     assert "Simulated" in maneuver.note

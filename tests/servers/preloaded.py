@@ -54,6 +54,11 @@ class PreloadedProgram(Program):
         """Number of the process."""
         return self._forked.pid or 0
 
+    def signal(self, number: int) -> None:
+        """Send a signal, unless the process has ended."""
+        if self._forked.is_alive():
+            os.kill(self.pid, number)
+
     def kill(self) -> None:
         """Kill the process and wait for its end."""
         self._forked.kill()

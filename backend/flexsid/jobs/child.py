@@ -7,12 +7,20 @@ import os
 import pickle
 import subprocess
 import sys
+from collections.abc import Callable
 from typing import Any
 
-from flexsid.jobs.messages import WorkerDiedMessage, WorkerMessage, describe_error
+from flexsid.jobs.messages import (
+    ProgressMessage,
+    TaskLostMessage,
+    WorkerDiedMessage,
+    WorkerMessage,
+    describe_error,
+)
 from flexsid.jobs.worker import LoadKinds
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+_CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 
 
 class Program:
@@ -59,6 +67,10 @@ class Program:
     def pid(self) -> int:
         """Number of the process."""
         return self._process.pid
+
+    def signal(self, number: int) -> None:
+        """Send a signal, unless the process has ended."""
+        self._process.send_signal(number)
 
     def kill(self) -> None:
         """Kill the process and wait for its end."""
@@ -117,3 +129,47 @@ def take_child(idle: list[Child], load_kinds: LoadKinds) -> Child:
             return child
         child.kill()  # its pipe is readable since it died
     return Child(load_kinds)
+
+
+def execute_in_child(
+    child: Child,
+    idle: list[Child],
+    content: bytes,
+    publish: Callable[[ProgressMessage], None],
+    is_cancelled: Callable[[], bool],
+) -> WorkerMessage:
+    """Compute a task in a worker, which is idle afterwards or killed; return the last message.
+
+    Parameters
+    ----------
+    child
+        Worker that computes nothing else.
+    idle
+        Workers for further tasks.
+    content
+        Task, from ``pickle_task``.
+    publish
+        Called with the progress.
+    is_cancelled
+        Returns whether the task shall be stopped; called several times a second.
+    """
+    try:
+        child.connection.send_bytes(content)
+    except OSError as error:  # killed before it received the task
+        child.kill()
+        return WorkerDiedMessage(str(error))
+    while True:
+        if not child.connection.poll(_CANCEL_CHECK_S):
+            if is_cancelled():
+                child.kill()
+                return TaskLostMessage("the task was cancelled")
+            continue
+        message = child.receive()
+        if isinstance(message, ProgressMessage):
+            publish(message)
+            continue
+        if isinstance(message, WorkerDiedMessage):
+            child.kill()
+        else:
+            idle.append(child)
+        return message

@@ -7,17 +7,14 @@ killed, its memory is limited, and a crash does not end the Dask worker.
 from __future__ import annotations
 
 import logging
-import queue
-import threading
 import time
 import uuid
-from contextlib import suppress
 from dataclasses import asdict, replace
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.child import Child, pickle_task, take_child
-from flexsid.jobs.dispatcher import Workers
+from flexsid.jobs.child import Child, execute_in_child, pickle_task, take_child
+from flexsid.jobs.executors import Workers
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
@@ -38,13 +35,12 @@ _POLL_S = 1.0  # between polls of the number of workers
 _NO_WORKER_S = 5.0  # without a worker; a restart by the Dask nanny takes less
 _FETCH_S = 30.0
 _CLOSE_S = 2.0
-_CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 
 
-class ClusterWorkers(Workers):
+class ClusterWorkers(Workers[Any]):
     """Submits tasks to the threads of a Dask cluster, at most one task per thread.
 
-    All methods except ``wake`` must be called from one thread.
+    A running task is its future, or None if it was lost and that is not yet reported.
 
     Parameters
     ----------
@@ -60,16 +56,11 @@ class ClusterWorkers(Workers):
     """
 
     def __init__(self, load_kinds: LoadKinds, address: str) -> None:
-        self.location = f"Dask cluster {address}"
-        self.count = 0
-        self._load_kinds = load_kinds
+        super().__init__(load_kinds, f"Dask cluster {address}")
         self._address = address
-        self._messages: queue.SimpleQueue[tuple[Key, WorkerMessage] | None] = queue.SimpleQueue()
-        self._futures: dict[Key, Any] = {}  # None: lost, not yet reported
-        self._fetching = threading.Lock()
         self._topic = f"flexsid-{uuid.uuid4().hex}"
         self._updated = -_POLL_S
-        self._no_worker_since: float | None = None
+        self._absent_since: float | None = None
         self._client: Any = None
         self._connect()
 
@@ -77,52 +68,44 @@ class ClusterWorkers(Workers):
     def free_slots(self) -> int:
         """Number of further tasks that can start now; none while the scheduler is unreachable."""
         self._update_count()
-        return self.count - len(self._futures)
+        return super().free_slots
 
     @property
-    def keys(self) -> set[Key]:
-        """Keys of the running tasks."""
-        return set(self._futures)
+    def absent_s(self) -> float:
+        """Time for which the cluster has had no worker. [s]"""
+        return 0.0 if self._absent_since is None else time.monotonic() - self._absent_since
 
     def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
         """Start a task; requires ``free_slots`` above zero."""
         future = self._client.submit(
-            execute_in_child,
+            execute_on_worker,
             self._load_kinds,
             pickle_task(kind, task, memory_mb),
             (self._topic, key),
             key=f"flexsid-{uuid.uuid4().hex}",
             pure=False,
         )
-        self._futures[key] = future
-        future.add_done_callback(lambda done: self._receive_result(key, done))
+        self._tasks[key] = future
+        future.add_done_callback(lambda done: self.wake())
 
     def cancel(self, key: Key) -> None:
         """Stop a task; the Dask worker detects the released future."""
-        future = self._futures.pop(key, None)
+        future = self._tasks.pop(key, None)
         if future is not None:
             future.release()
 
     def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
-        """Return new messages of the workers; return at once after ``wake``."""
-        messages: list[tuple[Key, WorkerMessage]] = []
-        with suppress(queue.Empty):
-            message = self._messages.get(timeout > 0, timeout)
-            while True:
-                if message is not None and message[0] in self._futures:
-                    messages.append(message)
-                    if not isinstance(message[1], ProgressMessage):
-                        del self._futures[message[0]]
-                message = self._messages.get_nowait()
+        """Return new messages and results of the running tasks; return at once after ``wake``."""
+        messages = super().wait(timeout)
+        for key, future in list(self._tasks.items()):
+            if future is not None and future.done():
+                del self._tasks[key]
+                messages.append((key, _fetch_result(future)))
         return messages
-
-    def wake(self) -> None:
-        """End ``wait``; thread-safe."""
-        self._messages.put(None)
 
     def close(self) -> None:
         """Release all tasks and close the connection."""
-        self._futures.clear()
+        self._tasks.clear()
         self._disconnect(_CLOSE_S)
 
     def _connect(self) -> Any:
@@ -156,48 +139,32 @@ class ClusterWorkers(Workers):
         try:
             client = self._client
             if client is None or client.status != "running":
-                self._drop_connection()
+                self._lose_tasks("the connection to the Dask scheduler was lost")
+                self._disconnect(0.0)
                 client = self._connect()
             self.count = sum(client.nthreads().values())
         except (FlexsidError, OSError, TimeoutError) as error:
             _log.warning("the Dask cluster is unreachable: %s", error)
             self.count = 0
         if self.count > 0:
-            self._no_worker_since = None
-        elif self._no_worker_since is None:
-            self._no_worker_since = now
-        elif now - self._no_worker_since >= _NO_WORKER_S:
+            self._absent_since = None
+        elif self._absent_since is None:
+            self._absent_since = now
+        elif now - self._absent_since >= _NO_WORKER_S:
             # The scheduler would hold them for a worker that may never connect.
             self._lose_tasks("the Dask cluster has no worker")
 
-    def _drop_connection(self) -> None:
-        """Report every task as lost and close the old connection."""
-        self._lose_tasks("the connection to the Dask scheduler was lost")
-        self._disconnect(0.0)
-
     def _lose_tasks(self, reason: str) -> None:
-        for key, future in self._futures.items():
+        for key, future in self._tasks.items():
             if future is not None:
-                self._futures[key] = None
+                self._tasks[key] = None
                 self._messages.put((key, TaskLostMessage(reason)))
 
     def _disconnect(self, timeout: float) -> None:
-        """Close the connection after any result that is being fetched over it."""
-        if self._client is None:
-            return
-        if self._fetching.acquire(timeout=timeout):
-            self._fetching.release()
-        self._client.close(timeout=timeout)
-        self._client = None
-
-    def _receive_result(self, key: Key, future: Any) -> None:
-        """Fetch the result of a task that was not cancelled, on Dask's callback thread.
-
-        Closing a connection ends all its futures, which must not be used afterwards.
-        """
-        with self._fetching:
-            if self._futures.get(key) is future:
-                self._messages.put((key, _fetch_result(future)))
+        """Close the connection, and with it its futures, which must not be used afterwards."""
+        if self._client is not None:
+            self._client.close(timeout=timeout)
+            self._client = None
 
     def _receive_progress(self, event: Any) -> None:
         """Queue a progress message of a worker, on Dask's event thread."""
@@ -224,7 +191,9 @@ def _fetch_result(future: Any) -> WorkerMessage:
 _idle: list[Child] = []
 
 
-def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key]) -> WorkerMessage:
+def execute_on_worker(
+    load_kinds: LoadKinds, content: bytes, name: tuple[str, Key]
+) -> WorkerMessage:
     """Compute one task in a child process of this Dask worker.
 
     Returns when the task has ended or was cancelled.
@@ -234,23 +203,16 @@ def execute_in_child(load_kinds: LoadKinds, content: bytes, name: tuple[str, Key
     worker = get_worker()
     own = worker.get_current_task()
     topic, (job_id, attempt) = name
+
+    def publish(message: ProgressMessage) -> None:
+        progress = None if message.progress is None else asdict(message.progress)
+        worker.log_event(topic, (job_id, attempt, progress))
+
+    def is_cancelled() -> bool:
+        present = worker.state.tasks.get(own)
+        return present is None or present.state != "executing"
+
     child = take_child(_idle, load_kinds)
-    child.connection.send_bytes(content)
-    while True:
-        if not child.connection.poll(_CANCEL_CHECK_S):
-            present = worker.state.tasks.get(own)
-            if present is None or present.state != "executing":
-                child.kill()
-                return TaskLostMessage("the task was cancelled")
-            continue
-        message = child.receive()
-        if isinstance(message, ProgressMessage):
-            progress = None if message.progress is None else asdict(message.progress)
-            worker.log_event(topic, (job_id, attempt, progress))
-            continue
-        if isinstance(message, WorkerDiedMessage):
-            child.kill()
-            return message
-        _idle.append(child)
-        is_end = isinstance(message, ComputedMessage | FailedMessage)
-        return replace(message, worker=worker.address) if is_end else message
+    message = execute_in_child(child, _idle, content, publish, is_cancelled)
+    is_end = isinstance(message, ComputedMessage | FailedMessage)
+    return replace(message, worker=worker.address) if is_end else message

@@ -7,23 +7,24 @@ every page.
 from __future__ import annotations
 
 import logging
-import queue
+import os
 import signal
 import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from types import FrameType
 from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import make_workers
+from flexsid.jobs.executors import Workers
 from flexsid.jobs.interpreter import configure_interpreter
-from flexsid.jobs.kind import LoadKinds
+from flexsid.jobs.local import LocalWorkers
+from flexsid.jobs.worker import LoadKinds
 from flexsid.storage.store import Store
 
 _log = logging.getLogger(__name__)
@@ -31,10 +32,7 @@ _log = logging.getLogger(__name__)
 _SETTLE_S = 2.0  # the first pages have priority after the start of a server
 _RESTART_S = 1.0
 _STOP_S = 10.0  # longer than killing the workers and queueing their jobs again
-_MAX_PENDING = 16  # further requests are dropped; the database holds all that is needed
-
-_Request = tuple[int, Any] | None
-"""Id of a job with its task, or None: a job was queued or cancelled."""
+_WAKE = signal.SIGUSR1
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +64,10 @@ class DispatcherProcess:
         self._has_request = threading.Event()
         self._stopping = threading.Event()
         self._starting = threading.Lock()
-        self._line = threading.Lock()  # held while a request is sent or the pipe is closed
         self._program: Program | None = None
         self._is_ready = False
         self._has_started = False
-        self._pending: queue.SimpleQueue[_Request] = queue.SimpleQueue()
-        self._threads = [
-            threading.Thread(target=target, name=f"dispatcher-{k}", daemon=True)
-            for k, target in enumerate((self._receive_changes, self._send_requests))
-        ]
+        self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
 
     def start(self) -> None:
         """Start the process with the first request, at the latest after ``_SETTLE_S``.
@@ -86,8 +79,7 @@ class DispatcherProcess:
         """
         if self._settings.dask is not None:
             make_workers(self._settings.load_kinds, self._settings.dask).close()
-        for thread in self._threads:
-            thread.start()
+        self._thread.start()
 
     @property
     def is_starting(self) -> bool:
@@ -96,11 +88,11 @@ class DispatcherProcess:
 
     def wake(self) -> None:
         """Check the queue now: a job was queued or cancelled."""
-        self._put(None)
-
-    def reuse_task(self, job_id: int, task: Any) -> None:
-        """Reuse the task that was prepared to validate a request."""
-        self._put((job_id, task))
+        self._has_request.set()
+        program = self._program
+        if program is not None and self._is_ready:  # at its start it checks the queue itself
+            # Unlike a message, a signal never blocks if the process does not respond.
+            program.signal(_WAKE)
 
     def stop(self) -> None:
         """Kill the workers and queue their jobs again, for the next server."""
@@ -108,31 +100,15 @@ class DispatcherProcess:
             self._stopping.set()
             program = self._program
         self._has_request.set()
-        self._pending.put(None)
         if program is not None:
             program.release_lifeline()
-            self._threads[0].join(_STOP_S if self._is_ready else 0.0)
+            self._thread.join(_STOP_S if self._is_ready else 0.0)
             program.kill()
-        for thread in self._threads:
-            thread.join()
+        self._thread.join()
         if program is not None:
             program.close()
 
-    def _put(self, request: _Request) -> None:
-        self._has_request.set()
-        if self._pending.qsize() < _MAX_PENDING:
-            self._pending.put(request)
-
-    def _send_requests(self) -> None:
-        """Send requests to the process; only this thread blocks if it does not respond."""
-        while not self._stopping.is_set():
-            request = self._pending.get()
-            # If the process has ended, the next one checks the queue at its start.
-            with self._line, suppress(OSError):
-                if self._program is not None:
-                    self._program.connection.send(request)
-
-    def _receive_changes(self) -> None:
+    def _run(self) -> None:
         """Start the process, receive its notifications until it ends, and restart it."""
         self._has_request.wait(_SETTLE_S)
         while (program := self._begin()) is not None:
@@ -144,10 +120,9 @@ class DispatcherProcess:
             self._has_started = True
             if not self._stopping.is_set():
                 _log.warning("the dispatcher ended (%s) and is restarted", program.describe_exit())
+                self._program, self._is_ready = None, False
                 program.kill()
-                with self._line:
-                    self._program, self._is_ready = None, False
-                    program.close()
+                program.close()
                 self._stopping.wait(_RESTART_S)
 
     def _begin(self) -> Program | None:
@@ -159,6 +134,27 @@ class DispatcherProcess:
                 program.connection.send(self._settings)
             self._program = program
             return program
+
+
+def make_workers(
+    load_kinds: LoadKinds, dask: str | None = None, count: int | None = None
+) -> Workers[Any]:
+    """Return the workers of a Dask cluster, or worker processes of this computer.
+
+    Parameters
+    ----------
+    load_kinds
+        Function that returns the kinds of jobs, in every worker.
+    dask
+        Address of a Dask scheduler.
+    count
+        Number of processes of this computer; default: one less than the number of cores.
+    """
+    if dask is None:
+        return LocalWorkers(load_kinds, count)
+    from flexsid.jobs.cluster import ClusterWorkers
+
+    return ClusterWorkers(load_kinds, dask)
 
 
 def main(arguments: list[str]) -> None:
@@ -180,17 +176,11 @@ def main(arguments: list[str]) -> None:
         sys.exit(1)
     dispatcher = Dispatcher(store, kinds, workers, on_change=lambda: _notify(connection))
     configure_interpreter()
+    signal.signal(_WAKE, lambda number, frame: dispatcher.wake())
     _notify(connection)
     dispatcher.start()
     try:
-        while lifeline not in wait([connection, lifeline]):
-            request: _Request = connection.recv()
-            if request is None:
-                dispatcher.wake()
-            else:
-                dispatcher.reuse_task(*request)
-    except (EOFError, ConnectionResetError):
-        pass
+        os.read(lifeline, 1)
     finally:
         dispatcher.stop()
         store.close()

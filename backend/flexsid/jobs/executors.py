@@ -1,28 +1,86 @@
-"""Choice of the executor: local worker processes or a Dask cluster."""
+"""Executor of tasks: what local worker processes and a Dask cluster share."""
 
 from __future__ import annotations
 
-from flexsid.jobs.dispatcher import Workers
-from flexsid.jobs.local import LocalWorkers
+import queue
+from abc import ABC, abstractmethod
+from contextlib import suppress
+from typing import Any, Generic, TypeVar
+
+from flexsid.jobs.messages import Key, ProgressMessage, WorkerMessage
 from flexsid.jobs.worker import LoadKinds
 
+Running = TypeVar("Running")
 
-def make_workers(
-    load_kinds: LoadKinds, dask: str | None = None, count: int | None = None
-) -> Workers:
-    """Return the workers of a Dask cluster, or worker processes of this computer.
+
+class Workers(ABC, Generic[Running]):
+    """Executor of tasks, each in a process of its own, whose messages arrive on other threads.
+
+    All methods except ``wake`` must be called from one thread.
 
     Parameters
     ----------
     load_kinds
         Function that returns the kinds of jobs, in every worker.
-    dask
-        Address of a Dask scheduler.
-    count
-        Number of processes of this computer; default: one less than the number of cores.
+    location
+        Where the workers are.
     """
-    if dask is None:
-        return LocalWorkers(load_kinds, count)
-    from flexsid.jobs.cluster import ClusterWorkers
 
-    return ClusterWorkers(load_kinds, dask)
+    def __init__(self, load_kinds: LoadKinds, location: str) -> None:
+        self.location = location
+        self.count = 0
+        self._load_kinds = load_kinds
+        self._tasks: dict[Key, Running] = {}
+        self._messages: queue.SimpleQueue[tuple[Key, WorkerMessage] | None] = queue.SimpleQueue()
+
+    @property
+    def keys(self) -> set[Key]:
+        """Keys of the running tasks."""
+        return set(self._tasks)
+
+    @property
+    def free_slots(self) -> int:
+        """Number of further tasks that can start now."""
+        return self.count - len(self._tasks)
+
+    @property
+    def extra_slots(self) -> int:
+        """Number of tasks that can start beyond, for analysts without a running job."""
+        return 0
+
+    @property
+    def absent_s(self) -> float:
+        """Time for which there has been no worker. [s]"""
+        return 0.0
+
+    def warm_up(self) -> None:
+        """Prepare for the next task."""
+
+    @abstractmethod
+    def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
+        """Start a task; requires a free or extra slot."""
+
+    @abstractmethod
+    def cancel(self, key: Key) -> None:
+        """Stop a task; no further message of it follows."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Stop all tasks."""
+
+    def wait(self, timeout: float) -> list[tuple[Key, WorkerMessage]]:
+        """Return new messages of the running tasks; return at once after ``wake``."""
+        messages: list[tuple[Key, WorkerMessage]] = []
+        with suppress(queue.Empty):
+            message = self._messages.get(timeout > 0, timeout)
+            while True:
+                if message is not None and message[0] in self._tasks:
+                    messages.append(message)
+                    if not isinstance(message[1], ProgressMessage):
+                        del self._tasks[message[0]]
+                message = self._messages.get_nowait()
+        return messages
+
+    def wake(self) -> None:
+        """End ``wait``; may be called from any thread and from signal handlers."""
+        self._messages.put(None)

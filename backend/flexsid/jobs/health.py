@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.leadership import LEASE_TIMEOUT_S
@@ -55,52 +56,43 @@ class QueueHealth:
     def __init__(self, store: Store, is_starting: Callable[[], bool] = lambda: False) -> None:
         self._store = store
         self._is_starting = is_starting
-        self._seen: Lease | None = None
-        self._begun_at = self._renewed_at = time.monotonic()
-        self._free_since: float | None = None
+        self._lease: Lease | None = None
+        self._begun_at = self._changed_at = time.monotonic()
 
     def check(self) -> tuple[PartHealth, PartHealth]:
         """Return the state of the dispatcher and of the workers."""
         now = time.monotonic()
         lease, status = leases.read(self._store), leases.status(self._store)
         is_starting = now - self._begun_at < _START_S and self._is_starting()
-        if lease != self._seen or is_starting:
-            self._seen, self._renewed_at = lease, now
-        if lease.holder is not None:
-            self._free_since = None
-        elif self._free_since is None or is_starting:
-            self._free_since = now
-        dispatcher = self._dispatcher(lease, now)
+        if lease != self._lease or is_starting:
+            self._lease, self._changed_at = lease, now
+        dispatcher = _describe_dispatcher(lease, now - self._changed_at)
         if dispatcher.state is not PartState.OK or status is None:
             text = "Unknown: no dispatcher reports the workers."
             return dispatcher, PartHealth("workers", dispatcher.state, text)
-        return dispatcher, _workers(status)
-
-    def _dispatcher(self, lease: Lease, now: float) -> PartHealth:
-        if self._free_since is not None:
-            if now - self._free_since < _GRACE_S:
-                text = "Starting: jobs wait in the queue meanwhile."
-                return PartHealth("dispatcher", PartState.STARTING, text)
-            text = (
-                "No server dispatches jobs: they wait in the queue. Read the log of the"
-                " server and restart it."
-            )
-        elif now - self._renewed_at >= _STALLED_S:
-            text = (
-                f"The dispatcher has not responded for {now - self._renewed_at:.0f} s: jobs wait."
-                " Read the log of the server and restart it."
-            )
-        else:
-            return PartHealth("dispatcher", PartState.OK, "Dispatches jobs.")
-        return PartHealth("dispatcher", PartState.DEGRADED, text)
+        return dispatcher, _describe_workers(status)
 
 
-def _workers(status: dict[str, object]) -> PartHealth:
+def _describe_dispatcher(lease: Lease, unchanged_s: float) -> PartHealth:
+    """Describe the dispatcher by the time since the lease was last taken, renewed or released."""
+    text, state = "Dispatches jobs.", PartState.OK
+    if lease.holder is None and unchanged_s < _GRACE_S:
+        text, state = "Starting: jobs wait in the queue meanwhile.", PartState.STARTING
+    elif lease.holder is None:
+        text, state = "No server dispatches jobs: they wait in the queue.", PartState.DEGRADED
+    elif unchanged_s >= _STALLED_S:
+        text = f"The dispatcher has not responded for {unchanged_s:.0f} s: jobs wait."
+        state = PartState.DEGRADED
+    if state is PartState.DEGRADED:
+        text += " Read the log of the server and restart it."
+    return PartHealth("dispatcher", state, text)
+
+
+def _describe_workers(status: dict[str, Any]) -> PartHealth:
     count, location = status["workers"], status["location"]
+    away_s = status.get("without_workers_s", 0.0)  # not reported by earlier versions
     if count != 0:
         return PartHealth("workers", PartState.OK, f"{count} on {location}.")
-    away_s = status.get("without_workers_s", 0.0)
-    assert isinstance(away_s, float | int)
     text = (
         f"No worker has been available for {away_s:.0f} s ({location}): jobs wait in the queue."
         " Start the scheduler if it is not running, and at least one dask worker."

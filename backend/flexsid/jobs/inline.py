@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from flexsid.jobs.kind import Kind, build_job
-from flexsid.jobs.messages import ComputedMessage, FailedMessage, Report
+from flexsid.jobs.kind import Kind, build_job, fail_job
+from flexsid.jobs.messages import ComputedMessage, FailedMessage
 from flexsid.jobs.process_id import get_process_id, shorten_process_id
 from flexsid.jobs.worker import execute_task
 from flexsid.records.job import Job
-from flexsid.records.run import EstimationRun, RunState
+from flexsid.records.run import EstimationRun, ReportProgress, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_identity import add_hashes
-
-_log = logging.getLogger(__name__)
 
 Request = TypeVar("Request")
 
 
 def execute_run(
-    store: Store, requested: EstimationRun, kind: Kind[Any, Any], report: Report
+    store: Store, requested: EstimationRun, kind: Kind[Any, Any], report: ReportProgress
 ) -> EstimationRun:
     """Store a run, execute it at once and return it, succeeded or failed; see ``execute_job``."""
 
@@ -33,7 +30,7 @@ def execute_run(
 
 
 def execute_request(
-    store: Store, kind: Kind[Request, Any], request: Request, report: Report
+    store: Store, kind: Kind[Request, Any], request: Request, report: ReportProgress
 ) -> Job:
     """Return the job of an equal request that succeeded, or execute it; see ``execute_job``."""
     job = build_job(store, kind, request)
@@ -43,7 +40,9 @@ def execute_request(
     return execute_job(store, kind, lambda: queue.add_job(store, job).id or 0, report)
 
 
-def execute_job(store: Store, kind: Kind[Any, Any], add: Callable[[], int], report: Report) -> Job:
+def execute_job(
+    store: Store, kind: Kind[Any, Any], add: Callable[[], int], report: ReportProgress
+) -> Job:
     """Queue a job, execute it at once and return it, succeeded or failed.
 
     Parameters
@@ -72,12 +71,10 @@ def execute_job(store: Store, kind: Kind[Any, Any], add: Callable[[], int], repo
         if not isinstance(ended, FailedMessage):
             ended = execute_task(kind.compute, ended, report, worker)
         if isinstance(ended, ComputedMessage):
-            ended = kind.save_outcome(store, job, ended)
+            kind.save_outcome(store, job, ended)
+        else:
+            fail_job(store, job, ended)
     except KeyboardInterrupt:
         queue.request_cancel(store, job_id)
         raise
-    if isinstance(ended, FailedMessage):
-        if ended.trace:
-            _log.error("job %d:\n%s", job_id, ended.trace)
-        queue.fail(store, job_id, job.attempt, ended.code, ended.message, worker)
     return store.jobs.get(job_id)

@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 from flexsid.errors import Conflict
-from flexsid.jobs.messages import (
-    ComputedMessage,
-    FailedMessage,
-    Report,
-    describe_error,
-)
+from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
 from flexsid.records.job import Job
-from flexsid.records.run import RunState
+from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, encode
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.software_versions import METHODS, read_versions
 
+_log = logging.getLogger(__name__)
+
 Request = TypeVar("Request")
 Result = TypeVar("Result")
-Save = Callable[[Store, Job, Any, str], object]
+Save = Callable[[Store, Job, Any, Any], object]
 
 
-def save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
+def save_result(store: Store, job: Job, request: object, outcome: object) -> None:
     """End a job with a result in the table.
 
     Raises
@@ -36,18 +34,18 @@ def save_result(store: Store, job: Job, outcome: object, worker: str) -> None:
         If the job was cancelled or started again.
     """
     assert job.id is not None
-    queue.finish_job(store, job.id, job.attempt, encode(outcome), read_versions(), worker)
+    queue.finish_job(store, job.id, job.attempt, encode(outcome), read_versions(), job.worker)
 
 
-def save_records(add: Callable[[Store, Job, Any, str], object]) -> Save:
+def save_records(add: Save) -> Save:
     """Return a function that stores the records of an outcome and ends its job, or neither.
 
     ``add`` stores the records and returns the result in the table.
     """
 
-    def save(store: Store, job: Job, outcome: object, worker: str) -> None:
+    def save(store: Store, job: Job, request: object, outcome: object) -> None:
         with store.transaction():
-            save_result(store, job, add(store, job, outcome, worker), worker)
+            save_result(store, job, request, add(store, job, request, outcome))
 
     return save
 
@@ -69,8 +67,8 @@ class Kind(Generic[Request, Result]):
     compute
         Pure function of the task, which reports its progress.
     save
-        Stores the outcome of one attempt with the name of its worker, and ends the job; by
-        default the outcome is the result in the table.
+        Stores the outcome of one attempt of a job with its request, and ends the job; by default
+        the outcome is the result in the table.
     result
         Type of the result in the table; None if it is stored elsewhere.
     identify
@@ -84,7 +82,7 @@ class Kind(Generic[Request, Result]):
     label: str
     request: type[Request]
     prepare: Callable[[Store, Job, Request], Any]
-    compute: Callable[[Any, Report], Any]
+    compute: Callable[[Any, ReportProgress], Any]
     save: Save = save_result
     result: type[Result] | None = None
     identify: Callable[[Store, Request], tuple[object, ...]] | None = None
@@ -103,10 +101,8 @@ class Kind(Generic[Request, Result]):
         except Exception as error:
             return describe_error(error)
 
-    def save_outcome(
-        self, store: Store, job: Job, message: ComputedMessage
-    ) -> FailedMessage | None:
-        """Store the outcome of a job and end it; return the failure if that is not possible.
+    def save_outcome(self, store: Store, job: Job, message: ComputedMessage) -> None:
+        """Store the outcome of a job and end it; if that is not possible, the job fails.
 
         Raises
         ------
@@ -115,12 +111,12 @@ class Kind(Generic[Request, Result]):
         """
         try:
             with queue.storing_result(store, job):
-                self.save(store, job, message.outcome, message.worker)
+                job = replace(job, worker=message.worker)
+                self.save(store, job, self.read_request(job), message.outcome)
         except (queue.StaleAttempt, DatabaseUnavailable):
             raise
         except Exception as error:
-            return describe_error(error, message.worker)
-        return None
+            fail_job(store, job, describe_error(error, message.worker))
 
     def read_result(self, job: Job) -> Result:
         """Return the result of a job that succeeded."""
@@ -128,8 +124,15 @@ class Kind(Generic[Request, Result]):
         return decode(self.result, job.result)
 
 
+def fail_job(store: Store, job: Job, failure: FailedMessage) -> None:
+    """End a job that failed; the trace of an internal error is written to the log."""
+    assert job.id is not None
+    if failure.trace:
+        _log.error("job %d, attempt %d:\n%s", job.id, job.attempt, failure.trace)
+    queue.fail(store, job.id, job.attempt, failure.code, failure.message, failure.worker or None)
+
+
 Kinds = Mapping[str, Kind[Any, Any]]
-LoadKinds = Callable[[], Kinds]
 
 
 def build_job(

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from dataclasses import dataclass
+from typing import Any
 
 from flexsid.jobs.kind import Kind, Kinds, save_records
-from flexsid.jobs.messages import Report
-from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification
-from flexsid.records.quality import ManeuverQuality
+from flexsid.records.run import ReportProgress
 from flexsid.records.transfer_function import TransferFunctionResult
 from flexsid.records.validation import (
     AerodynamicsComparison,
@@ -38,14 +36,13 @@ from flexsid.workflow.excitation import (
 from flexsid.workflow.flutter import closed_loop, flutter_analysis, flutter_models
 from flexsid.workflow.flutter import predicted_flutter as of_prediction
 from flexsid.workflow.global_model import computation, estimates
-from flexsid.workflow.importing import flight_import, parsed_files, remembered_columns, uploads
+from flexsid.workflow.importing import remembered_columns, uploads
 from flexsid.workflow.measurements import reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test
 from flexsid.workflow.quality import maneuver_quality
 from flexsid.workflow.review import database_backup, printed_reports
 from flexsid.workflow.runs import estimation
-from flexsid.workflow.runs.derived_runs import DerivedFit, renumber, store_derived_fits
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
 from flexsid.workflow.validation import (
@@ -55,26 +52,10 @@ from flexsid.workflow.validation import (
     posterior_check,
 )
 
-Result = TypeVar("Result")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EstimationRequest:
     """Empty: the request of an estimation is its run, which has the id of the job."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StructureSearchRequest:
-    """The search, which is stored with its result."""
-
-    search_id: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class QualityRequest:
-    """Maneuver whose data quality is to be assessed."""
-
-    maneuver_id: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,34 +66,27 @@ class SnapshotTask:
     request: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Derived(Generic[Result]):
-    """A result that rests on refits, and those of them that are not stored yet."""
-
-    result: Result
-    fits: tuple[DerivedFit, ...]
-
-
 def _in_snapshot(
-    compute: Callable[[Store, Any, Report], Any],
-) -> Callable[[SnapshotTask, Report], Any]:
+    compute: Callable[[Store, Any, ReportProgress], Any],
+) -> Callable[[SnapshotTask, ReportProgress], Any]:
     """Return the computation of a task from that of its request in a store."""
     return lambda task, report: compute(open_snapshot(task.snapshot), task.request, report)
 
 
-def _of_design(
-    compute: Callable[[Store, ExcitationDesign, Any, Report], Any],
-) -> Callable[[SnapshotTask, Report], Any]:
-    """Return the computation of a task from that of its request with its design."""
-    return _in_snapshot(
-        lambda store, query, report: compute(
-            store, store.designs.get(query.design_id), query, report
-        )
-    )
-
-
 def _send_run(store: Store, job: Job, query: Any) -> SnapshotTask:
     return SnapshotTask(take_snapshot(store, run_ids=(query.run_id,)), query)
+
+
+def _send_fused_runs(store: Store, job: Job, query: Any) -> SnapshotTask:
+    run_ids = (*query.run_ids, *find_derived_runs(store, query.run_ids))
+    return SnapshotTask(take_snapshot(store, run_ids=run_ids), query)
+
+
+def _send_predicted_maneuvers(
+    store: Store, job: Job, query: cross_prediction.CrossPredictionQuery
+) -> SnapshotTask:
+    maneuver_ids = cross_prediction.list_maneuver_ids(store, query)
+    return SnapshotTask(take_snapshot(store, maneuver_ids, query.run_ids), query)
 
 
 def _send_maneuver(store: Store, job: Job, query: Any) -> SnapshotTask:
@@ -123,62 +97,6 @@ def _send_design(store: Store, job: Job, query: Any) -> SnapshotTask:
     runs = (query.run_id, getattr(query, "other_run_id", None))
     run_ids = tuple(number for number in runs if number is not None)
     return SnapshotTask(take_snapshot(store, (), run_ids, (query.design_id,)), query)
-
-
-def _send_flutter_runs(store: Store, run_ids: tuple[int, ...], query: object) -> SnapshotTask:
-    snapshot = take_snapshot(store, run_ids=(*run_ids, *find_derived_runs(store, run_ids)))
-    return SnapshotTask(snapshot, query)
-
-
-def _compute_flutter(
-    store: Store, query: flutter_models.FlutterQuery, report: Report
-) -> Derived[FlutterResult]:
-    models = flutter_models.fuse_runs(store, query, report)
-    return Derived(flutter_analysis.compute_flutter(store, models, report), models.new_fits)
-
-
-def _store_flutter(
-    store: Store, job: Job, outcome: Derived[FlutterResult], worker: str
-) -> FlutterResult:
-    stored = store_derived_fits(store, outcome.fits, job, worker)
-    flutter = outcome.result.flutter
-    flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, stored))
-    return replace(outcome.result, flutter=flutter)
-
-
-def _compute_closed_loop(
-    store: Store, query: closed_loop.ClosedLoopQuery, report: Report
-) -> Derived[ClosedLoop]:
-    models = flutter_models.fuse_runs(store, query.flutter, report)
-    found = closed_loop.analyse_closed_loop(store, models, query.controller_id, report)
-    return Derived(found, models.new_fits)
-
-
-def _store_closed_loop(
-    store: Store, job: Job, outcome: Derived[ClosedLoop], worker: str
-) -> ClosedLoop:
-    stored = store_derived_fits(store, outcome.fits, job, worker)
-    return replace(outcome.result, derived_runs=renumber(outcome.result.derived_runs, stored))
-
-
-def _identify_closed_loop(store: Store, query: closed_loop.ClosedLoopQuery) -> tuple[object, ...]:
-    closed_loop.refuse_shaped_runs(store, query.flutter.run_ids)
-    controller = store.controllers.get(query.controller_id)
-    return *flutter_models.identify_query(store, query.flutter), controller
-
-
-def _store_simulation(
-    store: Store, job: Job, outcome: preflight_simulation.SimulatedManeuver, worker: str
-) -> dict[str, int | None]:
-    request = SIMULATION.read_request(job)
-    stored = preflight_simulation.store_simulation(store, request, outcome, job.author)
-    return {"simulation_id": stored.id, "run_id": stored.run_id}
-
-
-def _store_optimal_design(
-    store: Store, job: Job, outcome: optimal_designs.FoundDesign, worker: str
-) -> optimal_designs.OptimalDesign:
-    return replace(outcome.gain, optimal_design_id=store.designs.add(outcome.design).id or 0)
 
 
 def _identify_reconstruction(
@@ -196,47 +114,25 @@ def _identify_transfer_function(
     return list_run_contents(store, (), (query.maneuver_id,))
 
 
-def _assess_quality(store: Store, request: QualityRequest, report: Report) -> ManeuverQuality:
-    maneuver = store.maneuvers.get(request.maneuver_id)
-    content = maneuver_quality.compute_content_hash(store, maneuver)
-    return maneuver_quality.assess_maneuver(store, maneuver, content)
-
-
-def _store_import(
-    store: Store, job: Job, outcome: parsed_files.ParsedUpload, worker: str
-) -> dict[str, int | None]:
-    request = IMPORT.read_request(job)
-    stored = flight_import.store_upload(
-        store, outcome, request.aircraft_id, confirmed=request.confirmed
-    )
-    return {
-        "maneuver_id": None if stored.maneuver is None else stored.maneuver.id,
-        "flight_id": None if stored.flight is None else stored.flight.id,
-        "n_channels": len(outcome.channels),
-    }
-
-
 RUN = Kind(
     name=ESTIMATION,
     label="Estimation",
     request=EstimationRequest,
     prepare=lambda store, job, request: estimation.prepare(store, store.runs.get(job.id or 0)),
     compute=estimation.compute_run,
-    save=lambda store, job, outcome, worker: estimation.store_result(
-        store, job.id or 0, job.attempt, outcome, worker
+    save=lambda store, job, request, outcome: estimation.store_result(
+        store, job.id or 0, job.attempt, outcome, job.worker or ""
     ),
 )
 SEARCH = Kind(
     name=queue.SEARCH,
     label="Model structure search",
-    request=StructureSearchRequest,
+    request=searches.StructureSearchRequest,
     prepare=lambda store, job, request: searches.prepare_search(
         store, store.searches.get(request.search_id)
     ),
     compute=searches.compute_search,
-    save=lambda store, job, outcome, worker: searches.store_search_result(
-        store, SEARCH.read_request(job).search_id, job.attempt, outcome, worker
-    ),
+    save=save_records(searches.store_search_result),
 )
 DESIGN = Kind(
     name="excitation-design",
@@ -245,7 +141,7 @@ DESIGN = Kind(
     prepare=lambda store, job, request: request,
     compute=excitation_designs.compute_design,
     save=save_records(
-        lambda store, job, outcome, worker: {"design_id": store.designs.add(outcome).id}
+        lambda store, job, order, outcome: {"design_id": store.designs.add(outcome).id}
     ),
 )
 SIMULATION = Kind(
@@ -253,16 +149,16 @@ SIMULATION = Kind(
     label="Pre-flight simulation",
     request=preflight_simulation.SimulationRequest,
     prepare=_send_design,
-    compute=_of_design(preflight_simulation.simulate_design),
-    save=save_records(_store_simulation),
+    compute=_in_snapshot(preflight_simulation.simulate_design),
+    save=save_records(preflight_simulation.store_simulation),
 )
 FLUTTER = Kind(
     name="flutter-prediction",
     label="Flutter prediction",
     request=flutter_models.FlutterQuery,
-    prepare=lambda store, job, query: _send_flutter_runs(store, query.run_ids, query),
-    compute=_in_snapshot(_compute_flutter),
-    save=save_records(_store_flutter),
+    prepare=_send_fused_runs,
+    compute=_in_snapshot(flutter_analysis.compute_flutter),
+    save=save_records(flutter_analysis.store_flutter),
     result=FlutterResult,
     identify=flutter_models.identify_query,
 )
@@ -279,11 +175,11 @@ CLOSED_LOOP = Kind(
     name="closed-loop",
     label="Closed-loop stability",
     request=closed_loop.ClosedLoopQuery,
-    prepare=lambda store, job, query: _send_flutter_runs(store, query.flutter.run_ids, query),
-    compute=_in_snapshot(_compute_closed_loop),
-    save=save_records(_store_closed_loop),
+    prepare=_send_fused_runs,
+    compute=_in_snapshot(closed_loop.compute_closed_loop),
+    save=save_records(closed_loop.store_closed_loop),
     result=ClosedLoop,
-    identify=_identify_closed_loop,
+    identify=closed_loop.identify_closed_loop,
 )
 GLOBAL_MODEL = Kind(
     name="global-model",
@@ -298,9 +194,7 @@ CROSS_PREDICTION = Kind(
     name="cross-prediction",
     label="Cross-prediction",
     request=cross_prediction.CrossPredictionQuery,
-    prepare=lambda store, job, query: SnapshotTask(
-        take_snapshot(store, cross_prediction.list_maneuver_ids(store, query), query.run_ids), query
-    ),
+    prepare=_send_predicted_maneuvers,
     compute=_in_snapshot(cross_prediction.compute_cross_predictions),
     result=CrossPredictionMatrix,
     identify=cross_prediction.identify_cross_prediction,
@@ -337,11 +231,7 @@ PREDICTED_ACCURACY = Kind(
     label="Predicted accuracy",
     request=predicted_accuracy.DesignQuery,
     prepare=_send_design,
-    compute=_of_design(
-        lambda store, design, query, report: predicted_accuracy.predict_accuracy(
-            store, design, query.run_id, query.level
-        )
-    ),
+    compute=_in_snapshot(predicted_accuracy.predict_accuracy),
     result=predicted_accuracy.PredictedAccuracy,
     identify=predicted_accuracy.identify_design_query,
 )
@@ -350,11 +240,7 @@ INPUT_COMPARISON = Kind(
     label="Comparison with classic inputs",
     request=predicted_accuracy.DesignQuery,
     prepare=_send_design,
-    compute=_of_design(
-        lambda store, design, query, report: classic_inputs.compare_inputs(
-            store, design, query.run_id, query.level
-        )
-    ),
+    compute=_in_snapshot(classic_inputs.compare_inputs),
     result=classic_inputs.InputComparison,
     identify=predicted_accuracy.identify_design_query,
 )
@@ -363,11 +249,7 @@ AMPLITUDES = Kind(
     label="Amplitude optimisation",
     request=amplitude_optimisation.AmplitudeQuery,
     prepare=_send_design,
-    compute=_of_design(
-        lambda store, design, query, report: amplitude_optimisation.optimise_amplitudes(
-            store, design, query.run_id, query.level, query.deflection, query.load_factor
-        )
-    ),
+    compute=_in_snapshot(amplitude_optimisation.optimise_amplitudes),
     result=amplitude_optimisation.OptimisedAmplitudes,
     identify=predicted_accuracy.identify_design_query,
 )
@@ -376,8 +258,8 @@ OPTIMAL_DESIGN = Kind(
     label="Optimal design",
     request=optimal_designs.OptimalDesignQuery,
     prepare=_send_design,
-    compute=_of_design(optimal_designs.compute_optimal_design),
-    save=save_records(_store_optimal_design),
+    compute=_in_snapshot(optimal_designs.compute_optimal_design),
+    save=save_records(optimal_designs.store_optimal_design),
     result=optimal_designs.OptimalDesign,
     identify=optimal_designs.identify_optimal_design,
 )
@@ -386,7 +268,7 @@ RECONSTRUCTION = Kind(
     label="Motion reconstruction",
     request=reconstruction.ReconstructionQuery,
     prepare=_send_maneuver,
-    compute=_in_snapshot(lambda store, query, report: reconstruction.reconstruct(store, query)),
+    compute=_in_snapshot(reconstruction.reconstruct),
     result=Reconstruction,
     identify=_identify_reconstruction,
 )
@@ -406,18 +288,18 @@ MODES = Kind(
     label="Mode identification",
     request=ground_vibration_test.ModeSearch,
     prepare=lambda store, job, search: ground_vibration_test.prepare_mode_search(store, search),
-    compute=lambda task, report: ground_vibration_test.find_modes(task),
+    compute=ground_vibration_test.find_modes,
     result=ModeIdentification,
     identify=ground_vibration_test.identify_mode_search,
 )
 QUALITY = Kind(
     name="quality-assessment",
     label="Quality assessment",
-    request=QualityRequest,
+    request=maneuver_quality.QualityRequest,
     prepare=_send_maneuver,
-    compute=_in_snapshot(_assess_quality),
+    compute=_in_snapshot(maneuver_quality.assess_maneuver),
     save=save_records(
-        lambda store, job, outcome, worker: {
+        lambda store, job, request, outcome: {
             "verdict": maneuver_quality.store_quality(store, outcome).verdict.value
         }
     ),
@@ -429,19 +311,15 @@ PREDICTION = Kind(
     request=computed_predictions.PredictionRequest,
     prepare=lambda store, job, request: computed_predictions.prepare_prediction(store, request),
     compute=computed_predictions.compute_prediction,
-    save=save_records(
-        lambda store, job, outcome, worker: {
-            "prediction_id": computed_predictions.store_computed_prediction(store, outcome).id
-        }
-    ),
+    save=save_records(computed_predictions.store_computed_prediction),
 )
 IMPORT = Kind(
     name=remembered_columns.IMPORT_KIND,
     label="Import",
     request=uploads.ImportRequest,
     prepare=lambda store, job, request: uploads.prepare_import(store, request),
-    compute=lambda task, report: uploads.compute_import(task),
-    save=save_records(_store_import),
+    compute=uploads.compute_import,
+    save=save_records(uploads.store_import),
 )
 REPORT = Kind(
     name="report",
@@ -449,11 +327,7 @@ REPORT = Kind(
     request=printed_reports.ReportRequest,
     prepare=printed_reports.prepare_printing,
     compute=printed_reports.print_report,
-    save=save_records(
-        lambda store, job, outcome, worker: printed_reports.store_printed_report(
-            store, REPORT.read_request(job), outcome
-        )
-    ),
+    save=save_records(printed_reports.store_printed_report),
     result=printed_reports.PrintedReport,
     identify=lambda store, request: (),  # the document is named by its content
 )

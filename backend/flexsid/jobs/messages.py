@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.records.run import Progress
-
-Report = Callable[[Progress], None]
-"""Reports the progress of a task."""
 
 Key = tuple[int, int]
 """Id of a job and number of its attempt."""

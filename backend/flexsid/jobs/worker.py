@@ -18,33 +18,21 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
     ProgressMessage,
-    Report,
     describe_error,
 )
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 
 _NICE = 5  # requests of pages have priority over computation in the background
 _PROGRESS_S = 0.2  # iterations may take a millisecond
 
-Compute = Callable[[Any, Report], Any]
-
-
-class Computable(Protocol):
-    """A kind of job, as far as a worker uses it."""
-
-    @property
-    def compute(self) -> Compute:
-        """Pure function of a task."""
-        ...
-
-
-LoadKinds = Callable[[], Mapping[str, Computable]]
+LoadKinds = Callable[[], Mapping[str, Any]]
+"""Returns the kinds of jobs by name, of which a worker uses ``compute`` alone."""
 
 
 def main(arguments: list[str]) -> None:
@@ -87,7 +75,7 @@ def work(connection: Connection) -> None:
 
 
 def execute_task(
-    compute: Compute, task: Any, report: Report, worker: str
+    compute: Callable[[Any, ReportProgress], Any], task: Any, report: ReportProgress, worker: str
 ) -> ComputedMessage | FailedMessage:
     """Compute a task; exceptions become messages."""
     try:
@@ -96,7 +84,7 @@ def execute_task(
         return describe_error(error, worker)
 
 
-def _make_reporter(connection: Connection) -> Report:
+def _make_reporter(connection: Connection) -> ReportProgress:
     """Return a function that sends progress, at most every ``_PROGRESS_S``."""
     sent_at = -_PROGRESS_S
 

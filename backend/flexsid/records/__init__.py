@@ -5,6 +5,6 @@ from __future__ import annotations
 import math
 
 
-def finite_or_none(value: float) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """Return a finite number as float, else None, since JSON has neither NaN nor infinity."""
-    return float(value) if math.isfinite(value) else None
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -47,10 +47,20 @@ class LoopChecks:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedError:
+    """A derivative of a model and its predicted standard error under a design."""
+
+    name: str
+    value: float
+    std_error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PreflightSimulation:
     """Design, amplitude, model and controller of a pre-flight simulation, with its run.
 
-    ``checks`` is None for simulations before they were recorded.
+    ``checks`` and ``expected`` are None for simulations before they were recorded, ``expected``
+    also for designs too large to predict or that do not determine all derivatives.
     """
 
     design_id: int
@@ -60,5 +70,6 @@ class PreflightSimulation:
     maneuver_id: int
     run_id: int
     checks: LoopChecks | None = None
+    expected: tuple[ExpectedError, ...] | None = None
     created_at: datetime | None = None
     id: int | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
@@ -136,6 +137,10 @@ class Progress:
     cost: float | None = None
     fraction: float = 0.0
     message: str = ""
+
+
+ReportProgress = Callable[[Progress], None]
+"""Reports the progress of a computation; may raise to stop it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

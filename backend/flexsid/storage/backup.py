@@ -6,13 +6,12 @@ import json
 import logging
 import sqlite3
 import tempfile
-from collections.abc import Callable
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import DatabaseUnavailable, new_file
@@ -24,9 +23,7 @@ BACKUP = "backup"
 _log = logging.getLogger(__name__)
 
 
-def backup(
-    url: str, target: Path, report: Callable[[Progress], None] = lambda progress: None
-) -> int:
+def backup(url: str, target: Path, report: ReportProgress = lambda progress: None) -> int:
     """Copy a consistent state of a database into a new file, and check the copy.
 
     Parameters

@@ -296,6 +296,7 @@ preflight_simulations = table(
     refers_to("maneuver_id", "maneuvers", ondelete="CASCADE"),
     refers_to("run_id", "runs", ondelete="CASCADE"),
     json("checks", required=False),
+    json("expected", required=False),
     moment("created_at"),
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from flexsid.errors import BadInput, Conflict
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.run import EstimationRun, Progress, RunResult
+from flexsid.records.run import EstimationRun, ReportProgress, RunResult
 from flexsid.storage.snapshot import open_snapshot
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
@@ -48,7 +48,7 @@ class Recomputation:
 
 
 def recompute_capsule(
-    capsule: Capsule, report: Callable[[Progress], None] = lambda progress: None
+    capsule: Capsule, report: ReportProgress = lambda progress: None
 ) -> Recomputation:
     """Compute the run of a capsule again, and compare all numbers of its result.
 

@@ -13,7 +13,7 @@ from flexsid.api.context import TheContext
 from flexsid.api.requests import AssessRequest
 from flexsid.api.responses import Assessing, QualityList
 from flexsid.api.serialization import After, Json, Limit, describe_sort, read_query
-from flexsid.jobs.kinds import QUALITY, QualityRequest
+from flexsid.jobs.kinds import QUALITY
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.storage import job_list, queue
@@ -27,6 +27,7 @@ from flexsid.storage.quality_list import (
     select_qualities,
 )
 from flexsid.storage.store import Store
+from flexsid.workflow.quality.maneuver_quality import QualityRequest
 
 router = APIRouter(prefix="/quality", tags=["quality"])
 

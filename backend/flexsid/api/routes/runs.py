@@ -80,11 +80,11 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
         run = body.make_run(structure=structure, structure_version=version, author=author)
         run = attach_proposal_basis(store, body.apply_template(store, run))
     run = add_default_priors(store, run)
-    task = estimation.prepare(store, run)
+    estimation.prepare(store, run)  # refused at once, not as a job
     stored, is_new = batches.add_once(store, add_hashes(store, run))
     assert stored.id is not None
     if is_new:
-        context.dispatcher.reuse_task(stored.id, task)
+        context.dispatcher.wake()
     location = {"Location": f"/api/v1/jobs/{stored.id}"}
     code = 202 if is_new else 200
     return Json(build_run_response(store, stored, repeated=not is_new), code, location)

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.amplitude_optimisation import (
     optimise_amplitudes_d_optimal,
@@ -28,7 +29,11 @@ _SIGNIFICANT = 4.0  # standard errors from zero, from which a relative error is 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AmplitudeQuery(DesignQuery):
-    """A design, a run, and limits of deflection [rad] and load factor [g]."""
+    """A design, a run, and limits, by default those of the design.
+
+    ``deflection`` is the largest of any surface, feedback included [rad], and ``load_factor`` the
+    largest change at the centre of gravity [g].
+    """
 
     deflection: float | None = None
     load_factor: float | None = None
@@ -72,23 +77,9 @@ class OptimisedAmplitudes:
 
 
 def optimise_amplitudes(
-    store: Store,
-    design: ExcitationDesign,
-    run_id: int,
-    level: int = 0,
-    deflection: float | None = None,
-    load_factor: float | None = None,
+    store: Store, query: AmplitudeQuery, report: ReportProgress
 ) -> OptimisedAmplitudes:
     """Optimise amplitudes for the model of a run and predict the standard errors of derivatives.
-
-    Parameters
-    ----------
-    store, design, run_id, level
-        Design and one of its amplitudes; run with the model and noise.
-    deflection
-        Largest of any surface, feedback included; that of the design by default. [rad]
-    load_factor
-        Largest change at the centre of gravity; that of the design by default. [g]
 
     Raises
     ------
@@ -97,25 +88,30 @@ def optimise_amplitudes(
     OptimisationFailed
         If the optimiser fails.
     """
-    at = load_prediction_model(store, run_id)
-    flat = at.predict(design, level)
-    given = np.array([load_factor if n == LOAD_FACTOR else deflection for n in flat.limited], float)
+    at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
+    flat = at.predict(design, query.level)
+    given = [query.load_factor if n == LOAD_FACTOR else query.deflection for n in flat.limited]
+    given = np.array(given, float)
     limits = np.where(np.isnan(given), _find_peaks(flat), given)
     counts = _find_significant(at)
     if not counts.any():
         raise BadInput(
-            f"no derivative of run {run_id} exceeds {_SIGNIFICANT:g} standard errors; select a more"
-            " accurate run",
+            f"no derivative of run {query.run_id} exceeds {_SIGNIFICANT:g} standard errors;"
+            " select a more accurate run",
             code="no-significant-derivative",
         )
+    report(Progress(fraction=0.3, message="Optimising amplitudes"))
     gains = {
         "flat": np.ones(len(flat.inputs)),
         "minimax": optimise_amplitudes_minimax(flat, limits, counts),
         "d_optimal": optimise_amplitudes_d_optimal(flat, limits),
     }
-    predicted = {name: _predict_scaled(at, design, level, flat, g) for name, g in gains.items()}
+    report(Progress(fraction=0.6, message="Predicting standard errors"))
+    predicted = {
+        name: _predict_scaled(at, design, query.level, flat, g) for name, g in gains.items()
+    }
     std_errors = {name: at.compute_std_errors(one) for name, one in predicted.items()}
-    multisine = build_multisine(design, level)
+    multisine = build_multisine(design, query.level)
     period = (
         np.arange(round(design.specification.duration_s * design.specification.rate_hz))
         / design.specification.rate_hz

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexsid.errors import NotIdentifiable
 from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import (
     LOAD_FACTOR,
@@ -19,7 +20,11 @@ from flexsid.sysid.estimation.fisher_information import (
 from flexsid.sysid.excitation.classic_inputs import KINDS, design_classic_input, pulse_lengths
 from flexsid.sysid.signals import TimeHistory
 from flexsid.workflow.excitation.excitation_designs import build_multisine
-from flexsid.workflow.excitation.predicted_accuracy import PredictionModel, load_prediction_model
+from flexsid.workflow.excitation.predicted_accuracy import (
+    DesignQuery,
+    PredictionModel,
+    load_prediction_model,
+)
 from flexsid.workflow.excitation.target_modes import find_band
 
 
@@ -50,23 +55,22 @@ class InputComparison:
     next: str | None = None
 
 
-def compare_inputs(
-    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
-) -> InputComparison:
+def compare_inputs(store: Store, query: DesignQuery, report: ReportProgress) -> InputComparison:
     """Predict standard errors under doublets, 3-2-1-1s and sweeps within the design's limits.
 
     Surfaces move in turn, in the design's duration and band, at the largest amplitude at which
     neither the peak deflection nor the load factor of the design is exceeded. Of six pulse
     lengths the one with the smallest confidence ellipsoid is taken.
     """
-    at = load_prediction_model(store, run_id)
-    information = at.predict(design, level)
-    multisine, rate = build_multisine(design, level), design.specification.rate_hz
+    at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
+    information = at.predict(design, query.level)
+    multisine, rate = build_multisine(design, query.level), design.specification.rate_hz
     command = multisine.sample(np.arange(round(multisine.period_s * rate)) / rate)
     count = len(at.derivatives)
     rows = [_summarise("multisine", None, information, command, rate, count)]
     peaks = dict(zip(multisine.inputs, np.abs(command).max(axis=0).tolist(), strict=True))
-    for kind in KINDS:
+    for k, kind in enumerate(KINDS):
+        report(Progress(fraction=(k + 1) / (len(KINDS) + 1), message=f"Predicting {kind}"))
         rows.append(_find_best(at, design, kind, peaks, information, count))
     return InputComparison(
         names=information.names[:count],

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.records.views import DesignedExcitation
 from flexsid.sysid.excitation import designer, export
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
@@ -264,7 +263,7 @@ class DesignOrder:
     note: str = ""
 
 
-def compute_design(order: DesignOrder, report: Callable[[Progress], None]) -> ExcitationDesign:
+def compute_design(order: DesignOrder, report: ReportProgress) -> ExcitationDesign:
     """Search the phases of a specification; nothing is stored."""
 
     def report_best(name: str, best: float, fraction: float) -> None:

@@ -11,7 +11,8 @@ from scipy import linalg, optimize
 
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.run import Progress
+from flexsid.records.job import Job
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
 from flexsid.sysid.estimation.power_optimisation import (
@@ -194,10 +195,7 @@ def identify_optimal_design(store: Store, query: OptimalDesignQuery) -> tuple[ob
 
 
 def compute_optimal_design(
-    store: Store,
-    design: ExcitationDesign,
-    query: OptimalDesignQuery,
-    report: Callable[[Progress], None],
+    store: Store, query: OptimalDesignQuery, report: ReportProgress
 ) -> FoundDesign:
     """Optimise the powers of a design's harmonics for an objective, and search their phases.
 
@@ -210,7 +208,7 @@ def compute_optimal_design(
     OptimisationFailed
         If the optimum is not reached.
     """
-    at = load_prediction_model(store, query.run_id)
+    at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
     multisine = build_multisine(design, query.level)
     standard = at.predict(design, query.level)
     own = _find_peaks(standard, multisine.period_s)
@@ -265,6 +263,13 @@ def compute_optimal_design(
         ),
     )
     return FoundDesign(replace(made, note=note), gain)
+
+
+def store_optimal_design(
+    store: Store, job: Job, query: OptimalDesignQuery, found: FoundDesign
+) -> OptimalDesign:
+    """Store an optimal design, and return its gain with its id."""
+    return replace(found.gain, optimal_design_id=store.designs.add(found.design).id or 0)
 
 
 def _build_prior(store: Store, at: PredictionModel, query: OptimalDesignQuery) -> np.ndarray:
@@ -412,7 +417,7 @@ def _search_phases(
     design: ExcitationDesign,
     multisine: Multisine,
     powers: np.ndarray,
-    report: Callable[[Progress], None],
+    report: ReportProgress,
 ) -> ExcitationDesign:
     """Search the phases of optimal powers; the relative peaks are those of the powers."""
     ends = np.cumsum([tones.harmonics.size for tones in multisine.tones.values()])[:-1]

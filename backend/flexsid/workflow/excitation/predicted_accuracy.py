@@ -9,8 +9,8 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.run import EstimationRun, Method, Pole
+from flexsid.records.excitation import ExcitationDesign, ExpectedError
+from flexsid.records.run import EstimationRun, Method, Pole, Progress, ReportProgress
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import (
@@ -47,15 +47,6 @@ from flexsid.workflow.runs.run_identity import list_run_contents
 
 _LEAST_HARMONICS = 5  # about a mode's frequency, for its signal-to-noise ratio
 _EXCITING = 5.0  # half-power half-widths: further away a mode responds with a fifth of its peak
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExpectedError:
-    """A derivative of a model and its predicted standard error under a design."""
-
-    name: str
-    value: float
-    std_error: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,42 +141,29 @@ def identify_design_query(store: Store, query: DesignQuery) -> tuple[object, ...
     return design, *list_run_contents(store, (query.run_id,))
 
 
-def predict_accuracy(
-    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
-) -> PredictedAccuracy:
+def predict_accuracy(store: Store, query: DesignQuery, report: ReportProgress) -> PredictedAccuracy:
     """Predict the standard errors of a run's derivatives and its response under a design.
+
+    Standard errors are Cramer-Rao bounds. Model, condition and free parameters are the run's;
+    surfaces respond to commands as recorded there, and the noise is that of its residuals.
+    Amplitudes are in radians, and residuals not explained by the model are assumed not to grow
+    with them. Errors of the modal table, which no excitation reduces, are those of the run.
 
     Raises
     ------
     BadInput
         If the run is not of output error, or lacks inputs of the design.
     """
-    at = load_prediction_model(store, run_id)
-    information = at.predict(design, level)
+    at = load_prediction_model(store, query.run_id)
+    report(Progress(fraction=0.5, message="Predicting the information of every harmonic"))
+    information = at.predict(store.designs.get(query.design_id), query.level)
     return PredictedAccuracy(
-        errors=_collect_errors(at, information), response=_collect_response(at, information)
+        errors=collect_errors(at, information), response=_collect_response(at, information)
     )
 
 
-def predict_errors(
-    store: Store, design: ExcitationDesign, run_id: int, level: int = 0
-) -> ExpectedErrors:
-    """Predict the standard errors of a run's derivatives under a design (Cramer-Rao bounds).
-
-    Model, condition and free parameters are the run's; surfaces respond to commands as recorded
-    there, and the noise is that of its residuals. Amplitudes are in radians, and residuals not
-    explained by the model are assumed not to grow with them. Errors of the modal table, which no
-    excitation reduces, are those of the run.
-
-    Raises
-    ------
-    BadInput
-        If the run is not of output error, or lacks inputs of the design.
-    """
-    return predict_accuracy(store, design, run_id, level).errors
-
-
-def _collect_errors(at: PredictionModel, information: FisherInformation) -> ExpectedErrors:
+def collect_errors(at: PredictionModel, information: FisherInformation) -> ExpectedErrors:
+    """Collect the standard errors of derivatives, with the assumptions that they rest on."""
     omega = np.concatenate([spectra.omega for spectra in information.lines])
     return ExpectedErrors(
         items=tuple(

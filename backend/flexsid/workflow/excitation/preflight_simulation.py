@@ -7,19 +7,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
     ExcitationDesign,
+    ExpectedError,
     LoopChecks,
     PreflightSimulation,
     SurfaceUse,
 )
+from flexsid.records.job import Job
 from flexsid.records.maneuver import Channel, Excitation, Flight, Maneuver, Role
-from flexsid.records.run import EstimationRun, Progress, RunState, Start
+from flexsid.records.run import EstimationRun, Progress, ReportProgress, RunState, Start
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.checks import ActuatorLimits
+from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.simulation.loop_margins import compute_loop_margins
@@ -44,8 +47,8 @@ from flexsid.workflow.aircraft.aircraft_models import (
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
     PredictionModel,
+    collect_errors,
     load_prediction_model,
-    predict_errors,
 )
 from flexsid.workflow.flutter.controllers import interpolate_controller
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, find_or_add_flight
@@ -63,13 +66,16 @@ _LEVELS = ("low", "medium", "high")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulatedDerivative:
-    """A derivative: true value of the simulation, estimate, and predicted standard error."""
+    """A derivative: true value of the simulation, estimate, and predicted standard error.
+
+    ``expected`` is None where none was predicted, as in simulations before predictions were stored.
+    """
 
     name: str
     flown: float
     estimate: float
     std_error: float | None
-    expected: float
+    expected: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,13 +133,11 @@ class SimulatedManeuver:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     checks: LoopChecks
+    expected: tuple[ExpectedError, ...] | None
 
 
 def simulate_design(
-    store: Store,
-    design: ExcitationDesign,
-    request: SimulationRequest,
-    report: Callable[[Progress], None],
+    store: Store, request: SimulationRequest, report: ReportProgress
 ) -> SimulatedManeuver:
     """Simulate one amplitude of a design; nothing is stored.
 
@@ -146,6 +150,7 @@ def simulate_design(
         If the model lacks surfaces of the design, or the simulation diverges.
     """
     run_id, level, controller_id = request.run_id, request.level, request.controller_id
+    design = store.designs.get(request.design_id)
     at = load_prediction_model(store, run_id)
     if at.model.shape is not None:
         raise BadInput(
@@ -240,13 +245,32 @@ def simulate_design(
         + (f", {request.turbulence} turbulence" if lead else "")
         + _describe_imperfections(request),
     )
-    return SimulatedManeuver(maneuver, channels, rate, at.model.inputs, at.model.outputs, checks)
+    report(Progress(fraction=0.95, message="Predicting standard errors"))
+    return SimulatedManeuver(
+        maneuver=maneuver,
+        channels=channels,
+        rate_hz=rate,
+        inputs=at.model.inputs,
+        outputs=at.model.outputs,
+        checks=checks,
+        expected=_predict_errors(at, design, level),
+    )
+
+
+def _predict_errors(
+    at: PredictionModel, design: ExcitationDesign, level: int
+) -> tuple[ExpectedError, ...] | None:
+    """Predict the standard errors of the estimates; None where the design has no prediction."""
+    try:
+        return collect_errors(at, at.predict(design, level)).items
+    except (BadInput, NotIdentifiable):  # too large, or derivatives without information
+        return None
 
 
 def store_simulation(
-    store: Store, request: SimulationRequest, simulated: SimulatedManeuver, author: str
-) -> PreflightSimulation:
-    """Store the maneuver of a simulation with its channels, and queue an estimation from it."""
+    store: Store, job: Job, request: SimulationRequest, simulated: SimulatedManeuver
+) -> dict[str, int | None]:
+    """Store the maneuver of a simulation, and queue an estimation from it; return their ids."""
     with store.transaction():
         source = store.runs.get(request.run_id)
         flight = find_or_add_flight(
@@ -294,11 +318,11 @@ def store_simulation(
                     modal_table_id=source.modal_table_id,
                     damping_table_id=source.damping_table_id,
                     prediction_id=source.prediction_id,
-                    author=author,
+                    author=job.author,
                 ),
             ),
         )
-        return store.preflight_simulations.add(
+        stored = store.preflight_simulations.add(
             PreflightSimulation(
                 design_id=request.design_id,
                 level=request.level,
@@ -307,19 +331,19 @@ def store_simulation(
                 maneuver_id=maneuver.id or 0,
                 run_id=run.id or 0,
                 checks=simulated.checks,
+                expected=simulated.expected,
             )
         )
+        return {"simulation_id": stored.id, "run_id": stored.run_id}
 
 
 def list_simulations(store: Store, design: ExcitationDesign) -> tuple[SimulationResult, ...]:
     """List the pre-flight simulations of a design with their estimates, newest first."""
     found = store.preflight_simulations.find(design_id=design.id)
-    return tuple(_summarise(store, design, one) for one in reversed(found))
+    return tuple(_summarise(store, one) for one in reversed(found))
 
 
-def _summarise(
-    store: Store, design: ExcitationDesign, one: PreflightSimulation
-) -> SimulationResult:
+def _summarise(store: Store, one: PreflightSimulation) -> SimulationResult:
     run, model = store.runs.get(one.run_id), store.runs.get(one.model_run_id)
     maneuver = store.maneuvers.get(one.maneuver_id)
     rows: tuple[SimulatedDerivative, ...] = ()
@@ -327,20 +351,17 @@ def _summarise(
     refuse_altered(model)
     if run.result is not None and model.result is not None:
         true_values = {row.name: row.value for row in model.result.parameters}
-        expected = {
-            row.name: row.std_error
-            for row in predict_errors(store, design, one.model_run_id, one.level).items
-        }
+        expected = {row.name: row.std_error for row in one.expected or ()}
         rows = tuple(
             SimulatedDerivative(
                 name=row.name,
                 flown=true_values[row.name],
                 estimate=row.value,
                 std_error=row.std_error,
-                expected=expected[row.name],
+                expected=expected.get(row.name),
             )
             for row in run.result.parameters
-            if row.name in expected
+            if row.name in true_values and is_derivative(row.name)
         )
     return SimulationResult(
         simulation=one,

@@ -6,13 +6,12 @@ import time
 from dataclasses import dataclass
 
 from flexsid.extensions import report_errors
-from flexsid.records.run import ModelAdequacy, Provenance
+from flexsid.records.run import ModelAdequacy, Provenance, ReportProgress
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    Report,
     compute_poles,
     select_moved_poles,
 )
@@ -59,7 +58,7 @@ class ComputedRun:
     retained: ComputedRetainedModes | None = None
 
 
-def compute_run(task: EstimationTask, report: Report) -> ComputedRun:
+def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     """Compute one estimation.
 
     Parameters

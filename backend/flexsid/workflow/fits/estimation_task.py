@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress, Provenance, RunSettings
+from flexsid.records.run import Method, Provenance, RunSettings
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
@@ -18,8 +18,6 @@ from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_nam
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.fits.out_of_band_modes import find_moved_poles
 from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
-
-Report = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.extensions import ESTIMATORS, ExtensionFailed, load_extensions
-from flexsid.records.run import AdequacyState, Method, ModelAdequacy, Progress
+from flexsid.records.run import AdequacyState, Method, ModelAdequacy, Progress, ReportProgress
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.fusion import apply_priors
@@ -29,7 +29,6 @@ from flexsid.sysid.estimation.weighted_fit import (
 from flexsid.workflow.fits.equation_error_fit import fit_equation_error
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    Report,
     compute_poles,
     get_first_start,
     select_free_parameters,
@@ -107,7 +106,7 @@ class Estimator:
     """
 
     title: str
-    fit: Callable[[EstimationTask, Report], EstimatorFit]
+    fit: Callable[[EstimationTask, ReportProgress], EstimatorFit]
     package: str = ""
 
 
@@ -151,7 +150,7 @@ def load_estimators() -> Mapping[str, Estimator]:
     return estimators
 
 
-def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
+def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFit:
     """Estimate by equation error."""
     report(Progress(message="Reconstructing motion from the sensors"))
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
@@ -174,7 +173,7 @@ def fit_regressions(task: EstimationTask, report: Report) -> EstimatorFit:
 
 
 def fit_likelihood(
-    task: EstimationTask, report: Report, candidates: Mapping[str, Parameters] | None = None
+    task: EstimationTask, report: ReportProgress, candidates: Mapping[str, Parameters] | None = None
 ) -> EstimatorFit:
     """Estimate by output error or frequency-response error.
 
@@ -210,7 +209,7 @@ def complete_likelihood_fit(
     parameters: Parameters,
     estimate: Estimate,
     start: str,
-    report: Report,
+    report: ReportProgress,
 ) -> EstimatorFit:
     """Complete a fit of output error or frequency-response error from its optimum.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.records.run import Method, Progress
+from flexsid.records.run import Method, Progress, ReportProgress
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, count_iterations
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.feedback_noise import (
@@ -22,7 +22,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import assign_commands
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, Report
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.fits.likelihood_fit import (
     build_experiments,
     build_fit_settings,
@@ -46,7 +46,7 @@ class CorrectedFit:
 
 
 def fit_without_feedback_noise(
-    task: EstimationTask, report: Report, candidates: Mapping[str, Parameters] | None = None
+    task: EstimationTask, report: ReportProgress, candidates: Mapping[str, Parameters] | None = None
 ) -> CorrectedFit | None:
     """Fit with the inputs without their noise that feedback correlates with the outputs.
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import Cancelled
-from flexsid.records.run import Method, Progress
+from flexsid.records.run import Method, Progress, ReportProgress
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
@@ -21,7 +21,6 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    Report,
     compute_poles,
     select_moved_poles,
 )
@@ -157,7 +156,7 @@ def build_fit_settings(task: EstimationTask, spread: float = PRIOR_SPREAD) -> Fi
 def maximize_from_starts(
     task: EstimationTask,
     experiments: list[Experiment],
-    report: Report,
+    report: ReportProgress,
     n_perturbed: int = _PERTURBED_STARTS,
     candidates: Mapping[str, Parameters] | None = None,
 ) -> tuple[Parameters, str, Estimate]:
@@ -227,7 +226,7 @@ def refit_with_spread(
     parameters: Parameters,
     estimate: Estimate,
     spread: float,
-    report: Report,
+    report: ReportProgress,
 ) -> Estimate:
     """Fit again from an estimate with another spread of the nuisance prior.
 
@@ -264,7 +263,7 @@ def refit_with_leakage_correction(
     experiments: list[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    report: Report,
+    report: ReportProgress,
     spread: float,
 ) -> tuple[list[Experiment], Estimate]:
     """Correct for leakage and fit again until both converge.
@@ -296,7 +295,7 @@ def refit_with_interpolation_correction(
     experiments: list[Experiment],
     parameters: Parameters,
     estimate: Estimate,
-    report: Report,
+    report: ReportProgress,
     spread: float,
 ) -> tuple[list[Experiment], Estimate]:
     """Subtract the errors by interpolation and fit again, until both converge.

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.sysid.estimation.delays import estimate_delays
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
 from flexsid.sysid.estimation.parameters import Parameters
@@ -15,7 +15,6 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.workflow.fits.equation_error_fit import fit_equation_error
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    Report,
     get_first_start,
     select_free_parameters,
 )
@@ -24,7 +23,7 @@ from flexsid.workflow.fits.out_of_band_modes import regularise_start
 EQUATION_ERROR = "equation error"
 
 
-def collect_starting_points(task: EstimationTask, report: Report) -> dict[str, Parameters]:
+def collect_starting_points(task: EstimationTask, report: ReportProgress) -> dict[str, Parameters]:
     """Collect the start parameters by name.
 
     Raises

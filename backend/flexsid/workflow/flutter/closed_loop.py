@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
-from flexsid.records.run import Progress
+from flexsid.records.job import Job
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.instruments import Instrument
@@ -29,7 +30,13 @@ from flexsid.workflow.aircraft.aircraft_models import build_model, define_output
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.flutter.controllers import interpolate_controller
 from flexsid.workflow.flutter.flutter_analysis import describe_failed_fits
-from flexsid.workflow.flutter.flutter_models import FlutterModels, FlutterQuery
+from flexsid.workflow.flutter.flutter_models import (
+    FlutterModels,
+    FlutterQuery,
+    fuse_runs,
+    identify_query,
+)
+from flexsid.workflow.runs.derived_runs import DerivedResult, renumber, store_derived_fits
 
 _SPEEDS = 20  # airspeeds at which roots and margins are computed
 _MONTE_CARLO_SAMPLES = 24  # standard errors from samples scatter by 15 %
@@ -44,6 +51,11 @@ class ClosedLoopQuery:
     flutter: FlutterQuery
     controller_id: int
 
+    @property
+    def run_ids(self) -> tuple[int, ...]:
+        """Runs that are fused."""
+        return self.flutter.run_ids
+
 
 @dataclass(frozen=True, slots=True)
 class FusedModel:
@@ -57,15 +69,20 @@ class FusedModel:
     tested_m_s: float
 
 
-def refuse_shaped_runs(store: Store, run_ids: Sequence[int]) -> None:
-    """Refuse runs whose derivatives have a frequency shape: loops are of quasi-steady models.
+def identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object, ...]:
+    """Check a query, and return all records on which its result depends.
 
     Raises
     ------
     BadInput
-        Naming the run.
+        As ``identify_query``, or if derivatives of a run have a frequency shape: loops are of
+        quasi-steady models.
+    UnknownRecord
+        If a run or the controller does not exist.
+    Conflict
+        If a run has no result, or it was altered.
     """
-    for number in run_ids:
+    for number in query.run_ids:
         if store.runs.get(number).settings.aerodynamics.is_shaped:
             raise BadInput(
                 f"run {number} has derivatives with a frequency shape, and closed loops are "
@@ -73,13 +90,31 @@ def refuse_shaped_runs(store: Store, run_ids: Sequence[int]) -> None:
                 code="not-with-shape",
                 run_id=number,
             )
+    return *identify_query(store, query.flutter), store.controllers.get(query.controller_id)
+
+
+def compute_closed_loop(
+    store: Store, query: ClosedLoopQuery, report: ReportProgress
+) -> DerivedResult[ClosedLoop]:
+    """Fuse runs and analyse their loop; raises as ``fuse_runs`` and ``analyse_closed_loop``."""
+    models = fuse_runs(store, query.flutter, report)
+    result = analyse_closed_loop(store, models, query.controller_id, report)
+    return DerivedResult(result, models.new_fits)
+
+
+def store_closed_loop(
+    store: Store, job: Job, query: ClosedLoopQuery, outcome: DerivedResult[ClosedLoop]
+) -> ClosedLoop:
+    """Store the refits of a closed-loop analysis, and return the analysis with their ids."""
+    ids = store_derived_fits(store, outcome.fits, job)
+    return replace(outcome.result, derived_runs=renumber(outcome.result.derived_runs, ids))
 
 
 def analyse_closed_loop(
     store: Store,
     models: FlutterModels,
     controller_id: int,
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: ReportProgress = lambda progress: None,
 ) -> ClosedLoop:
     """Compute stability margins of a controller's loop over airspeed, with standard errors.
 

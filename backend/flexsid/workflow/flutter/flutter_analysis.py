@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,8 @@ from flexsid.records.flutter import (
     StructureForecast,
     TrackerForecast,
 )
-from flexsid.records.run import DerivedRun, Progress
+from flexsid.records.job import Job
+from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
@@ -50,6 +51,7 @@ from flexsid.workflow.flutter.flutter_roots import (
 from flexsid.workflow.flutter.run_models import RunModel, UnmodelledModes
 from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
 from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.runs.derived_runs import DerivedResult, renumber, store_derived_fits
 
 __all__ = [
     "FlutterQuery",
@@ -60,8 +62,6 @@ __all__ = [
     "map_flutter_speed",
     "trace_flutter_roots",
 ]
-
-Report = Callable[[Progress], None]
 
 _STEP = 1.02  # ratio of airspeeds: closer ones are one step of a campaign
 _METHODS = {
@@ -152,22 +152,34 @@ def _is_passed(crossing: FlutterCrossing, models: FlutterModels) -> bool:
     return crossing.recovers_at is not None and crossing.recovers_at < models.at.tested
 
 
-def compute_flutter(store: Store, models: FlutterModels, report: Report) -> FlutterResult:
-    """Predict flutter of fused runs, with roots over every variable and the map.
+def compute_flutter(
+    store: Store, query: FlutterQuery, report: ReportProgress
+) -> DerivedResult[FlutterResult]:
+    """Fuse runs and predict their flutter, with roots over every variable and the map.
 
-    Parameters
-    ----------
-    store, models
-        Fused runs, and the records that they are from.
-    report
-        Called with the completed fraction and the next step; may raise to stop.
+    Raises
+    ------
+    BadInput
+        As ``fuse_runs``.
     """
+    models = fuse_runs(store, query, report)
     report(Progress(fraction=0.6, message="Predicting flutter"))
     flutter = summarise_flutter(store, models)
     report(Progress(fraction=0.8, message="Tracing roots"))
     roots = {along: trace_flutter_roots(store, models, along) for along in Along}
     report(Progress(fraction=0.9, message="Mapping flutter speed"))
-    return FlutterResult(flutter=flutter, roots=roots, map=map_flutter_speed(store, models))
+    result = FlutterResult(flutter=flutter, roots=roots, map=map_flutter_speed(store, models))
+    return DerivedResult(result, models.new_fits)
+
+
+def store_flutter(
+    store: Store, job: Job, query: FlutterQuery, outcome: DerivedResult[FlutterResult]
+) -> FlutterResult:
+    """Store the refits of a flutter prediction, and return the prediction with their ids."""
+    ids = store_derived_fits(store, outcome.fits, job)
+    flutter = outcome.result.flutter
+    flutter = replace(flutter, derived_runs=renumber(flutter.derived_runs, ids))
+    return replace(outcome.result, flutter=flutter)
 
 
 def _summarise_structure(group: Group, *, preferred: bool) -> StructureForecast:

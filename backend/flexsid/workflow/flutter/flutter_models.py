@@ -11,7 +11,7 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.run import DerivedRun, Progress
+from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.global_model.selection import LEAST_RUNS
@@ -294,7 +294,7 @@ def name_motion(modes: AircraftModes, motion: str) -> str:
 
 
 def fuse_runs(
-    store: Store, query: FlutterQuery, report: Callable[[Progress], None] = lambda progress: None
+    store: Store, query: FlutterQuery, report: ReportProgress = lambda progress: None
 ) -> FlutterModels:
     """Load runs, scale them to one loading and fuse those of one model structure.
 

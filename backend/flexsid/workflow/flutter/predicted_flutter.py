@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from flexsid.records.flutter import (
     PredictedFlutter,
     PredictedFlutterResult,
 )
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.model.frequency_shape import FrequencyShape
@@ -191,7 +190,7 @@ def _find_tables(store: Store, prediction: DerivativePrediction) -> tuple:
 
 
 def compute_predicted_flutter(
-    task: PredictedFlutterTask, report: Callable[[Progress], None]
+    task: PredictedFlutterTask, report: ReportProgress
 ) -> PredictedFlutterResult:
     """Predict flutter of a prediction alone, trimmed at the flutter speed.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 
@@ -22,7 +21,7 @@ from flexsid.records.global_model import (
     NextCondition,
     Outlier,
 )
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.sysid.global_model.fit import RunEstimates
 from flexsid.sysid.global_model.next_condition import compute_variance_reductions
 from flexsid.sysid.global_model.outlying_runs import (
@@ -40,7 +39,7 @@ _FEWEST_VALUES = 3  # of each of more variables
 
 
 def compute_global_model(
-    task: GlobalModelTask, report: Callable[[Progress], None] = lambda progress: None
+    task: GlobalModelTask, report: ReportProgress = lambda progress: None
 ) -> GlobalModelResult:
     """Fit the derivatives of all runs over the envelope.
 

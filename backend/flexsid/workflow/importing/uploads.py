@@ -22,11 +22,13 @@ from flexsid.errors import UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.mapping import MappingFile, parse_mapping
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.records.job import Job
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
+from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
 from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, refuse_guesses
 
 RETENTION_DAYS = 7
@@ -60,6 +62,15 @@ class ImportRequest:
     mapping: str
     aircraft_id: int | None = None
     confirmed: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredImport:
+    """Records that an import stored."""
+
+    maneuver_id: int | None
+    flight_id: int | None
+    n_channels: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,11 +210,12 @@ def prepare_import(store: Store, request: ImportRequest) -> ImportTask:
     return ImportTask(open_upload(store, request.upload_id), parse_mapping(request.mapping))
 
 
-def compute_import(task: ImportTask) -> ParsedUpload:
+def compute_import(task: ImportTask, report: ReportProgress) -> ParsedUpload:
     """Extract and check the channels of an import.
 
     Of the files, only what the mapping reads when it is stored is returned.
     """
+    report(Progress(fraction=0.1, message="Checking the channels"))
     upload = parse_upload(task.sources, task.mapping)
     channels = tuple(replace(one, source=_drop_arrays(one.source)) for one in upload.channels)
     return replace(
@@ -213,6 +225,18 @@ def compute_import(task: ImportTask) -> ParsedUpload:
         sources=upload.sources
         if task.mapping.modal_tables or task.mapping.predictions
         else Sources(tuple(map(_drop_arrays, upload.sources.items))),
+    )
+
+
+def store_import(
+    store: Store, job: Job, request: ImportRequest, upload: ParsedUpload
+) -> StoredImport:
+    """Store the contents of an upload; raises as ``store_upload``."""
+    stored = store_upload(store, upload, request.aircraft_id, confirmed=request.confirmed)
+    return StoredImport(
+        maneuver_id=None if stored.maneuver is None else stored.maneuver.id,
+        flight_id=None if stored.flight is None else stored.flight.id,
+        n_channels=len(upload.channels),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.maneuver import Maneuver
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.records.views import ReconstructedTrace, Reconstruction
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, compute_observability
@@ -61,7 +62,9 @@ class ReconstructionQuery:
     axis: ModelAxis | None = None
 
 
-def reconstruct(store: Store, query: ReconstructionQuery) -> Reconstruction:
+def reconstruct(
+    store: Store, query: ReconstructionQuery, report: ReportProgress = lambda progress: None
+) -> Reconstruction:
     """Reconstruct all quantities of a maneuver.
 
     Raises
@@ -74,6 +77,7 @@ def reconstruct(store: Store, query: ReconstructionQuery) -> Reconstruction:
     sensing = gather_sensors(store, store.maneuvers.get(query.maneuver_id), query.axis)
     model, motion = reconstruct_resolved_modes(sensing, query.modes)
     offered = _list_quantities(model)
+    report(Progress(fraction=0.5, message="Smoothing the motion"))
     time_s, smoothed = smooth(store, sensing, model, motion)
     rank, condition = compute_observability(
         model, motion.omega, sensing.measured.instruments, motion.noise

@@ -11,7 +11,8 @@ import numpy as np
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers.nastran.aero import read_aero_deck
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, UnsteadyPrediction
-from flexsid.records.run import Progress
+from flexsid.records.job import Job
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import (
@@ -223,9 +224,7 @@ def check_prediction(store: Store, request: PredictionRequest) -> None:
         _place(boxes, surface)
 
 
-def compute_prediction(
-    task: PredictionTask, report: Callable[[Progress], None]
-) -> ComputedPrediction:
+def compute_prediction(task: PredictionTask, report: ReportProgress) -> ComputedPrediction:
     """Compute C(k) of all fuel weights, and the spread of the derivatives.
 
     Notes
@@ -287,18 +286,20 @@ def compute_spread(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
     return size * np.array(relative)
 
 
-def store_computed_prediction(store: Store, found: ComputedPrediction) -> DerivativePrediction:
-    """Store a computed prediction beside imported ones.
+def store_computed_prediction(
+    store: Store, job: Job, request: PredictionRequest, found: ComputedPrediction
+) -> dict[str, int | None]:
+    """Store a computed prediction beside imported ones, and return its id.
 
     Raises
     ------
     Conflict
         If a prediction of that name was stored meanwhile.
     """
-    task, request = found.task, found.task.request
+    task = found.task
     check_prediction(store, request)
     geometry = repr((request.panels, request.deck, request.deck_unit, request.surfaces))
-    return store.predictions.add(
+    stored = store.predictions.add(
         DerivativePrediction(
             aircraft_id=request.aircraft_id,
             source=request.source,
@@ -324,6 +325,7 @@ def store_computed_prediction(store: Store, found: ComputedPrediction) -> Deriva
             ),
         )
     )
+    return {"prediction_id": stored.id}
 
 
 def _read_panels(request: PredictionRequest) -> tuple[Panel, ...]:

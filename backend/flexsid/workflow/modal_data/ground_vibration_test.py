@@ -22,6 +22,7 @@ from flexsid.records.modal_data import (
     Orthogonality,
     Stabilisation,
 )
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_mass_orthogonality, compute_real_shapes
 from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
@@ -103,7 +104,9 @@ def prepare_mode_search(store: Store, search: ModeSearch) -> ModeTask:
     return ModeTask(search, record, hertz[inside], responses[inside])
 
 
-def find_modes(task: ModeTask) -> ModeIdentification:
+def find_modes(
+    task: ModeTask, report: ReportProgress = lambda progress: None
+) -> ModeIdentification:
     """Identify modes by maximum likelihood, with standard deviations and stabilisation diagram."""
     record, responses = task.record, task.responses
     omega = 2.0 * np.pi * task.frequency_hz
@@ -112,7 +115,9 @@ def find_modes(task: ModeTask) -> ModeIdentification:
         for index, reference in enumerate(record.references)
         if reference in record.outputs
     )
+    report(Progress(fraction=0.1, message="Computing the stabilisation diagram"))
     poles = compute_stabilisation(omega, responses, min(task.search.order, omega.size // 2 - 1))
+    report(Progress(fraction=0.5, message="Fitting the modes"))
     modes = identify_modes(omega, responses, find_columns(poles), record.quantity, driving)
     shapes, collinearity = compute_real_shapes(modes.shapes)
     return ModeIdentification(

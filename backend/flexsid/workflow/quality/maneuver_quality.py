@@ -27,6 +27,7 @@ from flexsid.records.quality import (
     ManeuverQuality,
     QualityReport,
 )
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -68,6 +69,13 @@ from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
 _VERSION = 9  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QualityRequest:
+    """Maneuver whose data quality is to be assessed."""
+
+    maneuver_id: int
 
 
 def find_maneuver_quality(store: Store, maneuver_id: int) -> ManeuverQuality | None:
@@ -113,16 +121,20 @@ def compute_content_hash(store: Store, maneuver: Maneuver) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQuality:
+def assess_maneuver(
+    store: Store, request: QualityRequest, report: ReportProgress = lambda progress: None
+) -> ManeuverQuality:
     """Assess samples, spectra, redundancy, condition and inputs of a maneuver."""
+    maneuver = store.maneuvers.get(request.maneuver_id)
     assert maneuver.id is not None
     missing: list[str] = []
     channels = read_channels(store.database, maneuver.id)
     steps = read_conditioning(store, maneuver.id)
+    report(Progress(fraction=0.2, message="Checking sensors against each other"))
     signal = _compute_signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
     redundancy = _check_redundancy(store, maneuver, missing)
     check = redundancy.check
-    report = QualityReport(
+    found = QualityReport(
         channels=tuple(
             _build_channel_quality(
                 channel,
@@ -141,15 +153,15 @@ def assess_maneuver(store: Store, maneuver: Maneuver, content: str) -> ManeuverQ
         surfaces=check_surfaces(store, maneuver, store.aircraft.get(maneuver.aircraft_id)),
     )
     undecayed = _find_undecayed_sensor(store, maneuver)
-    report = replace(report, warnings=list_quality_warnings(maneuver, report, undecayed))
-    verdict, summary = determine_verdict(report)
+    found = replace(found, warnings=list_quality_warnings(maneuver, found, undecayed))
+    verdict, summary = determine_verdict(found)
     return ManeuverQuality(
         maneuver_id=maneuver.id,
-        content_hash=content,
+        content_hash=compute_content_hash(store, maneuver),
         verdict=verdict,
         summary=summary,
-        figures=_summarise(report),
-        report=report,
+        figures=_summarise(found),
+        report=found,
     )
 
 

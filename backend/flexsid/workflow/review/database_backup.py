@@ -6,14 +6,13 @@ the server, as the workers of one computer have it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from flexsid.errors import UnknownRecord
 from flexsid.records.job import Job
-from flexsid.records.run import Progress, RunState
+from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.files import make_private_folder
@@ -69,7 +68,7 @@ def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask
     return BackupTask(f"sqlite:///{source}", folder / name)
 
 
-def compute_backup(task: BackupTask, report: Callable[[Progress], None]) -> BackupFile:
+def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
     """Copy the database and check the copy; raises as ``storage.backup.backup``."""
     n_bytes = copies.backup(task.url, task.target, report)
     return BackupFile(name=task.target.name, n_bytes=n_bytes)

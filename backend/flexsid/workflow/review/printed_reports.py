@@ -25,7 +25,7 @@ import numpy as np
 
 from flexsid.errors import Conflict, FlexsidError
 from flexsid.records.job import Job
-from flexsid.records.run import Progress
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import ArrayRow, describe_array
 from flexsid.storage.store import Store
 
@@ -74,13 +74,15 @@ def prepare_printing(store: Store, job: Job, request: ReportRequest) -> Printing
     return PrintingTask(document, job.created_at)
 
 
-def print_report(task: PrintingTask, report: Callable[[Progress], None]) -> bytes:
+def print_report(task: PrintingTask, report: ReportProgress) -> bytes:
     """Print a document to PDF; raises as ``to_pdf``."""
     report(Progress(fraction=0.2, message="Printing with Chromium"))
     return to_pdf(complete_document(task.document, task.made_at))
 
 
-def store_printed_report(store: Store, request: ReportRequest, pdf: bytes) -> PrintedReport:
+def store_printed_report(
+    store: Store, job: Job, request: ReportRequest, pdf: bytes
+) -> PrintedReport:
     """Store the PDF of a report."""
     content = store.arrays.put(_to_array(pdf), "pdf")
     return PrintedReport(name=request.name, content=content, n_bytes=len(pdf))

@@ -5,12 +5,13 @@ A worker fits them in its snapshot; the job that asked for them stores them with
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 from flexsid.errors import Cancelled, FlexsidError
 from flexsid.records.job import Job
-from flexsid.records.run import Derivation, DerivedRun, EstimationRun, Progress
+from flexsid.records.run import Derivation, DerivedRun, EstimationRun, Progress, ReportProgress
 from flexsid.storage import queue
 from flexsid.storage.derived_runs import find_equal_run
 from flexsid.storage.store import Store
@@ -19,6 +20,8 @@ from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.estimation import prepare, store_result
 from flexsid.workflow.runs.run_identity import add_hashes
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,13 +33,21 @@ class DerivedFit:
     id: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class DerivedResult(Generic[Result]):
+    """A result that rests on refits, and those of them that are not stored yet."""
+
+    result: Result
+    fits: tuple[DerivedFit, ...]
+
+
 class DerivedRuns:
     """Refits of the runs of one prediction.
 
     ``used`` lists all of them, ``computed`` those that were not stored yet.
     """
 
-    def __init__(self, store: Store, report: Callable[[Progress], None]) -> None:
+    def __init__(self, store: Store, report: ReportProgress) -> None:
         self._store = store
         self._report = report
         self.used: list[DerivedRun] = []
@@ -103,9 +114,7 @@ class DerivedRuns:
         return stored
 
 
-def store_derived_fits(
-    store: Store, fits: Sequence[DerivedFit], job: Job, worker: str
-) -> dict[int, int]:
+def store_derived_fits(store: Store, fits: Sequence[DerivedFit], job: Job) -> dict[int, int]:
     """Store refits as runs derived for a job; return their ids by those in the snapshot.
 
     A refit that another job stored meanwhile is not stored again.
@@ -119,7 +128,7 @@ def store_derived_fits(
                 requested.derivation, job_kind=job.kind, job_id=job.id
             )
             requested = replace(requested, author=job.author, derivation=derivation)
-            known = _store_fit(store, replace(fit, requested=requested), worker)
+            known = _store_fit(store, replace(fit, requested=requested), job.worker or "")
         ids[fit.id] = known.id or 0
     return ids
 

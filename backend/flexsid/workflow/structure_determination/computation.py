@@ -11,7 +11,7 @@ import numpy as np
 from flexsid.errors import Cancelled, FlexsidError, NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress
+from flexsid.records.run import Method, Progress, ReportProgress
 from flexsid.records.search import (
     Algorithm,
     InitialTerms,
@@ -62,7 +62,6 @@ from flexsid.workflow.fits.equation_error_fit import (
 )
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
-    Report,
     get_first_start,
     select_free_parameters,
 )
@@ -160,7 +159,7 @@ def build_term_group(
 class EquationSearch:
     """Model structure determination by equation error over all maneuvers."""
 
-    def __init__(self, task: SearchTask, report: Report) -> None:
+    def __init__(self, task: SearchTask, report: ReportProgress) -> None:
         self.task = task
         self.candidates: list[Parameters] = []
         self.motions: list[ReconstructedMotion] = []
@@ -186,7 +185,7 @@ class EquationSearch:
     def _search(self, algorithm: Algorithm) -> StructureSelection:
         return search_equations(self.evidences, algorithm.value, self.task.thresholds)
 
-    def groups(self, report: Report) -> tuple[TermGroup, ...]:
+    def groups(self, report: ReportProgress) -> tuple[TermGroup, ...]:
         """Build the terms of every coefficient with their selection frequency."""
         groups, algorithm = [], self.task.settings.algorithm.value
         for number, (name, selection) in enumerate(self.found.coefficients.items()):
@@ -246,17 +245,17 @@ class EquationSearch:
         return found.scale_covariance(data.measured.resolution_overlap)
 
 
-def _report_at(at: Progress, report: Report) -> Report:
+def _report_at(at: Progress, report: ReportProgress) -> ReportProgress:
     """Report the iterations of a fit at a fixed fraction of the search."""
     return lambda own: report(replace(at, iteration=own.iteration, cost=own.cost))
 
 
-def _report_iterations(at: Progress, report: Report) -> Callable[[int, float], None]:
+def _report_iterations(at: Progress, report: ReportProgress) -> Callable[[int, float], None]:
     return lambda iteration, cost: report(replace(at, iteration=iteration, cost=cost))
 
 
 def search_by_likelihood(
-    task: SearchTask, start: tuple[str, ...] | None, warnings: list[str], report: Report
+    task: SearchTask, start: tuple[str, ...] | None, warnings: list[str], report: ReportProgress
 ) -> tuple[Parameters, tuple[TermGroup, ...], list[FittedCandidate]]:
     """Fit all candidates, then remove and add terms; return candidates, terms and fits.
 
@@ -337,7 +336,10 @@ def search_by_likelihood(
 
 
 def compare_candidates(
-    task: SearchTask, candidates: Parameters, fitted: Sequence[FittedCandidate], report: Report
+    task: SearchTask,
+    candidates: Parameters,
+    fitted: Sequence[FittedCandidate],
+    report: ReportProgress,
 ) -> tuple[SearchCandidate, ...]:
     """Cross-validate every candidate; smallest predictive cost first."""
     seen, unseen = _build_experiments(task, task.maneuvers), _build_experiments(task, task.unseen)
@@ -435,7 +437,7 @@ def _predict_flutter(
     return found.crossing.airspeed, finite_or_none(found.airspeed_std), found.sentence
 
 
-def compute_search(task: SearchTask, report: Report) -> SearchResult:
+def compute_search(task: SearchTask, report: ReportProgress) -> SearchResult:
     """Compute one model structure determination.
 
     Parameters
@@ -465,7 +467,7 @@ def compute_search(task: SearchTask, report: Report) -> SearchResult:
     )
 
 
-def _remove_feedback_noise(task: SearchTask, report: Report) -> SearchTask:
+def _remove_feedback_noise(task: SearchTask, report: ReportProgress) -> SearchTask:
     """Replace the data of each maneuver by those without noise by feedback, if it has any.
 
     All candidates fit the same data, from a fit with all terms.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,13 @@ __all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_sear
 
 _END_S = 0.5
 _UNDECAYED = 0.02  # of the largest motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureSearchRequest:
+    """The search, which is stored with its result."""
+
+    search_id: int
 
 
 def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
@@ -105,22 +112,11 @@ def add_search(store: Store, request: StructureSearch) -> StructureSearch:
 
 
 def store_search_result(
-    store: Store, search_id: int, attempt: int, result: SearchResult, worker: str
+    store: Store, job: Job, request: StructureSearchRequest, result: SearchResult
 ) -> None:
-    """Store the result of a search and end its job.
-
-    Raises
-    ------
-    StaleAttempt
-        If the job was cancelled or started again.
-    """
-    versions = read_versions()
-    with store.transaction():
-        found = store.searches.get(search_id)
-        assert found.job_id is not None
-        queue.finish_job(store, found.job_id, attempt, None, versions, worker)
-        ended = store.searches.get(search_id)
-        store.searches.replace(replace(ended, result=result, versions=versions))
+    """Store the result of a search."""
+    found = store.searches.get(request.search_id)
+    store.searches.replace(replace(found, result=result, versions=read_versions()))
 
 
 def get_group(store: Store, search_id: int, name: str | None) -> TermGroup:

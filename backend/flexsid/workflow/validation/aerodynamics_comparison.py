@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from flexsid.records.run import (
     Method,
     ModelAdequacy,
     Progress,
+    ReportProgress,
     Start,
 )
 from flexsid.records.validation import (
@@ -39,7 +40,7 @@ from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
-from flexsid.workflow.fits.estimation_task import EstimationTask, Report
+from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.fits.estimators import fit_likelihood
 from flexsid.workflow.fits.feedback_correction import (
     estimate_task_noise,
@@ -124,7 +125,7 @@ def identify_aerodynamics(store: Store, query: AerodynamicsQuery) -> tuple[objec
 
 
 def compare_aerodynamics(
-    store: Store, query: AerodynamicsQuery, report: Callable[[Progress], None]
+    store: Store, query: AerodynamicsQuery, report: ReportProgress
 ) -> AerodynamicsComparison:
     """Compare both aerodynamic models on the data of a run, see ``compare_tasks``.
 
@@ -141,7 +142,10 @@ def compare_aerodynamics(
 
 
 def compare_tasks(
-    quasi_steady_task: EstimationTask, shaped_task: EstimationTask, source: str, report: Report
+    quasi_steady_task: EstimationTask,
+    shaped_task: EstimationTask,
+    source: str,
+    report: ReportProgress,
 ) -> AerodynamicsComparison:
     """Fit data with both aerodynamic models, and decide between them.
 
@@ -199,7 +203,7 @@ def _request(store: Store, run: EstimationRun, aerodynamics: Aerodynamics) -> Es
     return replace(run, method=Method.OE, settings=settings, prediction_id=prediction_id)
 
 
-def _fit(task: EstimationTask, report: Report) -> _Fitted:
+def _fit(task: EstimationTask, report: ReportProgress) -> _Fitted:
     """Fit two of three frequencies, then all of them from there."""
     masks = [
         assign_folds(one.measurement.excited.assigned_input, _FOLDS) == 0
@@ -225,7 +229,7 @@ def _fit(task: EstimationTask, report: Report) -> _Fitted:
 
 
 def _maximize(
-    task: EstimationTask, report: Report
+    task: EstimationTask, report: ReportProgress
 ) -> tuple[Parameters, Float[np.ndarray, " n_theta"]]:
     """Return the optimum without noise that feedback correlates, where the task has any."""
     candidates = collect_starting_points(task, report)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.records.run import EstimationRun, Progress
+from flexsid.records.run import EstimationRun, Progress, ReportProgress
 from flexsid.records.validation import CrossPrediction, CrossPredictionMatrix, ValidatedSource
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.run_results import get_result
@@ -81,7 +80,7 @@ def list_maneuver_ids(store: Store, query: CrossPredictionQuery) -> tuple[int, .
 
 
 def compute_cross_predictions(
-    store: Store, query: CrossPredictionQuery, report: Callable[[Progress], None]
+    store: Store, query: CrossPredictionQuery, report: ReportProgress
 ) -> CrossPredictionMatrix:
     """Predict every maneuver by the model of every run."""
     runs, maneuver_ids = _list_runs(store, query), list_maneuver_ids(store, query)

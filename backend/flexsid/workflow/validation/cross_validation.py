@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.run import EstimationRun, Method, Progress, Start
+from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress, Start
 from flexsid.records.validation import (
     CrossValidation,
     CrossValidationSummary,
@@ -80,7 +80,7 @@ def identify_cross_validation(store: Store, query: CrossValidationQuery) -> tupl
 
 
 def cross_validate(
-    store: Store, query: CrossValidationQuery, report: Callable[[Progress], None]
+    store: Store, query: CrossValidationQuery, report: ReportProgress
 ) -> CrossValidation:
     """Fit a run again without some of its data, and predict these.
 
@@ -214,7 +214,7 @@ def _select_periods(task: ManeuverTask, first: int, count: int) -> ManeuverTask:
     return replace(task, measurement=replace(measurement, recording=recording))
 
 
-def _refit(task: EstimationTask, name: str, report: Callable[[Progress], None]) -> ComputedRun:
+def _refit(task: EstimationTask, name: str, report: ReportProgress) -> ComputedRun:
     try:
         return compute_run(task, report)
     except NotIdentifiable as error:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput
-from flexsid.records.run import EstimationRun, Method, Progress
+from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress
 from flexsid.records.validation import PosteriorCheck, PosteriorQuantity
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.leakage import remove_leakage
@@ -89,9 +89,7 @@ def identify_posterior(store: Store, query: PosteriorQuery) -> tuple[object, ...
     return list_run_contents(store, (query.run_id,))
 
 
-def check_posterior(
-    store: Store, query: PosteriorQuery, report: Callable[[Progress], None]
-) -> PosteriorCheck:
+def check_posterior(store: Store, query: PosteriorQuery, report: ReportProgress) -> PosteriorCheck:
     """Sample the posterior of a run, and compare it with its quadratic approximation.
 
     Raises
