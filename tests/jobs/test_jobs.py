@@ -16,6 +16,7 @@ import pytest
 import sqlalchemy as sa
 from sqlalchemy import event
 
+from flexsid.jobs import child
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.inline import execute_run
@@ -125,29 +126,35 @@ def test_a_killed_worker_costs_an_attempt_not_the_job(
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
 
 
-@pytest.mark.parametrize("error", [BrokenPipeError("broken pipe"), ValueError("no such task")])
-def test_a_task_that_cannot_be_submitted_is_retried_or_fails(
-    store: Store,
-    add_job: AddJob,
-    dispatcher: Dispatcher,
-    until: Until,
-    monkeypatch: pytest.MonkeyPatch,
-    error: Exception,
+@pytest.mark.parametrize("executor", ["local"], indirect=True)
+def test_a_worker_that_cannot_start_costs_an_attempt_not_the_job(
+    add_job: AddJob, dispatcher: Dispatcher, until: Until, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """This happens if a worker is killed between its start and its first task."""
-    run = add_job("compute")
-    submit = dispatcher._workers.submit
-    left = [error]
+    left = [OSError("Resource temporarily unavailable")]
 
-    def refuse_once(*task: Any) -> None:
+    def refuse_once(load_kinds: LoadKinds) -> child.Child:
         if left:
             raise left.pop()
-        submit(*task)
+        return started(load_kinds)
 
-    monkeypatch.setattr(dispatcher._workers, "submit", refuse_once)
+    started = child.Child
+    monkeypatch.setattr(child, "Child", refuse_once)
+    run = add_job("compute")
     dispatcher.start()
-    retried = isinstance(error, OSError)
-    assert until(run).state is (RunState.SUCCEEDED if retried else RunState.FAILED)
+    ended = until(run)
+    assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
+
+
+def test_a_task_that_cannot_be_sent_fails(
+    add_job: AddJob, dispatcher: Dispatcher, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*task: Any) -> None:
+        raise ValueError("no such task")
+
+    run = add_job("compute")
+    monkeypatch.setattr(dispatcher._workers, "submit", refuse)
+    dispatcher.start()
+    assert until(run).state is RunState.FAILED
 
 
 def test_cancelling_stops_the_work_at_once(

@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from flexsid.jobs.messages import (
@@ -121,7 +122,7 @@ class Child:
         self._program.close()
 
 
-def take_child(idle: list[Child], load_kinds: LoadKinds) -> Child:
+def _take_child(idle: list[Child], load_kinds: LoadKinds) -> Child:
     """Return an idle worker with these kinds that is alive, or a new one."""
     while idle:
         child = idle.pop()
@@ -132,32 +133,33 @@ def take_child(idle: list[Child], load_kinds: LoadKinds) -> Child:
 
 
 def execute_in_child(
-    child: Child,
-    idle: list[Child],
+    load_kinds: LoadKinds,
     content: bytes,
+    idle: list[Child],
     publish: Callable[[ProgressMessage], None],
     is_cancelled: Callable[[], bool],
 ) -> WorkerMessage:
-    """Compute a task in a worker, which is idle afterwards or killed; return the last message.
+    """Compute a task in an idle worker or a new one; return its last message.
 
     Parameters
     ----------
-    child
-        Worker that computes nothing else.
-    idle
-        Workers for further tasks.
+    load_kinds
+        Function that returns the kinds of jobs.
     content
         Task, from ``pickle_task``.
+    idle
+        Idle workers, from which one is taken, and to which it returns unless it is killed.
     publish
         Called with the progress.
     is_cancelled
         Returns whether the task shall be stopped; called several times a second.
     """
     try:
-        child.connection.send_bytes(content)
-    except OSError as error:  # killed before it received the task
-        child.kill()
+        child = _take_child(idle, load_kinds)
+    except OSError as error:  # the computer cannot start a further process
         return WorkerDiedMessage(str(error))
+    with suppress(OSError):  # it was killed before it received the task, and has no message
+        child.connection.send_bytes(content)
     while True:
         if not child.connection.poll(_CANCEL_CHECK_S):
             if is_cancelled():

@@ -13,7 +13,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from flexsid.errors import FlexsidError
-from flexsid.jobs.child import Child, execute_in_child, pickle_task, take_child
+from flexsid.jobs.child import Child, execute_in_child, pickle_task
 from flexsid.jobs.executors import Workers
 from flexsid.jobs.messages import (
     ComputedMessage,
@@ -212,7 +212,6 @@ def execute_on_worker(
         present = worker.state.tasks.get(own)
         return present is None or present.state != "executing"
 
-    child = take_child(_idle, load_kinds)
-    message = execute_in_child(child, _idle, content, publish, is_cancelled)
+    message = execute_in_child(load_kinds, content, _idle, publish, is_cancelled)
     is_end = isinstance(message, ComputedMessage | FailedMessage)
     return replace(message, worker=worker.address) if is_end else message

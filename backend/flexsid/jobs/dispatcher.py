@@ -151,7 +151,7 @@ class Dispatcher:
             queue.requeue_unknown(self._store, self._leadership.process_id, known)
             self._interrupted = False
         busy = False
-        while self._start_next():
+        while not self._messages and self._start_next():
             busy = True
         self._workers.warm_up()
         self._messages.extend(self._workers.wait(0.0 if busy else self._idle_s))
@@ -187,32 +187,23 @@ class Dispatcher:
             return False
         self._served[job.author] = time.monotonic()
         key = (number, job.attempt)
-        limit_s = (job.limits or Limits()).time_s or _TIME_LIMIT_S
+        limits = job.limits or Limits()
+        limit_s = limits.time_s or _TIME_LIMIT_S
         self._active[key] = _ActiveJob(job, limit_s, time.monotonic() + limit_s + _START_S)
-        try:
-            task = self._prepare(job)
-        except DatabaseUnavailable:
-            # Queued as a message, it is handled once the database responds.
-            self._messages.append((key, TaskLostMessage("the database did not respond")))
-            raise
-        if isinstance(task, FailedMessage):
-            self._messages.append((key, task))
-        else:
-            self._submit(key, job, task)
+        self._send(key, job, limits.memory_mb)
         return True
 
-    def _prepare(self, job: Job) -> Any:
-        """Return the task of a job, or a ``FailedMessage``."""
-        if job.kind not in self._kinds:
-            return FailedMessage("unknown-kind", f"this version has no jobs '{job.kind}'")
-        return self._kinds[job.kind].prepare_task(self._store, job)
-
-    def _submit(self, key: Key, job: Job, task: Any) -> None:
-        memory_mb = None if job.limits is None else job.limits.memory_mb
+    def _send(self, key: Key, job: Job, memory_mb: int | None) -> None:
+        """Send the task of a job to a worker; if that fails, the reason is handled as a message."""
         try:
+            if job.kind not in self._kinds:
+                message = f"this version has no jobs '{job.kind}'"
+                raise FlexsidError(message, code="unknown-kind")
+            task = self._kinds[job.kind].prepare_task(self._store, job)
             self._workers.submit(key, job.kind, task, memory_mb)
-        except OSError as error:  # the computer cannot start a further process
-            self._messages.append((key, WorkerDiedMessage(str(error))))
+        except DatabaseUnavailable:
+            self._messages.append((key, TaskLostMessage("the database did not respond")))
+            raise
         except Exception as error:
             self._messages.append((key, describe_error(error)))
 

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from flexsid.jobs.kind import Kind, build_job, fail_job
-from flexsid.jobs.messages import ComputedMessage, FailedMessage
+from flexsid.jobs.messages import ComputedMessage, describe_error
 from flexsid.jobs.process_id import get_process_id, shorten_process_id
-from flexsid.jobs.worker import execute_task
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, ReportProgress, RunState
 from flexsid.storage import queue
+from flexsid.storage.queue import StaleAttempt
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.run_identity import add_hashes
 
@@ -67,13 +67,12 @@ def execute_job(
     assert job is not None
     worker = shorten_process_id(get_process_id())
     try:
-        ended = kind.prepare_task(store, job)
-        if not isinstance(ended, FailedMessage):
-            ended = execute_task(kind.compute, ended, report, worker)
-        if isinstance(ended, ComputedMessage):
-            kind.save_outcome(store, job, ended)
-        else:
-            fail_job(store, job, ended)
+        outcome = kind.compute(kind.prepare_task(store, job), report)
+        kind.save_outcome(store, job, ComputedMessage(outcome, worker))
+    except StaleAttempt:
+        raise
+    except Exception as error:
+        fail_job(store, job, describe_error(error, worker))
     except KeyboardInterrupt:
         queue.request_cancel(store, job_id)
         raise

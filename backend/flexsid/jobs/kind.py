@@ -93,13 +93,8 @@ class Kind(Generic[Request, Result]):
         return decode(self.request, job.request or {})
 
     def prepare_task(self, store: Store, job: Job) -> Any:
-        """Return the task of a job, or a ``FailedMessage``."""
-        try:
-            return self.prepare(store, job, self.read_request(job))
-        except DatabaseUnavailable:
-            raise
-        except Exception as error:
-            return describe_error(error)
+        """Return the task of a job; raises as ``prepare``."""
+        return self.prepare(store, job, self.read_request(job))
 
     def save_outcome(self, store: Store, job: Job, message: ComputedMessage) -> None:
         """Store the outcome of a job and end it; if that is not possible, the job fails.

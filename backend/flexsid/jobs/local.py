@@ -6,7 +6,7 @@ import os
 import threading
 from typing import Any
 
-from flexsid.jobs.child import Child, execute_in_child, pickle_task, take_child
+from flexsid.jobs.child import Child, execute_in_child, pickle_task
 from flexsid.jobs.executors import Workers
 from flexsid.jobs.messages import Key
 from flexsid.jobs.worker import LoadKinds
@@ -40,8 +40,7 @@ class LocalWorkers(Workers[threading.Thread]):
     def submit(self, key: Key, kind: str, task: Any, memory_mb: int | None) -> None:
         """Start a task on an idle worker, or on a further one."""
         content = pickle_task(kind, task, memory_mb)  # may fail, and then no worker is busy
-        child = take_child(self._idle, self._load_kinds)
-        thread = threading.Thread(target=self._execute, args=(key, child, content), daemon=True)
+        thread = threading.Thread(target=self._execute, args=(key, content), daemon=True)
         self._tasks[key] = thread
         thread.start()
 
@@ -58,11 +57,11 @@ class LocalWorkers(Workers[threading.Thread]):
         while self._idle:
             self._idle.pop().kill()
 
-    def _execute(self, key: Key, child: Child, content: bytes) -> None:
+    def _execute(self, key: Key, content: bytes) -> None:
         message = execute_in_child(
-            child,
-            self._idle,
+            self._load_kinds,
             content,
+            self._idle,
             publish=lambda progress: self._messages.put((key, progress)),
             is_cancelled=lambda: key not in self._tasks,
         )

@@ -63,8 +63,7 @@ def work(connection: Connection) -> None:
                 continue
             connection.send(ProgressMessage())
             with _limit_memory(memory_mb):
-                report = _make_reporter(connection)
-                message = execute_task(kinds[kind].compute, task, report, worker)
+                message = _compute(kinds[kind], task, _make_reporter(connection), worker)
                 del task
             try:
                 connection.send(message)
@@ -74,12 +73,12 @@ def work(connection: Connection) -> None:
         return
 
 
-def execute_task(
-    compute: Callable[[Any, ReportProgress], Any], task: Any, report: ReportProgress, worker: str
+def _compute(
+    kind: Any, task: Any, report: ReportProgress, worker: str
 ) -> ComputedMessage | FailedMessage:
     """Compute a task; exceptions become messages."""
     try:
-        return ComputedMessage(compute(task, report), worker)
+        return ComputedMessage(kind.compute(task, report), worker)
     except Exception as error:
         return describe_error(error, worker)
 
