@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.excitation.designer import compute_peak_factors
-from flexsid.sysid.excitation.extrema import EVALUATION_POINTS
+from flexsid.sysid.excitation.extrema import evaluate_magnitude
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
@@ -57,17 +57,21 @@ class DesignChecks:
     inputs: tuple[InputCheck, ...]
 
 
-def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits) -> DesignChecks:
+def check_design(
+    multisine: Multisine,
+    rate_hz: float,
+    actuator: ActuatorLimits,
+    peak_factors: Mapping[str, float],
+) -> DesignChecks:
     """Evaluate a design as sampled at a rate [Hz], and the deflections behind the actuators.
 
-    The multisine is at the amplitude to be flown. The periodic response of the actuator of
-    every surface is exact and linear, so that limits are compared with the unlimited deflection,
-    without freeplay.
+    ``peak_factors`` are those of ``compute_peak_factors``. The multisine is at the amplitude to
+    be flown. The periodic response of the actuator of every surface is exact and linear, so that
+    limits are compared with the unlimited deflection, without freeplay.
     """
     samples = multisine.sample_period(rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))
     correlation = np.abs(samples.T @ samples / np.outer(size, size) - np.eye(size.size)).max()
-    factors = compute_peak_factors(multisine)
     rows = []
     for column, (name, tones) in enumerate(multisine.tones.items()):
         omega = 2.0 * np.pi * tones.harmonics / multisine.period_s
@@ -76,14 +80,12 @@ def check_design(multisine: Multisine, rate_hz: float, actuator: ActuatorLimits)
         for order in range(3):
             moved = response * (1j * omega) ** order
             spectrum = HarmonicSpectrum(tones.harmonics, tones.amplitudes * np.abs(moved))
-            n = EVALUATION_POINTS * int(tones.harmonics.max())
-            wave = spectrum.on_grid((tones.phases + np.angle(moved))[None], n)
-            peaks.append(float(np.abs(wave).max()))
+            peaks.append(evaluate_magnitude(spectrum, tones.phases + np.angle(moved)))
         limits = (actuator.position, actuator.rate, actuator.acceleration)
         rows.append(
             InputCheck(
                 name=name,
-                peak_factor=factors[name],
+                peak_factor=peak_factors[name],
                 command_peak=float(np.abs(samples[:, column]).max()),
                 start=float(samples[0, column]),
                 deflection_peak=peaks[0],

@@ -13,7 +13,7 @@ from flexsid.sysid.excitation.extrema import evaluate_peak_factor
 from flexsid.sysid.excitation.harmonic_assignment import check_harmonics
 from flexsid.sysid.excitation.multisine import Multisine, Tones
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
-from flexsid.sysid.excitation.peak_factor import start_at_zero
+from flexsid.sysid.excitation.peak_factor import start_at_zero, starts_at_zero
 from flexsid.sysid.excitation.phase_search import (
     PATIENT,
     QUICK,
@@ -31,6 +31,7 @@ _SEARCH_S = {"quick": 1.0, "thorough": 15.0, "patient": 60.0}
 """Effort over that of ``quick``. Measured on one core of 2.5 GHz, as are the next three."""
 _PER_PAIR_S, _PER_TONE_S, _PER_HARMONIC_S = 2e-6, 1e-4, 9e-6
 _LEAST_POINTS = 64  # of the grid on which the largest deflection is found
+_MOST_PERIODS = 50_000  # highest harmonics of all inputs: a grid of 64 times as many points in .2 s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,7 +89,8 @@ def design(
                 report(specification.inputs[place].name, best.peak_factor, float(done / ends[-1]))
 
         effort, seed = EFFORTS[specification.effort], specification.seed + place
-        phases[own.name] = search_phases(spectrum, effort, seed, report_input).phases
+        found = search_phases(spectrum, effort, seed, report_input).phases
+        phases[own.name] = start_at_zero(spectrum.harmonics, spectrum.amplitudes, found)
     return build_multisine(specification, phases)
 
 
@@ -97,12 +99,17 @@ def build_multisine(
     phases: dict[str, Float[np.ndarray, " n_tones"]],
     level: int = 0,
 ) -> Multisine:
-    """Build the multisine of a recipe at one of its three amplitudes, starting at zero."""
+    """Build the multisine of a recipe at one of its three amplitudes, starting at zero.
+
+    Phases of a recipe start at zero; others are shifted in time.
+    """
     tones = {}
     for own in specification.inputs:
         spectrum = _build_spectrum(own)
         harmonics, amplitudes = spectrum.harmonics, spectrum.amplitudes
-        shifted = start_at_zero(harmonics, amplitudes, np.asarray(phases[own.name]))
+        shifted = np.asarray(phases[own.name])
+        if not starts_at_zero(amplitudes, shifted):
+            shifted = start_at_zero(harmonics, amplitudes, shifted)
         wave = spectrum.on_grid(shifted[None], spectrum.grid_size(_LEAST_POINTS))
         peak = specification.peaks[level] * own.relative_peak
         size = peak / float(np.abs(wave).max())
@@ -163,6 +170,14 @@ def check_specification(specification: DesignSpecification) -> None:
         specification.duration_s,
         specification.rate_hz,
     )
+    together = sum(max(own.harmonics) for own in specification.inputs)
+    if together > _MOST_PERIODS:
+        raise BadInput(
+            f"the highest harmonics of all inputs are {together} together; a design has at most"
+            f" {_MOST_PERIODS}, four times those of Table 1; take a shorter period, a lower band or"
+            " fewer inputs",
+            code="harmonics-too-high",
+        )
     for own in specification.inputs:
         if own.relative_peak <= 0.0:
             raise BadInput(f"relative peak {own.relative_peak:g} of {own.name} must be positive")

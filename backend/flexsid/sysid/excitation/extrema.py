@@ -10,9 +10,7 @@ from scipy import linalg
 
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
-EVALUATION_POINTS = 32
-"""Samples in the shortest period on which a peak factor is evaluated."""
-
+_EVALUATION_POINTS = 32  # samples in the shortest period on which a peak factor is evaluated
 _SEARCHED_POINTS = 16  # samples in the shortest period on which extrema are located
 _LEAST_EXTREMUM = 0.93  # of the largest: lower ones have no weight at any temperature
 # of the soft maximum, in sequence, over the root of the summed squared amplitudes
@@ -37,9 +35,15 @@ def evaluate_peak_factors(
     phases: Float[np.ndarray, "n_starts n_tones"],
 ) -> Float[np.ndarray, " n_starts"]:
     """Relative peak factors of many phases. [1]"""
-    waves = spectrum.on_grid(phases, spectrum.grid_size(EVALUATION_POINTS))
+    waves = spectrum.on_grid(phases, spectrum.grid_size(_EVALUATION_POINTS))
     span = _parabola_peaks(waves) + _parabola_peaks(-waves)
     return span / (2.0 * np.sqrt(np.sum(spectrum.amplitudes**2)))
+
+
+def evaluate_magnitude(spectrum: HarmonicSpectrum, phases: Float[np.ndarray, " n_tones"]) -> float:
+    """Largest magnitude, with peaks between samples found by parabolas. [unit of the amplitudes]"""
+    wave = spectrum.on_grid(phases[None], spectrum.grid_size(_SEARCHED_POINTS))
+    return float(max(_parabola_peaks(wave)[0], _parabola_peaks(-wave)[0]))
 
 
 def _parabola_peaks(

@@ -61,6 +61,14 @@ def lower_peak(
     return best
 
 
+def starts_at_zero(
+    amplitudes: Float[np.ndarray, " n_tones"], phases: Float[np.ndarray, " n_tones"]
+) -> bool:
+    """Return whether the first sample of a multisine is zero but for rounding."""
+    first = float(np.sum(amplitudes * np.sin(phases)))
+    return abs(first) <= _ZERO * float(np.abs(amplitudes).sum())
+
+
 def start_at_zero(
     harmonics: Int[np.ndarray, " n_tones"],
     amplitudes: Float[np.ndarray, " n_tones"],
@@ -77,22 +85,21 @@ def start_at_zero(
     def value(cycle: float) -> float:
         return float(np.sum(amplitudes * np.sin(turn * cycle + phases)))
 
+    # By transforms, since a design may have thousands of tones.
     n_grid = 32 * int(harmonics.max())
-    # Crossings may tie but for rounding: phases that begin at one of the best stay as they are.
-    if abs(value(0.0)) <= _ZERO * float(np.abs(amplitudes).sum()):
-        # By transforms: a stored design begins so, and may have thousands of tones.
-        wave = HarmonicSpectrum(harmonics, amplitudes).on_grid(phases[None], n_grid)[0]
-        running = HarmonicSpectrum(harmonics, amplitudes / turn)
-        size = np.abs(running.on_grid(phases[None] + np.pi / 2.0, n_grid)[0])
-        least = size[wave * np.roll(wave, -1) <= 0.0].min(initial=np.inf)
-        if size[0] <= least + _TIE * size.max():
-            return phases
-    grid = np.arange(n_grid + 1) / n_grid
-    angles = np.outer(grid, turn) + phases
-    samples = np.sin(angles) @ amplitudes
-    integral = np.cos(angles) @ (amplitudes / turn)
-    crossings = np.flatnonzero(samples[:-1] * samples[1:] <= 0.0)
-    size = np.abs(integral)
+    wave = HarmonicSpectrum(harmonics, amplitudes).on_grid(phases[None], n_grid)[0]
+    running = HarmonicSpectrum(harmonics, amplitudes / turn)
+    size = np.abs(running.on_grid(phases[None] + np.pi / 2.0, n_grid)[0])
+    crossings = np.flatnonzero(wave * np.roll(wave, -1) <= 0.0)
     crossing = int(crossings[np.argmin(size[crossings])])
-    shift = float(optimize.brentq(value, grid[crossing], grid[crossing + 1], xtol=1e-15))
+    # Crossings may tie but for rounding: phases that begin at one of the best stay as they are.
+    is_best = size[0] <= size[crossing] + _TIE * size.max()
+    if is_best and starts_at_zero(amplitudes, phases):
+        return phases
+    before, after = value(crossing / n_grid), value((crossing + 1) / n_grid)
+    shift = crossing / n_grid
+    if before * after < 0.0:  # else the wave is zero at one of the two samples
+        shift = optimize.brentq(value, shift, (crossing + 1) / n_grid, xtol=1e-15)
+    elif abs(after) < abs(before):
+        shift = (crossing + 1) / n_grid
     return np.mod(phases + turn * shift + np.pi, 2.0 * np.pi) - np.pi

@@ -307,7 +307,8 @@ def check_multisine(
     design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0
 ) -> DesignChecks:
     """Check a design at its rate behind an actuator."""
-    return check_design(build_multisine(design, level), design.specification.rate_hz, actuator)
+    multisine, rate = build_multisine(design, level), design.specification.rate_hz
+    return check_design(multisine, rate, actuator, design.peak_factors)
 
 
 def export_design(design: ExcitationDesign, form: str, level: int = 0) -> bytes:
