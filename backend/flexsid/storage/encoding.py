@@ -8,6 +8,7 @@ import types
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import cache
 from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -41,6 +42,10 @@ def encode(value: Any) -> Any:
     return value
 
 
+# Evaluating the annotations of a class takes longer than reading a value of it.
+_get_hints = cache(get_type_hints)
+
+
 def decode(kind: type[T], content: Any) -> T:
     """Return the value of a type that ``encode`` has written."""
     return cast(T, _decode(kind, content))
@@ -53,7 +58,7 @@ def _decode(kind: Any, content: Any) -> Any:
             return None
         return _decode(next(one for one in arguments if one is not type(None)), content)
     if is_dataclass(kind):
-        hints = get_type_hints(kind)
+        hints = _get_hints(kind)
         return cast(Any, kind)(**{name: _decode(hints[name], v) for name, v in content.items()})
     if getattr(kind, "array_type", kind) is np.ndarray:  # with or without a shape
         raw = base64.b64decode(content["data"])
