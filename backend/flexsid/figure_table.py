@@ -82,6 +82,7 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.storage.maneuver_list import ManeuverFilters
+from flexsid.storage.reading import reading_once
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.sysid.model.axes import ModelAxis
@@ -631,7 +632,8 @@ def draw_figure(store: Store, figure: str, /, **arguments: Any) -> Spec:
     """
     kind = FIGURES[figure]
     drawing = {key: arguments.pop(key) for key in kind.drawing if key in arguments}
-    return kind.draw(kind.numbers(store, **arguments), **drawing)
+    with reading_once():
+        return kind.draw(kind.numbers(store, **arguments), **drawing)
 
 
 def _get_flutter(store: Store, **query: Any) -> Flutter:

@@ -21,6 +21,7 @@ from flexsid.records.run import EstimationRun, Progress, RunState
 from flexsid.storage.channels import read_channels
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.reading import reading_once
 from flexsid.storage.store import Store
 
 
@@ -100,6 +101,19 @@ def test_unknown_id_is_reported(store: Store, identity: int) -> None:
         store.runs.get(identity)
     with pytest.raises(UnknownRecord):
         store.runs.delete(identity)
+
+
+def test_a_record_is_read_once_within_one_reading(store: Store, aircraft: Aircraft) -> None:
+    assert aircraft.id is not None
+    with reading_once():
+        first = store.aircraft.get(aircraft.id)
+        with reading_once():
+            assert store.aircraft.get(aircraft.id) is first
+    with store.transaction():
+        changed = store.aircraft.replace(replace(first, name="FLEX-29"))
+    with reading_once():
+        assert store.aircraft.get(aircraft.id) == changed
+    assert store.aircraft.get(aircraft.id) == changed
 
 
 def test_used_records_are_not_deleted_and_duplicates_are_rejected(

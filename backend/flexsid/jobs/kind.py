@@ -15,6 +15,7 @@ from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, encode
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.reading import read_once, reading_once
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.software_versions import METHODS, read_versions
 
@@ -178,7 +179,8 @@ def find_job(store: Store, kind: Kind[Request, Any], request: Request) -> Job | 
     BadInput, UnknownRecord
         As ``build_job``.
     """
-    digest = build_job(store, kind, request).request_hash
+    with reading_once():
+        digest = build_job(store, kind, request).request_hash
     assert digest is not None
     return queue.find_equal(store, digest) or queue.find_newest(store, digest)
 
@@ -193,6 +195,11 @@ def get_result(store: Store, kind: Kind[Request, Result], request: Request) -> R
     Conflict
         If the request has not been made, its job has not ended, or it failed.
     """
+    with reading_once():
+        return read_once((kind.name, repr(request)), lambda: _read_result(store, kind, request))
+
+
+def _read_result(store: Store, kind: Kind[Request, Result], request: Request) -> Result:
     job = find_job(store, kind, request)
     if job is None or job.state is RunState.CANCELLED:
         raise Conflict(

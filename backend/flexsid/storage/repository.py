@@ -18,6 +18,7 @@ from sqlalchemy.exc import IntegrityError
 
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.storage.database import Database, NotFinite
+from flexsid.storage.reading import read_once
 
 LARGEST_ID = 2**31 - 1
 """Largest integer of a column in PostgreSQL."""
@@ -99,10 +100,9 @@ class Repository(Generic[R]):
 
     def get(self, identity: int) -> R:
         """Return the record with this id; a transaction locks it against changes."""
-        found = self._select(self._is(identity), lock=self._database.in_transaction)
-        if not found:
-            raise self._unknown(identity)
-        return found[0]
+        if self._database.in_transaction:
+            return self._get(identity, lock=True)
+        return read_once((self.table.name, identity), lambda: self._get(identity))
 
     def find(self, **equals: Any) -> list[R]:
         """Return the records whose fields have these values, oldest first."""
@@ -175,6 +175,12 @@ class Repository(Generic[R]):
     def _values(self, row: sa.RowMapping) -> dict[str, Any]:
         values = {name: row[name] for name in self.fields}
         return values | {name: derive(values) for name, derive in self._derived.items()}
+
+    def _get(self, identity: int, *, lock: bool = False) -> R:
+        found = self._select(self._is(identity), lock=lock)
+        if not found:
+            raise self._unknown(identity)
+        return found[0]
 
     def _select(self, *conditions: sa.ColumnElement[bool], lock: bool = False) -> list[R]:
         columns = [self.table.c[name] for name in self.fields]

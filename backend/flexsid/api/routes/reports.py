@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import wraps
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Response, status
@@ -29,6 +30,7 @@ from flexsid.jobs.kinds import REPORT
 from flexsid.records.run import RunState
 from flexsid.reports import Report
 from flexsid.storage.job_list import JobItem
+from flexsid.storage.reading import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import split_ids
@@ -101,6 +103,11 @@ def _report_run_card(store: TheStore, design_id: Identity, level: Level = 1) -> 
 def _add_report(path: str, name: str, make: Callable[..., Report], content: str) -> None:
     """Add the routes of a report: ``report_{name}`` returns it, ``print_{name}`` prints it."""
 
+    @wraps(make)
+    def make_once(*arguments: Any, **named: Any) -> Report:
+        with reading_once():
+            return make(*arguments, **named)
+
     def read(context: TheContext, report: Any, form: Form = "html") -> Response:
         document = reports.to_document(report, context.report_template)
         if form == "pdf":
@@ -118,7 +125,7 @@ def _add_report(path: str, name: str, make: Callable[..., Report], content: str)
         return submit_job(context, REPORT, request, analyst, report.title)
 
     for respond in (read, print_):
-        respond.__annotations__["report"] = Annotated[Report, Depends(make)]
+        respond.__annotations__["report"] = Annotated[Report, Depends(make_once)]
     router.add_api_route(
         path,
         read,

@@ -28,6 +28,7 @@ from flexsid.records.comparison import (
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.content import find_changes
+from flexsid.storage.reading import read_once
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import compute_difference_variance, compute_limit
 from flexsid.sysid.model.axes import RIGID_BODIES
@@ -110,6 +111,11 @@ def compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int])
     are judged among each other, and each prediction against the runs: what was predicted does not
     change how the runs agree. A source without standard errors is shown, not judged.
     """
+    key = ("comparison", tuple(run_ids), tuple(prediction_ids))
+    return read_once(key, lambda: _compare(store, run_ids, prediction_ids))
+
+
+def _compare(store: Store, run_ids: Sequence[int], prediction_ids: Sequence[int]) -> Comparison:
     if not run_ids:
         raise BadInput("a comparison needs at least one run; select one", code="no-run")
     runs = [store.runs.get(number) for number in dict.fromkeys(run_ids)]
