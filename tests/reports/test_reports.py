@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -202,10 +204,16 @@ def test_an_organisation_brings_its_own_template(tmp_path: Path) -> None:
         read_template(tmp_path / "none.html")
 
 
-def test_a_report_is_printed_where_there_is_a_browser(monkeypatch) -> None:
+def test_a_report_is_printed_where_there_is_a_browser(monkeypatch, tmp_path: Path) -> None:
     if shutil.which("chromium") is None:
         pytest.skip("there is no Chromium here")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    left, used = (tmp_path / f"flexsid-report-{name}" for name in ("killed", "beside"))
+    for folder in (left, used):
+        folder.mkdir()
+    os.utime(left, (0.0, 0.0))  # of a worker that was killed while it printed
     assert to_pdf(to_html(SMALL, NOW)).startswith(b"%PDF")
+    assert list(tmp_path.glob("flexsid-report-*")) == [used]
     monkeypatch.setenv("PATH", "")
     with pytest.raises(Conflict, match="open the HTML report"):
         to_pdf("<p>")

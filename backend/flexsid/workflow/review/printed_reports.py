@@ -12,14 +12,16 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 
 import numpy as np
 
@@ -34,6 +36,7 @@ MADE_AT = "<!-- flexsid: time -->"
 FIGURE_SCRIPT = "<!-- flexsid: figures -->"
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _TIMEOUT_S = 120
+_FOLDER = "flexsid-report-"
 _PR_SET_PDEATHSIG = 1
 
 
@@ -112,7 +115,8 @@ def to_pdf(html: str) -> bytes:
             " print it, or install chromium",
             code="no-browser",
         )
-    with TemporaryDirectory(prefix="flexsid-report-") as name:
+    _delete_left_folders()
+    with TemporaryDirectory(prefix=_FOLDER) as name:
         folder = Path(name)
         page, out = folder / "report.html", folder / "report.pdf"
         page.write_text(html, encoding="utf-8")
@@ -146,6 +150,14 @@ def to_pdf(html: str) -> bytes:
         if not out.is_file():
             raise FlexsidError(f"{browser} did not print; print the HTML report by hand")
         return out.read_bytes()
+
+
+def _delete_left_folders() -> None:
+    """Delete the folders of workers that were killed while they printed."""
+    for folder in Path(gettempdir()).glob(f"{_FOLDER}*"):
+        with suppress(FileNotFoundError):  # deleted by another worker
+            if time.time() - folder.stat().st_mtime > 2 * _TIMEOUT_S:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _make_signal_of_parent() -> Callable[[], object] | None:
