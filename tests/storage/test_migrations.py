@@ -76,6 +76,16 @@ def test_every_foreign_key_and_filter_has_an_index(database_url: str) -> None:
             assert keys <= leading | {"id"}, table  # rows are stored by their id
 
 
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_no_migration_lets_ids_be_given_again(database_url: str) -> None:
+    with closing(sqlite3.connect(_file(database_url))) as connection:
+        for name, table in metadata.tables.items():
+            query = "SELECT sql FROM sqlite_master WHERE type = 'table' AND name = ?"
+            (made_by,) = connection.execute(query, (name,)).fetchone()
+            if table.dialect_options["sqlite"]["autoincrement"] and "id" in table.primary_key:
+                assert "AUTOINCREMENT" in made_by or table.c.id.autoincrement is False, name
+
+
 def test_up_and_down_with_data_in_it(
     database_url: str, store: Store, aircraft: Aircraft, maneuver, monkeypatch, tmp_path: Path
 ) -> None:
