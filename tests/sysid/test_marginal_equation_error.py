@@ -34,7 +34,8 @@ def test_noise_of_the_surfaces_that_a_nuisance_mode_amplifies_causes_no_bias(mak
         u = np.zeros((FREQUENCIES.size, 5), dtype=complex)
         u[np.arange(FREQUENCIES.size), np.arange(FREQUENCIES.size) % 5] = turns
         z = (model.response(case.truth, FREQUENCIES) @ u[:, :, None])[:, :, 0]
-        wrong = 0.3 * prior.size * rng.normal(size=prior.size.shape)
+        size = np.hypot(case.truth.values, prior.median)
+        wrong = 0.3 * size * rng.normal(size=size.shape)
         predicted = replace(case.truth, values=case.truth.values + wrong)
         shifted = build_nuisance_prior(numbers, model.inputs, predicted.named())
         noise = INPUT_NOISE * np.sqrt(np.mean(np.abs(u) ** 2, axis=0))
