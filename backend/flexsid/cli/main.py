@@ -103,6 +103,13 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "add, invite and disable accounts, and set their roles in campaigns"
     _add_user_options(add("users", "users:users", summary))
 
+    summary = "serve what a workbench reads and proposes as tools for agents (MCP)"
+    agents = add("mcp", "mcp:serve_tools", summary)
+    meaning = "address of the workbench; its token is that of FLEXSID_TOKEN"
+    agents.add_argument("--url", default="http://127.0.0.1:8000", metavar="URL", help=meaning)
+    meaning = "name under which it proposes, where the workbench has no accounts"
+    agents.add_argument("--analyst", default="", metavar="NAME", help=meaning)
+
     audit = add("audit", "audit:audit", "export the audit log: who changed what, and when")
     audit.add_argument("--output", required=True, metavar="FILE", help="JSON, one event per line")
 
