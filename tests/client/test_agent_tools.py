@@ -33,7 +33,7 @@ class Recorded(Connection):
         return json.dumps({"path": path} | self.result).encode()
 
 
-def answer(result: dict[str, Any]) -> Connection:
+def respond(result: dict[str, Any]) -> Connection:
     connection = Recorded("", 1.0)
     Recorded.result = result
     return connection
@@ -83,7 +83,7 @@ def test_references_of_a_schema_are_complete():
 
 def test_results_cite_their_runs():
     def cite(tool: Tool, result: dict[str, Any], **arguments: Any) -> list[int]:
-        return json.loads(call_tool(answer(result), tool, arguments))["run_ids"]
+        return json.loads(call_tool(respond(result), tool, arguments))["run_ids"]
 
     assert cite(TOOLS["list_runs"], {"items": [{"id": 4}, {"id": 2}], "next": None}) == [2, 4]
     assert cite(TOOLS["get_run"], {"id": 7, "derived_from_run_id": None}, run_id=7) == [7]
@@ -91,13 +91,13 @@ def test_results_cite_their_runs():
     assert cite(TOOLS["get_dashboard"], nested, aircraft_id=3) == [5, 6]
 
 
-def test_arguments_are_refused_by_name_and_kept_out_of_the_path():
+def test_arguments_are_refused_by_name_and_cannot_change_the_path():
     with pytest.raises(BadInput, match=r"'run' is no argument, 'run_id' is missing"):
-        call_tool(answer({}), TOOLS["get_run"], {"run": 1})
-    sent = json.loads(call_tool(answer({}), TOOLS["get_run"], {"run_id": "../jobs/1?a=b"}))
+        call_tool(respond({}), TOOLS["get_run"], {"run": 1})
+    sent = json.loads(call_tool(respond({}), TOOLS["get_run"], {"run_id": "../jobs/1?a=b"}))
     assert sent["result"]["path"] == "runs/..%2Fjobs%2F1%3Fa%3Db"
     with pytest.raises(BadInput, match="select fewer records"):
-        call_tool(answer({"samples": "x" * LARGEST_RESULT}), TOOLS["get_run"], {"run_id": 1})
+        call_tool(respond({"samples": "x" * LARGEST_RESULT}), TOOLS["get_run"], {"run_id": 1})
 
 
 def test_an_agent_reads_runs_and_proposes_one(live_url: str) -> None:

@@ -200,6 +200,7 @@ def response(run_id: int | None = None, spread: np.ndarray | None = None) -> Res
         phase_rad=np.array([0.0, -np.pi, -2 * np.pi, -3 * np.pi]),
         relative_std=spread,
         run_id=run_id,
+        is_model=run_id is not None,
         label="" if run_id is None else f"OE {run_id}",
     )
 

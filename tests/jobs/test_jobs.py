@@ -374,7 +374,9 @@ def test_a_stopped_server_loses_the_lease_and_detects_it_when_continued(
     first = start_server(lease_timeout_s=4.0)
     frozen_worker = process_of(tmp_path / "pid")
     start_server(lease_timeout_s=4.0)
-    os.kill(first.pid, signal.SIGSTOP)
+    with store.database.transaction():
+        # Stopped within a transaction of its own it would hold the lock of SQLite.
+        os.kill(first.pid, signal.SIGSTOP)
     others = [add_job("compute") for _ in range(5)]
     for run in (held, *others):
         assert until(run, RunState.SUCCEEDED)

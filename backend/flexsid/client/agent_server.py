@@ -19,7 +19,7 @@ from flexsid.errors import FlexsidError
 _INSTRUCTIONS = (
     "Estimates of the aerodynamic derivatives of flexible aircraft from flight test, and what rests"
     " on them. Cite the ids of runs (`run_ids` of every result) with each statement, give standard"
-    " errors with values, and say where a run is suspect. You can propose runs and model"
+    " errors with values, and state where a run is suspect. You can propose runs and model"
     " structures. Analysts approve them."
 )
 
@@ -50,8 +50,8 @@ def build_server(connection: Connection) -> Server[Any]:
             given = params.arguments or {}
             text = await to_thread.run_sync(call_tool, connection, tool, given)
         except FlexsidError as error:
-            return _answer(f"{error.code}: {error}", is_error=True)
-        return _answer(text)
+            return _write_result(f"{error.code}: {error}", is_error=True)
+        return _write_result(text)
 
     return Server(
         "flexsid",
@@ -84,7 +84,7 @@ def _describe(tool: Tool) -> types.Tool:
     )
 
 
-def _answer(text: str, *, is_error: bool = False) -> types.CallToolResult:
+def _write_result(text: str, *, is_error: bool = False) -> types.CallToolResult:
     return types.CallToolResult(
         content=[types.TextContent(type="text", text=text)], is_error=is_error
     )
