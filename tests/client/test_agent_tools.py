@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import anyio
@@ -39,12 +40,18 @@ def respond(result: dict[str, Any]) -> Connection:
     return connection
 
 
+def run_in_thread(scenario: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    """Run a coroutine in a thread of its own: that of a browser test has a loop already."""
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(anyio.run, scenario).result()
+
+
 def use(url: str, scenario: Callable[[Client], Coroutine[Any, Any, None]]) -> None:
     async def run() -> None:
         async with Client(build_server(Connection(url, 60.0, "agent"))) as client:
             await scenario(client)
 
-    anyio.run(run)
+    run_in_thread(run)
 
 
 def read_text(called: Any) -> str:
@@ -130,4 +137,4 @@ def test_the_command_serves_on_standard_input_and_output(live_url: str) -> None:
             called = await client.call_tool("list_aircraft", {})
             assert json.loads(read_text(called))["source"] == "GET /api/v1/aircraft"
 
-    anyio.run(run)
+    run_in_thread(run)
