@@ -192,11 +192,10 @@ def _find_run_ids(result: Any, *, is_run: bool) -> set[int]:
     """Find the ids of all runs that a result names; a run is named by its own id."""
     found: set[int] = set()
     for key, value in _iterate_values(result):
-        if key == "run_id" or key.endswith("_run_id"):
-            found.add(value)
-        elif key == "run_ids" or key.endswith("_run_ids"):
-            found.update(value or ())
+        if key in ("run_id", "run_ids") or key.endswith(("_run_id", "_run_ids")):
+            named = value if isinstance(value, list) else [value]
+            found.update(one for one in named if isinstance(one, int))
     if is_run and isinstance(result, Mapping):
         items = result.get("items", [result])
         found.update(one["id"] for one in items if isinstance(one, Mapping) and "id" in one)
-    return {number for number in found if isinstance(number, int)}
+    return found
