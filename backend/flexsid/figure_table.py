@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInf
 from flexsid.errors import BadInput
 from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
+from flexsid.figures.control_loop import draw_control_loop
 from flexsid.figures.derivative_coverage import draw_derivative_coverage
 from flexsid.figures.derivatives import draw_derivatives
 from flexsid.figures.envelope import draw_envelope
@@ -92,6 +93,7 @@ from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
+from flexsid.workflow.flutter.controllers import describe_loop
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes, Variation
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
 from flexsid.workflow.flutter.summary_roots import (
@@ -527,6 +529,11 @@ class _ClosedLoop(FlutterParameters):
     controller_id: _Id
 
 
+class _ControlLoop(FigureParameters):
+    controller_id: _Id
+    design_id: _Reference = Field(None, description="Design whose excitation is shown.")
+
+
 class _GlobalSlice(GlobalModelParameters):
     name: _Derivative
     along: LimitedQuantity | None = Field(
@@ -859,6 +866,8 @@ _KINDS = (
         "Draw the stability margins of the loop of every surface over airspeed."),
     FigureKind("closed-loop-roots", _ClosedLoop, _get_closed_loop, draw_closed_loop_roots,
         "Draw the roots with and without the controller."),
+    FigureKind("control-loop", _ControlLoop, describe_loop, draw_control_loop,
+        "Draw the block diagram of a controller's loop, and where an excitation enters it."),
     FigureKind("search-path", _Search, get_group, draw_search_path,
         "Draw the criteria after every step of a search."),
     FigureKind("search-stability", _Search, get_group, draw_search_stability,

@@ -40,6 +40,36 @@ def test_controller_is_stored_listed_and_deleted(client: TestClient):
     assert client.get(where).status_code == 404
 
 
+def test_controller_with_mixer_is_stored_and_its_law_mixed(client: TestClient):
+    mixed = {
+        "reads": ["q"],
+        "commands": ["pitch"],
+        "mixer": {"wf1s": {"pitch": -0.5}, "wf4s": {"pitch": 1.0}},
+        "rate_limit_rad_s": 1.5,
+        "transfer": {"pitch": {"q": {"num": [0.2], "den": [0.02, 1.0]}}},
+    }
+    stored = posted(client, mixed)
+    assert stored.status_code == 201, stored.text
+    found = stored.json()
+    assert found["drives"] == ["wf1s", "wf4s"]
+    assert found["commands"] == ["pitch"]
+    assert found["mixer"] == [[-0.5], [1.0]]
+    assert found["rate_limit_rad_s"] == 1.5
+    direct = posted(client, TRANSFER).json()
+    assert direct["mixer"] == []
+    assert direct["rate_limit_rad_s"] is None
+    for change, words in (
+        ({"mixer": {"wf1s": {"roll": 1.0}}}, "must have weights of pitch"),
+        ({"mixer": {"rudder": {"pitch": 1.0}}}, "not a surface"),
+        ({"drives": ["bfs"]}, "omit 'drives'"),
+        ({"rate_limit_rad_s": -1.0}, "positive"),
+        ({"mixer": {}}, "by surface and command"),
+    ):
+        refused = posted(client, mixed | change)
+        assert refused.status_code == 422
+        assert words in refused.text
+
+
 def test_matlab_matrices_are_imported_with_signal_names(client: TestClient, tmp_path: Path):
     path = tmp_path / "k.mat"
     scipy_io.savemat(

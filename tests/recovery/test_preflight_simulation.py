@@ -11,6 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
+from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
@@ -18,6 +19,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
@@ -30,6 +32,7 @@ from flexsid.workflow.excitation.preflight_simulation import (
     simulate_design,
     store_simulation,
 )
+from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 
@@ -111,3 +114,39 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
             for one in (maneuver, turbulent)
         )
         assert moving > least * still, name
+
+
+def test_excitation_enters_before_the_mixer_where_a_design_has_its_commands(store: Store):
+    """Surfaces then move together, which the stored maneuver states."""
+    run = flown(store, 0.65)
+    (direct,) = store.controllers.find()
+    mixer = ((-0.4,), (1.0,))
+    law = ControlLaw(airspeed_m_s=40.0, A=(), B=(), C=(), D=((0.1,),))
+    mixed = add_controller(
+        store,
+        Controller(
+            aircraft_id=direct.aircraft_id, name="mixed", reads=("q",), drives=("wf1s", "wf4s"),
+            laws=(law,), commands=("pitch",), mixer=mixer, rate_limit_rad_s=2.0,
+        ),
+    )  # fmt: skip
+    specification = DesignSpecification(
+        duration_s=24.0, rate_hz=100.0, peaks=(0.02, 0.04, 0.08), effort="quick",
+        inputs=(InputSpecification(name="pitch", harmonics=tuple(range(6, 60))),),
+    )  # fmt: skip
+    order = DesignOrder(name="pitch", specification=specification)
+    design = store.designs.add(compute_design(order, lambda progress: None))
+    with pytest.raises(BadInput, match="has no input pitch"):
+        _simulate(store, design, run.id or 0, direct.id)
+    simulated = _simulate(store, design, run.id or 0, mixed.id)
+    maneuver = store.maneuvers.get(simulated.maneuver_id)
+    assert "before the mixer" in maneuver.note
+    assert maneuver.excitation is not None
+    assert set(maneuver.excitation.harmonics) == {"wf4s"}
+    assert maneuver.max_input_correlation == pytest.approx(1.0, abs=0.02)
+    commands = [
+        read_channels(store.database, maneuver.id or 0, (name,))[name][1]
+        for name in ("wf1s_command", "wf4s_command", "bfs_command")
+    ]
+    assert np.abs(commands[1]).max() > 0.01
+    np.testing.assert_allclose(commands[0], -0.4 * commands[1], atol=1e-8)
+    assert not commands[2].any()

@@ -90,6 +90,37 @@ def test_a_closed_loop_follows_its_equations():
     np.testing.assert_allclose(moved.outputs[:, 0], expected, atol=3e-4)
 
 
+def test_excitation_before_the_mixer_acts_as_its_mixed_commands_and_obeys_the_rate_limit():
+    plant = StateSpace(
+        A=np.array([[0.0, 0.0], [0.0, -1.0]]), B=np.array([[1.0, 0.5], [0.0, 1.0]]),
+        C=np.array([[1.0, 0.0]]), D=np.zeros((1, 2)),
+        states=("theta", "alpha"), inputs=("wf1s", "wf4s"), outputs=("theta",),
+    )  # fmt: skip
+    gains = np.array([[-2.0], [-0.5]])
+    law = StateSpace(
+        np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((2, 0)), gains, (), ("theta",), plant.inputs
+    )
+    rate, servos = 200.0, [Instrument(), Instrument()]
+    time = np.arange(1000) / rate
+    pitch = np.where((time > 0.5) & (time < 3.0), 0.05 * np.sin(9.0 * (time - 0.5)), 0.0)
+    mixed = np.outer(pitch, [1.0, -0.4])
+    still = np.zeros_like(mixed)
+    after = simulate_flight(plant, servos, mixed, rate, law, 0.01)
+    before = simulate_flight(plant, servos, still, rate, law, 0.01, excitation_of_law=mixed)
+    np.testing.assert_allclose(before.outputs, after.outputs, atol=1e-15)
+    np.testing.assert_allclose(before.commands, after.commands, atol=1e-15)
+
+    limited = simulate_flight(
+        plant, servos, still, rate, law, 0.01, excitation_of_law=mixed, rate_limit=0.2
+    )
+    steps = np.diff(limited.commands, axis=0) * rate
+    assert np.abs(steps).max() == pytest.approx(0.2)
+    assert np.abs(np.diff(after.commands, axis=0) * rate).max() > 0.4
+    # The limit acts on the law only: what enters behind the mixer is not limited.
+    behind = simulate_flight(plant, servos, mixed, rate, law, 0.01, rate_limit=0.2)
+    assert np.abs(np.diff(behind.commands, axis=0) * rate).max() > 0.4
+
+
 def test_what_nobody_holds_is_refused():
     plant = StateSpace(
         A=np.array([[3.0, 0.0], [0.0, -1.0]]), B=np.array([[1.0], [0.0]]),

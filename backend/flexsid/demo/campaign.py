@@ -10,6 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
+from math import radians
 
 from threadpoolctl import threadpool_limits
 
@@ -18,6 +19,7 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.demo.ground import simulate_ground_test
 from flexsid.demo.sources import build_modal_tables, build_model_structures, build_predictions
+from flexsid.demo.surface_faults import FaultKind, SurfaceFault
 from flexsid.demo.vibration_test import build_measured_responses
 from flexsid.demo.whole_flight import add_uncut_flight
 from flexsid.records.aircraft import Aircraft
@@ -34,18 +36,21 @@ SEED = 28
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """One maneuver of the flight plan."""
+    """One maneuver of the flight plan; ``amplitude`` is relative to that of its airspeed."""
 
     airspeed_ratio: float
     fuel: float
     fta: int
+    amplitude: float = 1.0
+    n_periods: int = 1
+    fault: SurfaceFault | None = None
 
     @property
     def peak_deg(self) -> float:
         """Peak deflection, smaller where the response is larger. [deg]"""
         if self.airspeed_ratio > 1.0:
-            return 1.2
-        return 2.0 if self.airspeed_ratio < 0.9 else 1.6
+            return 1.2 * self.amplitude
+        return (2.0 if self.airspeed_ratio < 0.9 else 1.6) * self.amplitude
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +64,9 @@ class Sortie:
     stiffness_lost: float = 0.0  # relative stiffness loss of the first bending mode in the flight
 
 
+_UNCOMMANDED = SurfaceFault(
+    kind=FaultKind.OSCILLATING, surface="wf1s", amplitude=radians(0.3), frequency_hz=6.3
+)
 PLAN = (
     Sortie(
         1,
@@ -93,6 +101,17 @@ PLAN = (
             *(Card(1.02, 0.64, 503), Card(1.02, 0.57, 506)),
             *(Card(1.09, 0.50, 506), Card(1.09, 0.42, 503), Card(1.09, 0.25, 506)),
             Card(0.65, 0.15, 506),
+        ),
+    ),
+    Sortie(
+        4,
+        date(2025, 5, 27),
+        "Amplitudes, repeated periods, and surfaces that do not follow",
+        (
+            *(Card(0.65, 0.62, 506, amplitude=0.5), Card(0.65, 0.58, 506, amplitude=2.0)),
+            Card(0.65, 0.54, 506, n_periods=2),
+            Card(0.65, 0.48, 506, fault=SurfaceFault(kind=FaultKind.STUCK, surface="wf2s")),
+            Card(0.65, 0.44, 506, fault=_UNCOMMANDED),
         ),
     ),
 )
@@ -215,6 +234,8 @@ def _simulate_cards(sortie: Sortie, seed: int, *, unsteady: bool) -> Iterator[_S
             fuel=card.fuel,
             fta=card.fta,
             peak_deg=card.peak_deg,
+            n_periods=card.n_periods,
+            fault=card.fault,
             seed=(seed, sortie.number, number),
             start_s=_FIRST_CARD_S + number * _BETWEEN_CARDS_S,
             label=f"{sortie.number}-{number + 1:02d} FTA {card.fta}",

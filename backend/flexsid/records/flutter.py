@@ -300,7 +300,11 @@ class ControlLaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Controller:
-    """A law reads outputs and drives surfaces by their names; linear between airspeeds."""
+    """A law reads outputs and drives surfaces by their names; linear between airspeeds.
+
+    With a mixer, laws compute ``commands``, and the surfaces are driven by ``mixer`` times them,
+    one row per surface. ``rate_limit_rad_s`` limits the command of every surface behind the mixer.
+    """
 
     aircraft_id: int
     name: str
@@ -309,6 +313,9 @@ class Controller:
     laws: tuple[ControlLaw, ...]
     delay_s: float = 0.0
     note: str = ""
+    commands: tuple[str, ...] = ()
+    mixer: Matrix = ()
+    rate_limit_rad_s: float | None = None
     created_at: datetime | None = None
     id: int | None = None
 

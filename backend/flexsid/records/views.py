@@ -408,6 +408,24 @@ class LoopPlot:
     curves: tuple[LoopCurve, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlLoopDiagram:
+    """Signals of a control loop by their places: what the law reads, computes and drives.
+
+    ``commands`` are those before the mixer, empty without one; ``airspeeds_m_s`` those of the
+    schedule; ``excitation`` the inputs of a design, if any.
+    """
+
+    reads: tuple[str, ...]
+    commands: tuple[str, ...]
+    drives: tuple[str, ...]
+    airspeeds_m_s: tuple[float, ...]
+    delay_s: float
+    rate_limit_rad_s: float | None
+    excitation: tuple[str, ...]
+    is_before_mixer: bool
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReconstructedTrace:
     """One quantity in time, (n_samples,), and its spectrum, (n_omega,), with standard errors.

@@ -283,6 +283,9 @@ controllers = table(
     json("laws"),
     number("delay_s"),
     text("note"),
+    json("commands"),
+    json("mixer"),
+    number("rate_limit_rad_s", required=False),
     moment("created_at"),
 )
 

@@ -98,7 +98,7 @@ export function NewController({ onSaved }: { onSaved: (id: number) => void }) {
             {file === null && (
               <Textarea
                 label="JSON"
-                description="u = K y in SI and rad: A, B, C, D, laws by airspeed, or transfer functions"
+                description="u = K y in SI and rad: A, B, C, D, laws by airspeed, or transfer functions; with mixer: commands, and weights by surface and command; rate_limit_rad_s of every surface"
                 autosize
                 minRows={6}
                 placeholder={EXAMPLE}

@@ -9,6 +9,7 @@ import { degrees, fixed, withError } from "../lib/format";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Empty } from "./Empty";
+import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
@@ -111,6 +112,11 @@ export function PreflightPart({ design, level, run }: Props) {
   const given = Object.entries(limits).filter(([, one]) => isGiven(one));
   const known = controllers.data ?? [];
   const selected = controller ?? String(known[0]?.id ?? "");
+  const law = known.find((one) => String(one.id) === selected);
+  const inputs = design.specification.inputs.map((own) => own.name);
+  // Inputs that are commands of the control law are no surfaces: its mixer moves those.
+  const isBeforeMixer = inputs.every((name) => law?.commands?.includes(name));
+  const surfaces = law !== undefined && isBeforeMixer ? law.drives : inputs;
   return (
     <>
       <Section
@@ -141,12 +147,20 @@ export function PreflightPart({ design, level, run }: Props) {
               }}
             />
           </Group>
+          {Number(selected) > 0 && (
+            <Figure
+              kind="control-loop"
+              height={250}
+              title="Control loop, and where the excitation enters"
+              params={{ controller_id: Number(selected), design_id: design.id }}
+            />
+          )}
           <Group align="end">
             <Select
               label="Limits of"
               w={180}
               allowDeselect={false}
-              data={[ALL, ...design.specification.inputs.map((own) => own.name)]}
+              data={[ALL, ...surfaces]}
               value={surface}
               onChange={(value) => {
                 setSurface(value ?? ALL);
@@ -295,7 +309,9 @@ function One({ result }: { result: SimulationResult }) {
       ) : (
         <>
           <p className="quiet">
-            Root mean square error of the estimates: {fixed(rms, 2)} standard errors.
+            {off.length === 0
+              ? "The record does not separate all derivatives: there are no standard errors."
+              : `Root mean square error of the estimates: ${fixed(rms, 2)} standard errors.`}
           </p>
           <DataTable
             label="Simulated and estimated derivatives"

@@ -53,6 +53,9 @@ def simulate_flight(
     controller: StateSpace | None = None,
     delay_s: float = 0.0,
     report: Callable[[float], None] | None = None,
+    *,
+    excitation_of_law: Float[np.ndarray, "n_samples n_driven"] | None = None,
+    rate_limit: float = np.inf,
 ) -> SimulatedFlight:
     """Simulate a flight from trim at rest.
 
@@ -72,6 +75,11 @@ def simulate_flight(
         command, in addition to one sample. [s]
     report
         Called with the fraction done; may raise to stop.
+    excitation_of_law
+        Added to the commands of the control law before its rate limit: that of excitation
+        before the mixer, mixed. [rad]
+    rate_limit
+        Of the commands of the control law. [rad/s]
 
     Raises
     ------
@@ -113,6 +121,10 @@ def simulate_flight(
     every = np.arange(n_u)
     C_read, D_read = plant.C[read], plant.D[read]
     surfaces = np.zeros(n_u)  # behind the freeplay
+    injected = np.zeros((wait + n_samples, len(driven)))
+    if excitation_of_law is not None:
+        injected[:n_samples] = excitation_of_law
+    largest_step, computed = rate_limit / rate_hz, np.zeros(len(driven))
     for k in range(n_samples):
         delayed[top + k] = commands[k]
         now = delayed[top + k - leads, every]
@@ -120,7 +132,13 @@ def simulate_flight(
         states[k], deflections[k] = x[n_a:], deflection
         if driven:
             y = C_read @ x[n_a:] + D_read @ deflection
-            commands[k + wait, driven] += law.C @ law_state + law.D @ y
+            total = law.C @ law_state + law.D @ y + injected[k + wait]
+            computed = (
+                total
+                if largest_step == np.inf
+                else np.clip(total, computed - largest_step, computed + largest_step)
+            )
+            commands[k + wait, driven] += computed
             law_state = Fk @ law_state + Gk @ y
         step = F @ x + G @ now
         over = step[n:]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,12 +15,14 @@ from flexsid.records.excitation import (
     PreflightSimulation,
     SurfaceUse,
 )
+from flexsid.records.flutter import Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import Channel, Excitation, Flight, Maneuver, Role
-from flexsid.records.run import EstimationRun, Progress, ReportProgress, RunState, Start
+from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress, RunState, Start
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.checks import ActuatorLimits
+from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.sensor_models import VANE
@@ -50,7 +51,10 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     collect_errors,
     load_prediction_model,
 )
-from flexsid.workflow.flutter.controllers import interpolate_controller
+from flexsid.workflow.flutter.controllers import (
+    enters_before_mixer,
+    interpolate_controller,
+)
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, find_or_add_flight
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -125,7 +129,10 @@ class SimulationRequest:
 
 @dataclass(frozen=True, slots=True)
 class SimulatedManeuver:
-    """Maneuver and recorded channels of a simulation: name, unit, role and samples."""
+    """Maneuver and recorded channels of a simulation: name, unit, role and samples.
+
+    ``inputs`` are the surfaces that moved.
+    """
 
     maneuver: Maneuver
     channels: list[tuple[str, str, Role, np.ndarray]]
@@ -164,9 +171,6 @@ def simulate_design(
     check_amplitudes(design.specification)
     multisine = build_multisine(design, level)
     rate = design.specification.rate_hz * int(np.ceil(_RATE_HZ / design.specification.rate_hz))
-    excitation = _sample_excitation(
-        at, multisine.sample, multisine.inputs, multisine.period_s, rate
-    )
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
         raise BadInput(
@@ -174,13 +178,13 @@ def simulate_design(
             code="wrong-aircraft",
         )
     lead = round(_LEAD_S * rate) if request.turbulence is not Turbulence.NONE else 0
-    excitation = np.vstack([np.zeros((lead, excitation.shape[1])), excitation])
+    injected = _inject(at, multisine, controller, rate, lead)
     airspeed = flown.condition.airspeed_m_s
     rng = np.random.default_rng([run_id, _GUST_SEED])
-    gust = generate_gust(request.turbulence, airspeed, len(excitation), rate, rng)
+    gust = generate_gust(request.turbulence, airspeed, injected.n_samples, rate, rng)
     if request.gust is not None:
         discrete = replace(request.gust, start_s=request.gust.start_s + lead / rate)
-        gust += compute_discrete_gust(discrete, airspeed, len(excitation), rate)
+        gust += compute_discrete_gust(discrete, airspeed, injected.n_samples, rate)
     plant = add_gust_input(
         at.model,
         at.parameters.table(at.parameters.start),
@@ -190,14 +194,17 @@ def simulate_design(
     servos = [_get_servo(aircraft, name) for name in at.model.inputs]
     law = None if controller is None else interpolate_controller(controller, airspeed)
     delay_s = 0.0 if controller is None else controller.delay_s
+    rate_limit = None if controller is None else controller.rate_limit_rad_s
     moved = simulate_flight(
         plant,
         [*map(_limit_servo, servos, limits), Instrument()],
-        np.column_stack([excitation, gust]),
+        np.column_stack([injected.after_mixer, gust]),
         rate,
         law,
         delay_s,
         lambda share: report(Progress(fraction=0.9 * share, message="Simulating")),
+        excitation_of_law=injected.before_mixer,
+        rate_limit=np.inf if rate_limit is None else rate_limit,
     )
     margins = ()
     if law is not None:
@@ -221,7 +228,7 @@ def simulate_design(
     channels = [
         (name, unit, role, samples[lead:])
         for name, unit, role, samples in _simulate_channels(
-            at, aircraft, moved, excitation, rate, request.sensors
+            at, aircraft, moved, injected.commands, rate, request.sensors
         )
     ]
     maneuver = Maneuver(
@@ -229,12 +236,12 @@ def simulate_design(
         flight_id=0,  # of pre-flight simulations, found when it is stored
         label=f"Simulation of {design.name}, {_LEVELS[level]}"[:200],
         start_s=0.0,
-        duration_s=(excitation.shape[0] - lead) / rate,
+        duration_s=(injected.n_samples - lead) / rate,
         condition=flown.condition,
         fta=design.fta,
         axis=flown.axis,
         excitation=Excitation(
-            period_s=multisine.period_s, harmonics=multisine.harmonics(), start_s=_TRIM_S
+            period_s=multisine.period_s, harmonics=injected.harmonics, start_s=_TRIM_S
         ),
         airspeed_ratio=flown.airspeed_ratio,
         max_input_correlation=compute_largest_correlation(
@@ -242,6 +249,7 @@ def simulate_design(
         ),
         note=f"Simulated with the model of run {run_id}, "
         + ("no controller" if controller is None else controller.name)
+        + (", excitation before the mixer" if injected.before_mixer is not None else "")
         + (f", {request.turbulence} turbulence" if lead else "")
         + _describe_imperfections(request),
     )
@@ -250,7 +258,7 @@ def simulate_design(
         maneuver=maneuver,
         channels=channels,
         rate_hz=rate,
-        inputs=at.model.inputs,
+        inputs=tuple(one.name for one in checks.surfaces if one.deflection_peak > 0.0),
         outputs=at.model.outputs,
         checks=checks,
         expected=_predict_errors(at, design, level),
@@ -380,14 +388,65 @@ def _measure_flow(outputs: tuple[OutputDefinition, ...]) -> np.ndarray:
     )
 
 
-def _sample_excitation(
-    at: PredictionModel,
-    sample: Callable[[np.ndarray], np.ndarray],
-    inputs: tuple[str, ...],
-    period_s: float,
-    rate: float,
-) -> np.ndarray:
-    """Sample the commands of all inputs of the model from trim to rest, (n_samples, n_u)."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Injection:
+    """Excitation of a simulation: where it enters the loop, and its effect on the commands.
+
+    ``after_mixer`` and ``commands`` have a column per input of the model, ``before_mixer`` one per
+    surface that the controller drives (None where the excitation enters after the mixer). [rad]
+    """
+
+    after_mixer: np.ndarray
+    before_mixer: np.ndarray | None
+    commands: np.ndarray
+    harmonics: dict[str, tuple[int, ...]]
+
+    @property
+    def n_samples(self) -> int:
+        return len(self.commands)
+
+
+def _inject(
+    at: PredictionModel, multisine: Multisine, controller: Controller | None, rate: float, lead: int
+) -> _Injection:
+    """Sample a design from trim to rest, after ``lead`` samples without excitation.
+
+    Excitation enters before the mixer where the inputs of the design are commands of the control
+    law, else after it. Harmonics before the mixer are assigned to the surface of largest weight.
+    """
+    during = round(multisine.period_s * rate)
+    around = (lead + round(_TRIM_S * rate), round(_SETTLE_S * rate))
+    by_input = np.pad(multisine.sample(np.arange(during) / rate), (around, (0, 0)))
+    commands = np.zeros((len(by_input), len(at.model.inputs)))
+    harmonics, names = multisine.harmonics(), multisine.inputs
+    if controller is None or not enters_before_mixer(controller, names):
+        commands[:, _find_columns(at, names)] = by_input
+        return _Injection(
+            after_mixer=commands, before_mixer=None, commands=commands, harmonics=harmonics
+        )
+    if at.run.method is Method.FRE:
+        raise BadInput(
+            "excitation before the mixer moves several surfaces with the same harmonics, which"
+            " frequency responses cannot separate; select a run of OE or EE",
+            code="before-mixer",
+        )
+    weights = np.array(controller.mixer)[:, [controller.commands.index(name) for name in names]]
+    mixed = by_input @ weights.T
+    commands[:, _find_columns(at, controller.drives)] = mixed
+    assigned: dict[str, tuple[int, ...]] = {}
+    for name, row in zip(names, np.abs(weights).argmax(axis=0), strict=True):
+        surface = controller.drives[row]
+        assigned[surface] = tuple(sorted((*assigned.get(surface, ()), *harmonics[name])))
+    return _Injection(
+        after_mixer=np.zeros_like(commands),
+        before_mixer=mixed,
+        commands=commands,
+        harmonics=assigned,
+    )
+
+
+def _find_columns(at: PredictionModel, inputs: tuple[str, ...]) -> list[int]:
+    """Find the inputs of a design among those of the model."""
     foreign = [name for name in inputs if name not in at.model.inputs]
     if foreign:
         raise BadInput(
@@ -395,11 +454,7 @@ def _sample_excitation(
             f" {', '.join(at.model.inputs)}",
             code="unknown-input",
         )
-    lead, during = round(_TRIM_S * rate), round(period_s * rate)
-    excitation = np.zeros((lead + during + round(_SETTLE_S * rate), len(at.model.inputs)))
-    columns = [at.model.inputs.index(name) for name in inputs]
-    excitation[lead : lead + during, columns] = sample(np.arange(during) / rate)
-    return excitation
+    return [at.model.inputs.index(name) for name in inputs]
 
 
 def _simulate_channels(

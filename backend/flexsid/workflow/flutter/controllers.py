@@ -11,7 +11,8 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.source import Sources
-from flexsid.records.flutter import ControlLaw, Controller
+from flexsid.records.flutter import ControlLaw, Controller, Matrix
+from flexsid.records.views import ControlLoopDiagram
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.laws import Law, check_laws, realise_transfer_functions, schedule_law
@@ -20,7 +21,8 @@ _MATRICES = ("A", "B", "C", "D")
 _EXAMPLE = (
     'expected {"reads": ["q"], "drives": ["wf4s"], "laws": [{"airspeed_m_s": 30, "A": [[...]], '
     '"B": ..., "C": ..., "D": ...}]} or {"reads", "drives", "transfer": {"wf4s": {"q": {"num": '
-    '[...], "den": [...]}}}}'
+    '[...], "den": [...]}}}}; with a mixer of commands to surfaces "drives" is replaced by '
+    '"commands": ["pitch"], "mixer": {"wf4s": {"pitch": 0.5}}, and laws compute the commands'
 )
 
 
@@ -32,7 +34,20 @@ def add_controller(store: Store, controller: Controller) -> Controller:
     BadInput
         If a matrix has a wrong shape, or the aircraft lacks a surface.
     """
-    check_laws(_laws(controller), controller.reads, controller.drives)
+    check_laws(_laws(controller), controller.reads, controller.commands or controller.drives)
+    if controller.mixer and (
+        np.shape(controller.mixer) != (len(controller.drives), len(controller.commands))
+        or not np.all(np.isfinite(controller.mixer))
+    ):
+        raise BadInput(
+            f"the mixer must have finite numbers in {len(controller.drives)} rows (surfaces) of"
+            f" {len(controller.commands)} (commands)",
+            code="wrong-shape",
+            matrix="mixer",
+        )
+    limit = controller.rate_limit_rad_s
+    if limit is not None and not 0.0 < limit < np.inf:
+        raise BadInput(f"the rate limit is {limit:g} rad/s; expected a positive number, or none")
     aircraft = store.aircraft.get(controller.aircraft_id)
     surfaces = [surface.name for surface in aircraft.surfaces]
     for name in controller.drives:
@@ -51,8 +66,41 @@ def add_controller(store: Store, controller: Controller) -> Controller:
 
 
 def interpolate_controller(controller: Controller, airspeed_m_s: float) -> StateSpace:
-    """Interpolate the matrices of a controller at an airspeed, without its delay."""
-    return schedule_law(_laws(controller), airspeed_m_s, controller.reads, controller.drives)
+    """Interpolate the matrices of a controller at an airspeed, mixer included, without its delay.
+
+    Rate limits are no part of it: they act in simulations only.
+    """
+    if not controller.mixer:
+        return schedule_law(_laws(controller), airspeed_m_s, controller.reads, controller.drives)
+    law = schedule_law(_laws(controller), airspeed_m_s, controller.reads, controller.commands)
+    mixer = np.array(controller.mixer)
+    return replace(law, C=mixer @ law.C, D=mixer @ law.D, outputs=controller.drives)
+
+
+def enters_before_mixer(controller: Controller, inputs: Sequence[str]) -> bool:
+    """Whether excitation with these inputs enters before the mixer: they are its commands."""
+    return bool(controller.mixer) and set(inputs) <= set(controller.commands)
+
+
+def describe_loop(
+    store: Store, controller_id: int, design_id: int | None = None
+) -> ControlLoopDiagram:
+    """Describe the loop of a controller, and where the excitation of a design enters it."""
+    controller = store.controllers.get(controller_id)
+    inputs: tuple[str, ...] = ()
+    if design_id is not None:
+        design = store.designs.get(design_id)
+        inputs = tuple(own.name for own in design.specification.inputs)
+    return ControlLoopDiagram(
+        reads=controller.reads,
+        commands=controller.commands,
+        drives=controller.drives,
+        airspeeds_m_s=tuple(sorted(law.airspeed_m_s for law in controller.laws)),
+        delay_s=controller.delay_s,
+        rate_limit_rad_s=controller.rate_limit_rad_s,
+        excitation=inputs,
+        is_before_mixer=enters_before_mixer(controller, inputs),
+    )
 
 
 def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
@@ -69,16 +117,25 @@ def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
         raise BadInput(f"the controller is not valid JSON: {error}; {_EXAMPLE}") from error
     if not isinstance(content, dict):
         raise BadInput(f"the controller is not a JSON object; {_EXAMPLE}")
-    reads, drives = (_names(content, key) for key in ("reads", "drives"))
+    reads = _names(content, "reads")
+    commands: tuple[str, ...] = ()
+    mixer: Matrix = ()
+    if "mixer" in content:
+        commands = _names(content, "commands")
+        drives, mixer = _from_mixer(content, commands)
+    else:
+        drives = _names(content, "drives")
+    computed = commands or drives
     if "transfer" in content:
-        laws = (_from_transfer(content["transfer"], reads, drives),)
+        laws = (_from_transfer(content["transfer"], reads, computed),)
     elif "laws" in content:
         listed = content["laws"]
         if not isinstance(listed, list):
             raise BadInput(f"'laws' must be a list; {_EXAMPLE}")
-        laws = tuple(_from_matrices(one, reads, drives) for one in listed)
+        laws = tuple(_from_matrices(one, reads, computed) for one in listed)
     else:
-        laws = (_from_matrices(content, reads, drives),)
+        laws = (_from_matrices(content, reads, computed),)
+    limit = content.get("rate_limit_rad_s")
     return Controller(
         aircraft_id=aircraft_id,
         name=str(content.get("name", name)) or name,
@@ -87,6 +144,9 @@ def read_controller(text: str, aircraft_id: int, name: str) -> Controller:
         laws=laws,
         delay_s=_number(content.get("delay_s", 0.0), "delay_s"),
         note=str(content.get("note", "")),
+        commands=commands,
+        mixer=mixer,
+        rate_limit_rad_s=None if limit is None else _number(limit, "rate_limit_rad_s"),
     )
 
 
@@ -120,6 +180,28 @@ def _from_matrices(content: object, reads: tuple[str, ...], drives: tuple[str, .
     }
     speed = _number(content.get("airspeed_m_s", 0.0), "airspeed_m_s")
     return _record(Law(speed, A, rest["B"], rest["C"], rest["D"]))
+
+
+def _from_mixer(
+    content: Mapping[str, Any], commands: tuple[str, ...]
+) -> tuple[tuple[str, ...], Matrix]:
+    """Read the surfaces that a mixer drives, and its weights by surface and command."""
+    rows = content["mixer"]
+    if not isinstance(rows, Mapping) or not rows:
+        raise BadInput(f"'mixer' must have weights by surface and command; {_EXAMPLE}")
+    drives = tuple(str(surface) for surface in rows)
+    if "drives" in content and set(_names(content, "drives")) != set(drives):
+        raise BadInput("'drives' and the surfaces of 'mixer' differ; omit 'drives'")
+    for surface, weights in rows.items():
+        foreign = [name for name in weights if name not in commands] if weights else [surface]
+        if not isinstance(weights, Mapping) or foreign:
+            raise BadInput(
+                f"the mixer of '{surface}' must have weights of {', '.join(commands)}; {_EXAMPLE}"
+            )
+    return drives, tuple(
+        tuple(_number(rows[surface].get(name, 0.0), f"mixer.{surface}.{name}") for name in commands)
+        for surface in drives
+    )
 
 
 def _from_transfer(content: object, reads: tuple[str, ...], drives: tuple[str, ...]) -> ControlLaw:
@@ -169,7 +251,7 @@ def _names(content: Mapping[str, Any], key: str) -> tuple[str, ...]:
 
 
 def _laws(controller: Controller) -> list[Law]:
-    n_read, n_driven = len(controller.reads), len(controller.drives)
+    n_read, n_driven = len(controller.reads), len(controller.commands or controller.drives)
     laws = []
     for law in controller.laws:
         n = len(law.A)
