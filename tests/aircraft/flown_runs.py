@@ -12,6 +12,7 @@ from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettin
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
     compute_design,
@@ -27,10 +28,18 @@ def estimated(
     plan: tuple[int, float, tuple[int, ...]],
     seed: int,
     multisine: Multisine | None = None,
+    turbulence: Turbulence = Turbulence.NONE,
 ) -> EstimationRun:
     """Eight modes fly, fewer are fitted."""
     fta, peak_deg, modes = plan
-    flown = fly(airspeed_ratio=ratio, fta=fta, peak_deg=peak_deg, seed=seed, multisine=multisine)
+    flown = fly(
+        airspeed_ratio=ratio,
+        fta=fta,
+        peak_deg=peak_deg,
+        seed=seed,
+        multisine=multisine,
+        turbulence=turbulence,
+    )
     maneuver = add_maneuver(store, flown, flight)
     request = EstimationRun(
         maneuver_id=maneuver.id or 0,

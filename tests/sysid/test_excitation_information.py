@@ -29,7 +29,6 @@ def make_information(theta: tuple[float, float] = (1.0, -1.0)) -> FisherInformat
         inputs=("a", "b"),
         theta=np.array(theta),
         information=information,
-        score_covariance=information,
         prior=np.zeros(2),
         limited=("load factor",),
         waves=waves,

@@ -49,8 +49,8 @@ def optimise_amplitudes_minimax(
 
     Notes
     -----
-    The information is linear in the powers, the squared gains. For white noise the variances
-    are convex in them and there is one optimum; for coloured noise this holds approximately.
+    The information is linear in the powers, the squared gains: the variances are convex in them,
+    and there is one optimum.
     Peaks are limited through powers by their ratio to the root mean square, which is computed
     again after each round until the true peaks are within the limits.
     """
@@ -64,26 +64,15 @@ def optimise_amplitudes_minimax(
 
     def criterion(sharpness: float) -> Callable[[np.ndarray], tuple[float, np.ndarray]]:
         def worst(x: np.ndarray) -> tuple[float, np.ndarray]:
-            inverse, middle = fisher_information.sandwich_factors(x)
-            C = inverse @ middle @ inverse
+            C = fisher_information.invert(x)
             variances = np.diag(C)[counts]
             logs = np.log(variances / reference[counts])
             weights = np.exp(sharpness * (logs - logs.max()))
             value = logs.max() + np.log(weights.sum()) / sharpness
             shares = weights / weights.sum() / variances
             slopes = [
-                shares @ (within - 2.0 * across)[counts]
-                for within, across in (
-                    (
-                        np.sum((inverse @ score) * inverse, axis=1),
-                        np.sum((inverse @ part) * C, axis=1),
-                    )
-                    for part, score in zip(
-                        fisher_information.information,
-                        fisher_information.score_covariance,
-                        strict=True,
-                    )
-                )
+                -shares @ np.sum((C @ part) * C, axis=1)[counts]
+                for part in fisher_information.information
             ]
             return float(value), np.array(slopes)
 
@@ -102,17 +91,11 @@ def optimise_amplitudes_d_optimal(
     own = np.ix_(fisher_information.reported, fisher_information.reported)
 
     def volume(x: np.ndarray) -> tuple[float, np.ndarray]:
-        inverse, middle = fisher_information.sandwich_factors(x)
-        C = inverse @ middle @ inverse
+        C = fisher_information.invert(x)
         inner = np.zeros_like(C)
         inner[own] = np.linalg.inv(C[own])
-        outer, across = inverse @ inner @ inverse, C @ inner @ inverse
-        slopes = [
-            np.sum(outer * score) - 2.0 * np.sum(across * part)
-            for part, score in zip(
-                fisher_information.information, fisher_information.score_covariance, strict=True
-            )
-        ]
+        across = C @ inner @ C
+        slopes = [-np.sum(across * part) for part in fisher_information.information]
         return float(np.linalg.slogdet(C[own])[1]), np.array(slopes)
 
     return _optimise(fisher_information, limits, [volume])

@@ -18,7 +18,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import GRAVITY
-from flexsid.sysid.signals import TimeHistory
+from flexsid.sysid.signals import FrequencyData, TimeHistory
 from flexsid.sysid.spectra.fourier import finite_fourier_transform
 
 LOAD_FACTOR = "load factor"
@@ -32,24 +32,20 @@ class PredictedSpectra:
     """Predicted spectra at the harmonics of one input.
 
     ``signal`` is each output over the standard deviation of noise and model error there;
-    ``sensitivity`` is the Jacobian of the outputs over the mean of that standard deviation
-    over all harmonics, with which the estimator weights. Both are amplitude ratios. [1]
-    ``noise`` is that standard deviation at the harmonic over its mean. [1]
+    ``sensitivity`` is the Jacobian of the outputs in units of that noise: L^-1 J for its spectral
+    matrix L L^H. Both are amplitude ratios. [1]
     """
 
     omega: Float[np.ndarray, " n_omega"]
     signal: Complex[np.ndarray, "n_omega n_y"]
     sensitivity: Complex[np.ndarray, "n_omega n_y n_theta"]
-    noise: Float[np.ndarray, "n_omega n_y"]
 
 
 @dataclass(frozen=True, slots=True)
 class FisherInformation:
     """Fisher information of each input at its present amplitude.
 
-    ``score_covariance`` is the covariance of the score under the true noise: the covariance
-    of the parameters is I^-1 (score covariance) I^-1, which is I^-1 for white noise.
-    ``prior`` adds to both. ``nuisance`` parameters are estimated along, but not asked for.
+    ``prior`` adds to it. ``nuisance`` parameters are estimated along, but not asked for.
     ``waves`` are deflections [rad] and load factor [1] over time; in the lateral axis that of
     the side force.
     """
@@ -58,7 +54,6 @@ class FisherInformation:
     inputs: tuple[str, ...]
     theta: Float[np.ndarray, " n_theta"]
     information: Float[np.ndarray, "n_u n_theta n_theta"]
-    score_covariance: Float[np.ndarray, "n_u n_theta n_theta"]
     prior: Float[np.ndarray, " n_theta"]
     limited: tuple[str, ...]
     waves: Float[np.ndarray, "n_u n_time n_limited"]
@@ -74,8 +69,7 @@ class FisherInformation:
         self, gains: Float[np.ndarray, " n_u"] | None = None
     ) -> Float[np.ndarray, "n_theta n_theta"]:
         """Predicted covariance of the parameters for inputs multiplied by gains."""
-        inverse, middle = self.sandwich_factors(self._powers(gains))
-        return inverse @ middle @ inverse
+        return self.invert(self._powers(gains))
 
     def std_errors(
         self, gains: Float[np.ndarray, " n_u"] | None = None
@@ -89,13 +83,9 @@ class FisherInformation:
         """Peak of every limited quantity with all inputs active."""
         return np.abs(np.tensordot(np.sqrt(self._powers(gains)), self.waves, axes=1)).max(axis=0)
 
-    def sandwich_factors(
-        self, powers: Float[np.ndarray, " n_u"]
-    ) -> tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
-        """Inverse information and score covariance for input powers multiplied by ``powers``."""
-        prior = np.diag(self.prior)
-        inverse = _invert(np.tensordot(powers, self.information, axes=1) + prior)
-        return inverse, np.tensordot(powers, self.score_covariance, axes=1) + prior
+    def invert(self, powers: Float[np.ndarray, " n_u"]) -> Float[np.ndarray, "n_theta n_theta"]:
+        """Invert the information for input powers multiplied by ``powers``."""
+        return _invert(np.tensordot(powers, self.information, axes=1) + np.diag(self.prior))
 
     def information_by_frequency(self) -> list[Float[np.ndarray, " n_omega"]]:
         """Information of every harmonic, as a number of parameters, by input.
@@ -106,7 +96,7 @@ class FisherInformation:
         of harmonic k: tr(C_rr^-1 [C I_k C]_rr) for C = I^-1. Without priors and nuisance
         parameters the sum over all harmonics is the number of parameters.
         """
-        inverse, _ = self.sandwich_factors(self._powers(None))
+        inverse = self.invert(self._powers(None))
         reported = self.reported
         half = np.linalg.cholesky(inverse[np.ix_(reported, reported)])
         through = linalg.solve_triangular(half, inverse[reported], lower=True).T
@@ -145,10 +135,11 @@ def predict_cramer_rao_bounds(
 
     Notes
     -----
-    One period is recorded. The transform of noise of density S has variance S T_record. The
-    estimator weights with W, the inverse of its mean over the harmonics; the covariance is the
-    sandwich 1/2 N^-1 [Re sum J^H W S W J] N^-1 with N = Re sum J^H W J, as for a fit. Every
-    harmonic is assigned to one input, so that the information of the inputs adds up.
+    One period is recorded. The transform of noise of density S has the covariance S T_record, with
+    whose inverse at every harmonic the estimator weights: the information is 2 Re sum J^H (S
+    T_record)^-1 J. Model error that remains after the fit counts as noise. Every harmonic is
+    assigned to one input, so that the information of the inputs adds up.
+    Source: Pintelon and Schoukens, System Identification, 2nd ed., 2012, ch. 9.
     """
     foreign = set(multisine.inputs) - set(model.inputs)
     if foreign:
@@ -226,6 +217,41 @@ def predict_cramer_rao_bounds_from_history(
         *(parameters, ("all",), limited, [spectrum], waves),
         *(flight_noise, duration, priors, nuisance),
     )
+
+
+def compute_flown_bounds(
+    model: AeroelasticModel,
+    parameters: Parameters,
+    inputs: FrequencyData,
+    flight_noise: FlightNoiseModel,
+    record_s: float,
+    priors: Mapping[str, float] | None = None,
+) -> Float[np.ndarray, " n_theta"]:
+    """Compute the Cramer-Rao bounds of a record from its measured surfaces.
+
+    Parameters
+    ----------
+    model, parameters, flight_noise, priors
+        As in :func:`predict_cramer_rao_bounds`.
+    inputs
+        Spectra of the deflections. [rad s]
+    record_s
+        Length of the record.
+
+    Returns
+    -------
+    ndarray, (n_theta,)
+        Standard errors, before ``flight_noise.variance_ratio``.
+    """
+    omega = inputs.omega
+    line_model = _build_line_model(
+        model, parameters, omega, inputs.values, flight_noise.instruments(omega)
+    )
+    response = line_model.respond(parameters.start)
+    J = line_model.jacobian(line_model.sensitivity(parameters.start, response))
+    half = np.linalg.cholesky(record_s * flight_noise.noise(omega))
+    information = _products(np.linalg.solve(half, J)) + np.diag(_precision(parameters, priors))
+    return np.sqrt(np.diag(_invert(information)))
 
 
 def compute_waves(
@@ -346,11 +372,10 @@ def _gather(
     priors: Mapping[str, float] | None,
     nuisance: frozenset[str],
 ) -> FisherInformation:
-    known = dict(priors or {})
-    prior = np.array([known[n] ** -2.0 if n in known else 0.0 for n in parameters.names])
+    prior = _precision(parameters, priors)
     omega = np.concatenate([spectrum.omega for spectrum in spectra])
     J = np.concatenate([spectrum.jacobian for spectrum in spectra])
-    noise = record_s * flight_noise.noise(omega)
+    noise = record_s * flight_noise.variance_ratio * flight_noise.noise(omega)
     remaining, level = _refit(
         J,
         np.concatenate([spectrum.unmodelled for spectrum in spectra]),
@@ -358,28 +383,30 @@ def _gather(
         prior,
     )
     size = np.sqrt(level)
-    J = J / size[:, None]
     density = noise / np.outer(size, size) + _smooth_by_frequency(omega, remaining / size)
+    J = np.linalg.solve(np.linalg.cholesky(density), J / size[:, None])
     deviation = size * np.sqrt(np.real(np.diagonal(density, axis1=1, axis2=2)))
     ends = np.cumsum([spectrum.omega.size for spectrum in spectra])[:-1]
-    parts = [np.split(each, ends) for each in (J, density, deviation)]
+    parts = [np.split(each, ends) for each in (J, deviation)]
     return FisherInformation(
         names=parameters.names,
         inputs=inputs,
         theta=parameters.start,
-        information=np.stack([_products(own, own) for own in parts[0]]),
-        score_covariance=np.stack(
-            [_products(own, S @ own) for own, S in zip(parts[0], parts[1], strict=True)]
-        ),
+        information=np.stack([_products(own) for own in parts[0]]),
         prior=prior,
         limited=limited,
         waves=waves,
         lines=tuple(
-            PredictedSpectra(spectrum.omega, spectrum.outputs / level, own, level / size)
-            for spectrum, own, level in zip(spectra, parts[0], parts[2], strict=True)
+            PredictedSpectra(spectrum.omega, spectrum.outputs / level, own)
+            for spectrum, own, level in zip(spectra, *parts, strict=True)
         ),
         nuisance=nuisance,
     )
+
+
+def _precision(parameters: Parameters, priors: Mapping[str, float] | None) -> np.ndarray:
+    known = dict(priors or {})
+    return np.array([known[n] ** -2.0 if n in known else 0.0 for n in parameters.names])
 
 
 def _refit(
@@ -397,7 +424,7 @@ def _refit(
         return remaining, level
     for _ in range(_REFITS):
         weighted = J / level[:, None]
-        normal = 0.5 * _products(weighted, J) + np.diag(0.5 * prior)
+        normal = 0.5 * _products(J / np.sqrt(level)[:, None]) + np.diag(0.5 * prior)
         gradient = np.real(np.einsum("kyp,ky->p", weighted.conj(), unmodelled))
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         step = np.linalg.lstsq(normal / np.outer(scale, scale), gradient / scale, rcond=1e-12)[0]
@@ -417,13 +444,10 @@ def _smooth_by_frequency(
     return density
 
 
-def _products(
-    a: Complex[np.ndarray, "n_omega n_y n_theta"], b: Complex[np.ndarray, "n_omega n_y n_theta"]
-) -> Float[np.ndarray, "n_theta n_theta"]:
-    """2 Re sum a^H b."""
-    n = a.shape[-1]
-    left, right = a.reshape(-1, n), b.reshape(-1, n)
-    return 2.0 * (np.real(left).T @ np.real(right) + np.imag(left).T @ np.imag(right))
+def _products(J: Complex[np.ndarray, "n_omega n_y n_theta"]) -> Float[np.ndarray, "n_p n_p"]:
+    """2 Re sum J^H J."""
+    rows = J.reshape(-1, J.shape[-1])
+    return 2.0 * (np.real(rows).T @ np.real(rows) + np.imag(rows).T @ np.imag(rows))
 
 
 def _invert(information: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:

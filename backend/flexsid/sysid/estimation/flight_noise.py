@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.noise import smooth_density
+from flexsid.sysid.estimation.noise_spectrum import estimate_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.residual_spectrum import compute_local_residuals
 from flexsid.sysid.spectra.response_smoothing import smooth_response
@@ -46,6 +47,7 @@ class FlightNoiseModel:
     recorded over true outputs. ``margin_s`` is recorded in addition to the excitation.
     ``unmodelled_responses`` are the outputs (n_omega, n_y) per command of an input, by its
     name, that the model does not explain; they are proportional to the amplitude.
+    ``variance_ratio`` is the variance of estimates over their Cramer-Rao bound.
     """
 
     command_responses: Mapping[str, Response]
@@ -53,6 +55,7 @@ class FlightNoiseModel:
     unmodelled_responses: Mapping[str, Response]
     instruments: Response
     margin_s: float
+    variance_ratio: float = 1.0
 
 
 def compute_command_responses(
@@ -101,7 +104,11 @@ class RecordResiduals:
 
 
 def split_residuals(
-    maneuvers: Sequence[RecordResiduals], inputs: tuple[str, ...], n_theta: int
+    maneuvers: Sequence[RecordResiduals],
+    inputs: tuple[str, ...],
+    n_theta: int,
+    *,
+    all_noise: bool = False,
 ) -> tuple[Response, dict[str, Response]]:
     """Separate residuals into the density of the noise and the unmodelled response by input.
 
@@ -114,6 +121,9 @@ def split_residuals(
     n_theta
         Number of fitted parameters; where noise and model error cannot be separated, the
         density is corrected for the variance that they explain.
+    all_noise
+        Whether all residuals count as noise, as for fits that retain out-of-band modes: their
+        response that is left is smaller than the noise.
 
     Notes
     -----
@@ -122,6 +132,8 @@ def split_residuals(
     unknown or have too few harmonics, all residuals count as noise.
     """
     omega, samples = [], []
+    if all_noise:
+        return _estimate_residual_density(maneuvers, n_theta), {}
     for one in maneuvers:
         scale = 1.0 / np.sqrt(one.record_s)
         for index in range(len(inputs)):
@@ -130,11 +142,11 @@ def split_residuals(
             if one.command is not None:
                 residuals = compute_local_residuals(one.values[own] / one.command[own, None])
             if one.command is None or residuals is None:
-                return estimate_noise_spectrum(maneuvers, n_theta), {}
+                return _estimate_residual_density(maneuvers, n_theta), {}
             picked = own[residuals.indices]
             omega.append(one.omega[picked])
             samples.append(scale * residuals.values * one.command[picked, None])
-    noise = smooth_spectrum(np.concatenate(omega), np.concatenate(samples))
+    noise = _estimate_density(np.concatenate(omega), np.concatenate(samples))
     every = smooth_spectrum(
         np.concatenate([one.omega for one in maneuvers]),
         np.concatenate([one.values / np.sqrt(one.record_s) for one in maneuvers]),
@@ -170,14 +182,32 @@ def _compute_noise_share(noise: Response, every: Response) -> Response:
     return share
 
 
-def estimate_noise_spectrum(maneuvers: Sequence[RecordResiduals], n_theta: int) -> Response:
+def _estimate_residual_density(maneuvers: Sequence[RecordResiduals], n_theta: int) -> Response:
     """Estimate the density of all residuals from neighbouring frequencies."""
     n_data = 2 * sum(one.values.size for one in maneuvers)
     inflation = np.sqrt(n_data / max(n_data - n_theta, 1))
-    return smooth_spectrum(
+    return _estimate_density(
         np.concatenate([one.omega for one in maneuvers]),
         np.concatenate([inflation * one.values / np.sqrt(one.record_s) for one in maneuvers]),
     )
+
+
+def _estimate_density(
+    omega: Float[np.ndarray, " n_omega"], values: Complex[np.ndarray, "n_omega n_y"]
+) -> Response:
+    """Estimate the density of values as estimators do for their weights.
+
+    Independent noise and a few directions of common noise, such as turbulence; one variance per
+    output where there are too few frequencies.
+    """
+    order = np.argsort(omega, kind="stable")
+    found = estimate_noise_spectrum(values[order])
+    if found is None:
+        mean = np.diag(np.mean(np.abs(values) ** 2, axis=0)).astype(complex)
+        return TabulatedResponse(omega[:1], mean[None]).at
+    segment = found.density.block
+    centres = np.bincount(segment, omega[order]) / np.bincount(segment)
+    return TabulatedResponse(centres, found.density.blocks).at
 
 
 def smooth_spectrum(

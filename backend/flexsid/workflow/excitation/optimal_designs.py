@@ -357,13 +357,10 @@ def _draw_candidates(
 
 
 def _collect_factors(information: FisherInformation, multisine: Multisine) -> np.ndarray:
-    """Collect factors of the information of every harmonic of unit power, in order of the inputs.
-
-    The noise is that at the harmonic, which the fit can reach with weights over frequency.
-    """
+    """Collect factors of the information of every harmonic of unit power, by input."""
     found = []
     for spectra, tones in zip(information.lines, multisine.tones.values(), strict=True):
-        J = spectra.sensitivity / (spectra.noise * tones.amplitudes[:, None])[:, :, None]
+        J = spectra.sensitivity / tones.amplitudes[:, None, None]
         found.append(np.sqrt(2.0) * np.concatenate([np.real(J), np.imag(J)], axis=1))
     return np.concatenate(found)
 
@@ -468,11 +465,9 @@ def _predict_covariance(
 ) -> np.ndarray:
     """Predict the covariance of the parameters when the maneuver is flown a number of times."""
     total = times * information.information.sum(axis=0) + prior
-    score = times * information.score_covariance.sum(axis=0) + prior
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
     factor = linalg.cho_factor(total / np.outer(scale, scale))
-    half = linalg.cho_solve(factor, score / np.outer(scale, scale))
-    return linalg.cho_solve(factor, half.T) / np.outer(scale, scale)
+    return linalg.cho_solve(factor, np.eye(scale.size)) / np.outer(scale, scale)
 
 
 def _find_standard_time(

@@ -16,6 +16,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import (
     LOAD_FACTOR,
     FisherInformation,
+    compute_flown_bounds,
     predict_cramer_rao_bounds,
 )
 from flexsid.sysid.estimation.flight_noise import (
@@ -270,8 +271,12 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     follow, surfaces = _find_surface_responses(aircraft, data)
     outputs = define_outputs(aircraft, found.model.outputs)
     instruments = [get_output_instrument(aircraft, output) for output in outputs]
+    residuals = _read_residuals(store, run, task)
     noise, missed = split_residuals(
-        _read_residuals(store, run, task), found.model.inputs, len(result.parameters)
+        residuals,
+        found.model.inputs,
+        len(result.parameters),
+        all_noise=result.retained is not None,
     )
     excitation = maneuver.excitation
     excited_s = np.inf if excitation is None else excitation.n_periods * excitation.period_s
@@ -291,16 +296,41 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     parameters = select_parameters(found.derivatives, derivatives, found.model.outputs, extras)
     parameters = replace(parameters, start=np.array([values[n] for n in parameters.names]))
     omega = data.measured.omega
+    prior_std = {name: std for name, (_, std) in priors.items()}
+    if len(task.maneuvers) == 1:
+        bounds = compute_flown_bounds(
+            *(task.model, parameters, data.measured.inputs),
+            *(noise_model, residuals[0].record_s, prior_std),
+        )
+        noise_model = replace(
+            noise_model, variance_ratio=_compare_variances(run, parameters.names, bounds)
+        )
     return PredictionModel(
         run=run,
         model=task.model,
         parameters=parameters,
         noise_model=noise_model,
-        priors={name: std for name, (_, std) in priors.items()},
+        priors=prior_std,
         nuisance=frozenset(row.name for row in marginalised),
         surfaces=surfaces,
         band=(float(omega[0]), float(omega[-1])),
     )
+
+
+def _compare_variances(run: EstimationRun, names: tuple[str, ...], bounds: np.ndarray) -> float:
+    """Compare the variances of a run with the bounds of its record, median of its derivatives.
+
+    A fit does not reach its bound: its weights are estimated from the record, and what feedback
+    adds to the inputs is removed with an estimate of it. The same fit of another record has the
+    same loss. Errors of the modal table are not part of it.
+    """
+    bound = dict(zip(names, bounds.tolist(), strict=True))
+    ratios = [
+        (row.std_error**2 - (row.modal_std or 0.0) ** 2) / bound[row.name] ** 2
+        for row in get_result(run).parameters
+        if row.std_error is not None and row.name in bound and bound[row.name] > 0.0
+    ]
+    return max(float(np.median(ratios)), 1.0) if ratios else 1.0
 
 
 def _find_surface_responses(
