@@ -171,6 +171,8 @@ def test_target_modes_within_band_are_listed(client: TestClient):
     assert (row["resolution_hz"], row["harmonics_per_surface"]) == (pytest.approx(1 / 24), 65)
     assert {"SP", "SW1B", "SWL"} <= {mode["name"] for mode in row["modes"]}
     assert row["reaches_targets"]
+    assert row["fuel_burnt"] is None
+    assert row["largest_fuel_burnt"] == 0.01
     assert set(every[9]["missing"]) == {"DR", "RS"}, "no lateral prediction"
     in_flight = {"fta": 500, "aircraft_id": aircraft, "airspeed_m_s": 59.0, "name": "fast"}
     made = client.post(URL, json=FTA_503 | in_flight).json()

@@ -10,8 +10,17 @@ import pytest
 from file_imports import import_files
 from lateral_flying_wing import add_lateral_aircraft, needs_records
 
-from flexsid.demo.campaign import add_aircraft
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import fly
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, Geometry, MassTable
+from flexsid.records.maneuver import Flight
+from flexsid.records.quality import (
+    Figures,
+    FlightConditionQuality,
+    ManeuverQuality,
+    QualityReport,
+    QualityVerdict,
+)
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.designer import compute_peak_factors, design
@@ -203,3 +212,41 @@ def test_rows_with_targets_have_the_peak_factors_of_table_1(
     if add is query_maewing1 and not MAEWING1.is_dir():
         pytest.skip("data beside the project")
     assert measure_peak_factors(store, add(store)) <= MEAN_PEAK_FACTOR
+
+
+def test_rows_state_the_fuel_that_burns_as_in_assessed_maneuvers(store: Store):
+    aircraft = add_aircraft(store)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
+    maneuver = add_maneuver(store, fly(airspeed_ratio=0.65, noise=False), flight.id or 0)
+    report = QualityReport(
+        channels=(),
+        condition=FlightConditionQuality(
+            averages=(),
+            airspeed_ratio=None,
+            fuel_fraction=0.5,
+            fuel_change=0.015,
+            airspeed_drift=None,
+            separation_factor=None,
+            time_invariant=None,
+        ),
+        inputs=(),
+        warnings=(),
+        skew_reference=None,
+        skew_band_hz=None,
+        not_checked=(),
+    )
+    store.qualities.add(
+        ManeuverQuality(
+            maneuver_id=maneuver.id or 0,
+            content_hash="",
+            verdict=QualityVerdict.GOOD,
+            summary="",
+            figures=Figures(fuel_change=0.015),
+            report=report,
+        )
+    )
+    rows = list_by_number(store, TargetQuery(aircraft_id=aircraft.id or 0), 24.0)
+    for number, periods, largest in ((506, 1, 0.01), (515, 4, 0.03)):
+        burnt = 0.015 * 24.0 * periods / maneuver.duration_s
+        assert rows[number].fuel_burnt == pytest.approx(burnt)
+        assert rows[number].largest_fuel_burnt == largest

@@ -128,6 +128,19 @@ def list_unassessed(connection: Connection) -> list[int]:
     return list(connection.scalars(query.order_by(maneuvers.c.id)))
 
 
+def list_fuel_rates(connection: Connection, aircraft_id: int, most: int = 100) -> list[float]:
+    """List the fuel burnt per second in the latest assessed maneuvers of an aircraft. [1/s]"""
+    change = _figure["fuel_change"]
+    query = (
+        sa.select(change / maneuvers.c.duration_s)
+        .join_from(maneuvers, maneuver_quality, maneuver_quality.c.maneuver_id == maneuvers.c.id)
+        .where(maneuvers.c.aircraft_id == aircraft_id, change.is_not(None))
+        .order_by(maneuvers.c.id.desc())
+        .limit(most)
+    )
+    return list(connection.scalars(query))
+
+
 def _make_item(row: sa.RowMapping) -> QualityItem:
     verdict, figures = row["verdict"], row["figures"]
     return QualityItem(

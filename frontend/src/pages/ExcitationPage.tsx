@@ -207,6 +207,20 @@ export function ExcitationPage() {
       render: (row) => describeTargets(targetsOf(row)),
     },
     {
+      key: "fuel",
+      header: "Fuel burnt",
+      unit: "%",
+      numeric: true,
+      render: (row) => {
+        const found = targetsOf(row);
+        if (found?.fuel_burnt == null) return "";
+        const burnt = fixed(100 * found.fuel_burnt, 1);
+        // One linear model does not hold while more of the fuel burns.
+        const most = 100 * found.largest_fuel_burnt;
+        return found.fuel_burnt > found.largest_fuel_burnt ? `${burnt} (at most ${most})` : burnt;
+      },
+    },
+    {
       key: "least",
       header: "Least duration",
       unit: "s",

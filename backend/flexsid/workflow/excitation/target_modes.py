@@ -9,6 +9,7 @@ import numpy as np
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import TargetMode, TargetModes
+from flexsid.storage.quality_list import list_fuel_rates
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE, ELASTIC_GROUPS, FlightTestAid
 from flexsid.sysid.excitation.designer import DesignSpecification
@@ -36,6 +37,8 @@ from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.excitation.excitation_designs import find_flight_test_aid
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, load_modes_of_model
 
+_LARGEST_FUEL = {1: 0.01, 4: 0.03}
+"""Share of the fuel that may burn in a maneuver of T and of 4 T, as in those of the paper."""
 _RIGID_HZ = 0.1  # free-free models give rigid modes as numerical zeros
 _ALL = "all"  # group of the structural modes of a design outside Table 1
 _POLES = {"SP": "SP", "DR": "DR", "RS": "roll"}
@@ -61,7 +64,9 @@ class RowTargets:
     """A row of Table 1 on an aircraft: band, resolution [Hz] and harmonics about its targets.
 
     ``least_duration_s`` is the shortest duration with three harmonics of every surface about each
-    target; ``missing`` are targets without a predicted frequency.
+    target; ``missing`` are targets without a predicted frequency. ``fuel_burnt`` is the share of
+    the fuel that burns meanwhile, as in the assessed maneuvers of the aircraft, None without any;
+    one linear model holds where it is at most ``largest_fuel_burnt``.
     """
 
     number: int
@@ -74,6 +79,8 @@ class RowTargets:
     modes: tuple[TargetMode, ...]
     missing: tuple[str, ...]
     reaches_targets: bool
+    fuel_burnt: float | None
+    largest_fuel_burnt: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +113,8 @@ def list_row_targets(
         If the condition is impossible.
     """
     flight = _load_flight_modes(store, query)
+    with store.database.reading() as connection:
+        rates = list_fuel_rates(connection, query.aircraft_id)
     rows = []
     for aid in CATALOGUE.values():
         targets = _list_targets(flight, aid)
@@ -130,6 +139,8 @@ def list_row_targets(
                 modes=modes,
                 missing=tuple(group for group in groups if group not in known),
                 reaches_targets=all(_is_reached(mode) for mode in modes),
+                fuel_burnt=duration * float(np.median(rates)) if rates else None,
+                largest_fuel_burnt=_LARGEST_FUEL[aid.periods],
             )
         )
     return tuple(rows)
