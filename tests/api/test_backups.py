@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
+import time
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 
+from flexsid.api.scheduled_backups import request_due_backup
+from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_request
-from flexsid.jobs.kind import submit
+from flexsid.jobs.kind import fail_job, submit
 from flexsid.jobs.kinds import BACKUP
+from flexsid.jobs.messages import FailedMessage
+from flexsid.records.job import Job
 from flexsid.records.run import RunState
+from flexsid.settings import read_settings
 from flexsid.storage import backup as copies
 from flexsid.storage import queue
 from flexsid.storage.access import Access, Forbidden, using_access
 from flexsid.storage.store import Store
-from flexsid.workflow.review.database_backup import BackupRequest, refuse_backup
+from flexsid.workflow.review.database_backup import (
+    BackupRequest,
+    BackupTask,
+    list_scheduled,
+    refuse_backup,
+)
 
 API = "/api/v1"
 
@@ -63,6 +75,62 @@ def test_a_restored_backup_is_not_made_again(flown_url: str, tmp_path: Path) -> 
     copies.restore(flown_url, task.target)
     assert store.jobs.get(second.id or 0).state is RunState.CANCELLED
     store.close()
+
+
+def test_scheduled_backups_are_restored_as_a_test_and_the_newest_kept(flown_url: str) -> None:
+    store = Store.open(flown_url)
+    asked = execute_request(store, BACKUP, BackupRequest(), lambda progress: None)
+    made = []
+    stages: list[str] = []
+    for _ in range(3):
+        task, claimed = _claim_due(store)
+        BACKUP.compute(task, lambda progress: stages.append(progress.message))
+        assert stages[-1] == "Restoring the copy"
+        queue.request_cancel(store, claimed.id or 0)  # ends the job of this test
+        made.append(task.target)
+        assert not request_due_backup(store, hours=1, kept=2)
+        os.utime(task.target, (0, time.time() - 3700))
+    folder = made[0].parent
+    assert list_scheduled(folder) == made[1:]
+    assert (folder / BACKUP.read_result(asked).name).exists(), "made on request"
+    assert not [path for path in folder.iterdir() if path.is_dir()]
+    store.close()
+
+
+def test_a_copy_that_cannot_be_restored_is_no_backup(
+    flown_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = Store.open(flown_url)
+    task, claimed = _claim_due(store)
+
+    def refuse(source: Path) -> None:
+        raise BadInput("damaged")
+
+    monkeypatch.setattr(copies, "try_restore", refuse)
+    with pytest.raises(BadInput):
+        BACKUP.compute(task, lambda progress: None)
+    assert not task.target.exists()
+    fail_job(store, claimed, FailedMessage(code="x", message="damaged"))
+    assert not request_due_backup(store, hours=1, kept=2), "repeated after an hour"
+    store.close()
+
+
+def _claim_due(store: Store) -> tuple[BackupTask, Job]:
+    """Queue the backup that is due, and start it without a worker."""
+    assert request_due_backup(store, hours=1, kept=2)
+    assert not request_due_backup(store, hours=1, kept=2), "one is queued"
+    (waiting,) = store.jobs.find(kind=BACKUP.name, state=RunState.QUEUED)
+    claimed = queue.claim(store, waiting.id)
+    assert claimed is not None
+    return BACKUP.prepare(store, claimed, BackupRequest(kept=2)), claimed
+
+
+def test_settings_of_scheduled_backups_are_read() -> None:
+    found = read_settings({"FLEXSID_BACKUP_HOURS": "24"})
+    assert (found.backup_hours, found.backups_kept) == (24, 7)
+    assert read_settings({}).backup_hours is None
+    with pytest.raises(BadInput, match="number of hours"):
+        read_settings({"FLEXSID_BACKUP_HOURS": "0"})
 
 
 def test_who_may_not_read_all_campaigns_gets_no_backup(flown_url: str) -> None:

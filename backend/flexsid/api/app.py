@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -65,6 +66,7 @@ from flexsid.api.routes import (
     validation,
     vibration_tests,
 )
+from flexsid.api.scheduled_backups import schedule_backups
 from flexsid.api.security import SecurityMiddleware
 from flexsid.api.write_limit import THREADS, WriteLimit
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
@@ -72,6 +74,7 @@ from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.jobs.kinds import load_kinds
 from flexsid.reports import read_template
 from flexsid.settings import Settings
+from flexsid.storage.backup import find_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
@@ -106,6 +109,8 @@ def create_app(
         # An invalid template stops the server, not the first report.
         template_path = settings.report_template
         template = None if template_path is None else read_template(template_path)
+        if settings.backup_hours is not None:
+            find_file(settings.database)  # only databases of SQLite are copied
         migration = upgrade(settings.database)
         store = Store.open(settings.database, settings.site_key)
         clock_error = find_clock_error(store)
@@ -128,9 +133,15 @@ def create_app(
             queue_health=QueueHealth(store, lambda: dispatcher.is_starting),
             check_additional_part=check_additional_part,
         )
+        scheduled = asyncio.create_task(
+            schedule_backups(app.state.context, settings.backup_hours, settings.backups_kept)
+            if settings.backup_hours is not None
+            else asyncio.sleep(0)
+        )
         try:
             yield
         finally:
+            scheduled.cancel()
             live.stop()
             streams.close()
             dispatcher.stop()

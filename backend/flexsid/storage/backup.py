@@ -130,6 +130,20 @@ def restore(url: str, source: Path) -> Path | None:
     return previous
 
 
+def try_restore(source: Path) -> None:
+    """Restore a backup into a temporary database beside it, which is deleted.
+
+    Raises
+    ------
+    BadInput, DatabaseTooNew
+        As ``restore``.
+    """
+    with tempfile.TemporaryDirectory(dir=source.parent) as folder:
+        restored = Path(folder) / "restored.db"
+        restore(f"sqlite:///{restored}", source)
+        check(restored)
+
+
 def _move_remains(target: Path, beside: Path) -> None:
     """Rename an empty file, and the log of a missing one, to make room for a new database."""
     for end in ("", "-wal", "-shm"):

@@ -8,20 +8,26 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from flexsid.errors import UnknownRecord
+from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.records.job import Job
-from flexsid.records.run import ReportProgress, RunState
+from flexsid.records.run import Progress, ReportProgress, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.files import make_private_folder
 from flexsid.storage.store import Store
 
+_SCHEDULED = "scheduled-"
+_RETRY = timedelta(hours=1)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BackupRequest:
-    """Empty: the database is that of the server."""
+    """The database is that of the server; ``kept`` of scheduled backups are kept, the newest."""
+
+    kept: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,10 +40,11 @@ class BackupFile:
 
 @dataclass(frozen=True, slots=True)
 class BackupTask:
-    """Address of a database, and the new file."""
+    """Address of a database, the new file, and the number of scheduled backups to keep."""
 
     url: str
     target: Path
+    kept: int | None = None
 
 
 def refuse_backup(store: Store) -> None:
@@ -65,13 +72,46 @@ def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask
             partial.unlink(missing_ok=True)
     assert job.started_at is not None
     name = f"{job.started_at:%Y%m%d-%H%M%S}-{job.id}-{job.attempt}.db"
-    return BackupTask(f"sqlite:///{source}", folder / name)
+    name = name if request.kept is None else f"{_SCHEDULED}{name}"
+    return BackupTask(f"sqlite:///{source}", folder / name, request.kept)
 
 
 def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
-    """Copy the database and check the copy; raises as ``storage.backup.backup``."""
+    """Copy the database and check the copy; raises as ``storage.backup.backup``.
+
+    A scheduled backup is also restored into a temporary database, and then replaces the oldest.
+    """
     n_bytes = copies.backup(task.url, task.target, report)
+    if task.kept is not None:
+        report(Progress(fraction=0.8, message="Restoring the copy"))
+        try:
+            copies.try_restore(task.target)
+        except FlexsidError:
+            task.target.unlink()
+            raise
+        for old in list_scheduled(task.target.parent)[: -task.kept]:
+            old.unlink(missing_ok=True)
     return BackupFile(name=task.target.name, n_bytes=n_bytes)
+
+
+def list_scheduled(folder: Path) -> list[Path]:
+    """List the scheduled backups in a folder, the oldest first."""
+    return sorted(folder.glob(f"{_SCHEDULED}*.db"))
+
+
+def is_backup_due(store: Store, interval: timedelta, now: datetime) -> bool:
+    """Whether the last scheduled backup is older than the interval.
+
+    Not while a backup is queued or running, and one hour after one that failed.
+    """
+    for state in (RunState.QUEUED, RunState.RUNNING):
+        if store.jobs.find(kind=copies.BACKUP, state=state):
+            return False
+    failed = store.jobs.find(kind=copies.BACKUP, state=RunState.FAILED)
+    if any(job.finished_at is not None and now - job.finished_at < _RETRY for job in failed):
+        return False
+    made = list_scheduled(_locate(store)[1])
+    return not made or now - datetime.fromtimestamp(made[-1].stat().st_mtime, UTC) >= interval
 
 
 def find_backup(store: Store, backup: BackupFile) -> Path:
