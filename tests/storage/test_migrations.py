@@ -105,8 +105,9 @@ def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> N
     store = Store.open(flown_url)
     before = store.runs.find(), store.maneuvers.find(), store.channels.find()
     samples = store.arrays.get_many(channel.array for channel in before[2])
-    coverage = read_derivative_coverage(store, 1)
+    coverage, listed = read_derivative_coverage(store, 1), store.run_page().items
     assert coverage.estimates
+    assert any(item.has_model and item.worst_r_squared for item in listed)
     store.close()
     assert migrate.migrate_to(flown_url, "0001") == "0001"
     assert migrate.upgrade(flown_url) == NEWEST
@@ -124,6 +125,10 @@ def test_to_the_first_schema_and_back_with_every_run_intact(flown_url: str) -> N
         (c.name, c.unit, c.array) for c in before[2]
     ]
     assert read_derivative_coverage(store, 1) == coverage, "summaries are those of the results"
+    for item, old in zip(store.run_page().items, listed, strict=True):
+        assert (item.outcome, item.n_iterations) == (old.outcome, old.n_iterations)
+        assert (item.n_warnings, item.has_model) == (old.n_warnings, old.has_model)
+        assert (item.worst_r_squared, item.adequacy) == (old.worst_r_squared, old.adequacy)
     again = store.arrays.get_many(samples)
     assert all((again[name] == values).all() for name, values in samples.items())
     store.close()

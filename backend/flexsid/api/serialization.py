@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import wraps
 from inspect import Parameter, Signature, iscoroutinefunction
 from typing import Annotated, Any, TypeVar, get_type_hints
@@ -11,6 +12,7 @@ import orjson
 from fastapi import Path, Query, Response
 from fastapi.routing import APIRoute
 
+from flexsid.storage.reading import reading_once
 from flexsid.storage.repository import LARGEST_ID
 
 T = TypeVar("T")
@@ -35,12 +37,18 @@ class Json(Response):
 
 
 class JsonRoute(APIRoute):
-    """A route whose endpoint returns its response model, which is sent as ``Json``."""
+    """A route whose endpoint returns its response model, which is sent as ``Json``.
+
+    A GET reads every record once.
+    """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        reads = set(options.get("methods") or ()) == {"GET"}
+
         @wraps(endpoint)
         def respond(**arguments: Any) -> Response:
-            content = endpoint(**arguments)
+            with reading_once() if reads else nullcontext():
+                content = endpoint(**arguments)
             if isinstance(content, Response):
                 return content
             code = options.get("status_code") or 200

@@ -106,9 +106,11 @@ class Repository(Generic[R]):
 
     def find(self, **equals: Any) -> list[R]:
         """Return the records whose fields have these values, oldest first."""
-        return self._select(
-            *(self.table.c[name] == _plain(value) for name, value in equals.items())
-        )
+        conditions = [self.table.c[name] == _plain(value) for name, value in equals.items()]
+        if self._database.in_transaction:
+            return self._select(*conditions)
+        key = (self.table.name, *sorted(equals.items()))
+        return list(read_once(key, lambda: self._select(*conditions)))
 
     def advance(self, record: R) -> bool:
         """Replace the previous version; False if another replacement was earlier."""

@@ -89,7 +89,6 @@ class RunFilters(FlownFilters, total=False):
     derived_from_run_id: IdFilter
 
 
-_fit = runs.c.result["fit"]
 _shown = (
     *FLOWN_COLUMNS,
     *(runs.c.id, runs.c.maneuver_id, maneuvers.c.label.label("maneuver_label")),
@@ -97,6 +96,8 @@ _shown = (
     *(runs.c.structure_id, runs.c.structure_version, runs.c.author),
     *(runs.c.created_at, runs.c.started_at, runs.c.finished_at, runs.c.deleted_at),
     runs.c.derived_from_run_id,
+    *(run_summaries.c.outcome, run_summaries.c.n_iterations, run_summaries.c.n_warnings),
+    run_summaries.c.worst_r_squared,
 )
 _read = (
     runs.c.method,
@@ -106,12 +107,8 @@ _read = (
     runs.c.settings["start"].as_string().label("start"),
     runs.c.structure["axis"].as_string().label("axis"),
     runs.c.error["code"].as_string().label("error_code"),
-    runs.c.result["poles"].label("poles"),
-    _fit["outcome"].as_string().label("outcome"),
-    _fit["iterations"].label("iterations"),
-    _fit["warnings"].label("warnings"),
-    _fit["r_squared"].label("r_squared"),
-    runs.c.result["adequacy"]["state"].as_string().label("adequacy"),
+    run_summaries.c.adequacy,
+    run_summaries.c.n_poles,
 )
 
 
@@ -175,6 +172,7 @@ _list = ListQuery(
     tags=run_tags,
 )
 RUN_SORT_FIELDS = _list.sort_fields
+_summarised = _list.source.outerjoin(run_summaries, run_summaries.c.run_id == runs.c.id)
 
 
 def select_runs(
@@ -185,12 +183,12 @@ def select_runs(
     Notes
     -----
     The ids of a page are found in an index alone; only the rows of the page are
-    read, as each result has tens of kilobytes.
+    read. What a result contributes is read from its summary, since it has a hundred kilobytes.
     """
     with database.reading() as connection:
         page = _list.read_page(connection, (runs.c.id,), filters, sort, limit, after)
         ids = [row["id"] for row in page.items]
-        query = sa.select(*_shown, *_read).select_from(_list.source).where(runs.c.id.in_(ids))
+        query = sa.select(*_shown, *_read).select_from(_summarised).where(runs.c.id.in_(ids))
         rows = {row["id"]: row for row in connection.execute(query).mappings()}
         tags = read_tags(connection, run_tags, ids)
         changed = find_changes(database, [rows[identity]["rests_on"] for identity in ids])
@@ -209,8 +207,6 @@ def count_runs(connection: Connection, filters: RunFilters) -> Facets:
 
 
 def _make_item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) -> RunItem:
-    iterations = row["iterations"] or ()
-    r_squared = (row["r_squared"] or {}).values()
     return RunItem(
         **{column.name: row[column.name] for column in _shown},
         method=Method(row["method"]),
@@ -219,18 +215,8 @@ def _make_item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) ->
         modes=tuple(row["modes"]),
         start=row["start"],
         error_code=row["error_code"],
-        outcome=row["outcome"],
-        n_iterations=iterations[-1]["iteration"] if iterations else None,
-        n_warnings=None if row["warnings"] is None else len(row["warnings"]),
-        worst_r_squared=min(r_squared, default=None),
-        adequacy=_read_adequacy(row),
-        has_model=bool(row["poles"]),
+        adequacy=None if row["adequacy"] is None else AdequacyState(row["adequacy"]),
+        has_model=bool(row["n_poles"]),
         tags=tuple(tags),
         changed_since=changed,
     )
-
-
-def _read_adequacy(row: sa.RowMapping) -> AdequacyState | None:
-    if row["outcome"] is None:
-        return None
-    return AdequacyState(row["adequacy"] or AdequacyState.NOT_TESTED)

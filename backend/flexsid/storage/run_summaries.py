@@ -50,6 +50,7 @@ def store_summary(connection: Connection, run: EstimationRun) -> None:
     derivatives = [one for one in run.result.parameters if is_derivative(one.name)]
     errors = [_divide_by_size(one.std_error, one) for one in derivatives]
     accurate = [error for error in errors if error is not None and error <= ACCURATE]
+    fit = run.result.fit
     connection.execute(sa.delete(run_summaries).where(run_summaries.c.run_id == run.id))
     connection.execute(
         sa.insert(run_summaries).values(
@@ -63,6 +64,11 @@ def store_summary(connection: Connection, run: EstimationRun) -> None:
                 "std_errors": errors,
                 "insensitivities": [_divide_by_size(one.insensitivity, one) for one in derivatives],
             },
+            outcome=fit.outcome,
+            n_iterations=fit.iterations[-1].iteration if fit.iterations else None,
+            n_warnings=len(fit.warnings),
+            worst_r_squared=min(fit.r_squared.values(), default=None),
+            n_poles=len(run.result.poles),
         )
     )
 

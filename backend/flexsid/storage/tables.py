@@ -596,7 +596,8 @@ runs = table(
 
 run_tags = sa.Table("run_tags", metadata, key("run_id", "runs"), tag())
 
-# Copied out of the results: of each derivative the relative standard error and insensitivity.
+# Copied out of the results: what lists show, and of each derivative the relative standard error
+# and insensitivity.
 run_summaries = sa.Table(
     "run_summaries",
     metadata,
@@ -605,6 +606,11 @@ run_summaries = sa.Table(
     text("adequacy", length=16),
     integer("n_accurate"),
     json("estimates"),
+    text("outcome", length=32),
+    integer("n_iterations", required=False),
+    integer("n_warnings"),
+    number("worst_r_squared", required=False),
+    integer("n_poles"),
     # All runs of a campaign are read by this index, without their estimates.
     sa.Index("ix_run_summaries_list", "run_id", "adequacy", "n_accurate", "axis"),
 )

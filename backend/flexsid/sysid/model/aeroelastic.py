@@ -194,6 +194,26 @@ class AeroelasticModel:
         Beyond the highest k of a frequency shape its factors are held: only simulations reach
         there, with what is left of the inputs.
         """
+        return _solve(*self._build_equations(derivatives, omega))
+
+    def respond(
+        self,
+        derivatives: DerivativeTable,
+        omega: Float[np.ndarray, " n_omega"],
+        inputs: Complex[np.ndarray, "n_omega n_u"],
+    ) -> Complex[np.ndarray, "n_omega n_y"]:
+        """Compute the outputs for inputs by frequency, as ``response`` times these.
+
+        One equation is solved at each frequency in place of one for each input.
+        """
+        dynamics, load = self._build_equations(derivatives, omega)
+        motion = _solve(dynamics, load @ inputs[:, :, None])
+        return (self.sensors.response(omega) @ motion)[:, :, 0]
+
+    def _build_equations(
+        self, derivatives: DerivativeTable, omega: Float[np.ndarray, " n_omega"]
+    ) -> tuple[Complex[np.ndarray, "n_omega n_r n_r"], np.ndarray]:
+        """Compute the matrix on the motion, and the load of each input, (n_omega, n_r, n_u)."""
         n_r, n_w = len(self.motions), len(self.variables) - len(self.inputs)
         forces = self.row_factors()[:, None] * derivatives.values * self.column_factors()
         if self.shape is not None:
@@ -202,15 +222,7 @@ class AeroelasticModel:
         s = 1j * np.asarray(omega, dtype=float)
         K = self.known_dynamics(omega) - forces[..., :n_r]
         K[:, :, self.n_rigid :] -= s[:, None, None] * forces[..., n_r:n_w]
-        load = np.broadcast_to(forces[..., n_w:], (s.size, n_r, len(self.inputs)))
-        try:
-            return np.linalg.solve(K, load)
-        except np.linalg.LinAlgError:
-            raise BadInput(
-                "the model has an undamped pole exactly at one of the frequencies, where its "
-                "response is unbounded; change the frequency or the damping",
-                code="pole-at-frequency",
-            ) from None
+        return K, np.broadcast_to(forces[..., n_w:], (s.size, n_r, len(self.inputs)))
 
     def state_space(self, derivatives: DerivativeTable) -> StateSpace:
         """Assemble A, B, C, D for derivatives of exactly this model's modes and inputs.
@@ -280,3 +292,14 @@ class AeroelasticModel:
         rates = np.r_[:first, eta + n]  # of the rigid body and of etadot: they come from A and B
         weights = np.concatenate([P[RATE, :, :first], P[ACCELERATION, :, first:]], axis=1)
         return C + weights @ A[rates], weights @ B[rates]
+
+
+def _solve(dynamics: np.ndarray, load: np.ndarray) -> np.ndarray:
+    try:
+        return np.linalg.solve(dynamics, load)
+    except np.linalg.LinAlgError:
+        raise BadInput(
+            "the model has an undamped pole exactly at one of the frequencies, where its "
+            "response is unbounded; change the frequency or the damping",
+            code="pole-at-frequency",
+        ) from None

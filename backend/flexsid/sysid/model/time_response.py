@@ -55,5 +55,5 @@ def time_response(
     w, band = w[:stop], slice(1, 1 + stop)
     u = spectrum[band] * corrections[:stop]
     y = np.zeros((spectrum.shape[0], len(model.outputs)), dtype=complex)
-    y[band] = (model.response(derivatives, w) @ u[:, :, None])[:, :, 0] * sense(w)
+    y[band] = model.respond(derivatives, w, u) * sense(w)
     return fft.irfft(y, n=length, axis=0)[:n]

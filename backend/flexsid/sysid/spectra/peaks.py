@@ -79,22 +79,27 @@ def fit_peak(ratios: Sequence[InputRatios], near_hz: float, sizes: np.ndarray) -
         for r in ratios
         if (inside := np.abs(r.omega / (2.0 * np.pi) - near_hz) < _HALF_WIDTH * near_hz).sum() >= 4
     ]
+    omega = np.concatenate([one.omega for one in near])
+    values = np.concatenate([one.values for one in near]) / sizes
+    own = np.repeat(np.eye(len(near)), [one.omega.size for one in near], axis=0)
 
     def residual(x: np.ndarray) -> np.ndarray:
-        parts = [_project(one, sizes, x).ravel() for one in near]
-        found = np.concatenate(parts)
+        basis = np.linalg.qr(_build_basis(omega, own, x))[0]
+        found = (values - basis @ (basis.conj().T @ values)).ravel()
         return np.concatenate([np.real(found), np.imag(found)])
 
     start = np.array([2.0 * np.pi * near_hz, 0.02])
     fit = least_squares(residual, start, x_scale=[0.01 * start[0], 0.005], method="lm")
-    n_linear = sum(2 * 2 * r.values.shape[1] for r in near)
+    n_linear = 2 * 2 * len(near) * values.shape[1]
     freedom = max(1, fit.fun.size - n_linear - 2)
     variance = float(fit.fun @ fit.fun) / freedom
     slope = np.asarray(fit.jac)
     root = np.linalg.inv(np.linalg.qr(slope)[1])
     covariance = variance * (root @ root.T)
     std = np.sqrt(np.diag(covariance))
-    residues = np.stack([_solve_residues(one, sizes, fit.x)[0] for one in near])
+    # The residues precede the backgrounds.
+    linear = np.linalg.lstsq(_build_basis(omega, own, fit.x), values, rcond=None)[0]
+    residues = linear[: len(near)]
     amplitude = float(np.sqrt(np.mean(np.abs(residues) ** 2)) / (2.0 * abs(fit.x[1])))
     damping = abs(float(fit.x[1]))
     return Peak(
@@ -114,25 +119,9 @@ def compute_channel_rms(ratios: Sequence[InputRatios]) -> Float[np.ndarray, " n_
     return np.sqrt(np.mean(np.abs(every) ** 2, axis=0))
 
 
-def _build_basis(omega: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Resonance and background at frequency and damping x."""
+def _build_basis(omega: np.ndarray, own: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Resonance, then background, of each input at frequency and damping x, (N, 2 n_inputs)."""
     s = 1j * omega
-    return s**2 / (s**2 + 2.0 * x[1] * x[0] * s + x[0] ** 2), (omega / x[0]) ** 2 + 0j
-
-
-def _solve_residues(ratios: InputRatios, sizes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Residues of resonance and background at frequency and damping x."""
-    basis = np.stack(_build_basis(ratios.omega, x), axis=1)
-    return np.linalg.lstsq(basis, ratios.values / sizes, rcond=None)[0]
-
-
-def _project(ratios: InputRatios, sizes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Residuals of resonance and background at frequency and damping x.
-
-    Projected by Gram-Schmidt: of two functions, in a fifth of the time of a general solver.
-    """
-    left = ratios.values / sizes
-    first, second = _build_basis(ratios.omega, x)
-    for direction in (first, second - first * (np.vdot(first, second) / np.vdot(first, first))):
-        left = left - np.outer(direction, direction.conj() @ left / np.vdot(direction, direction))
-    return left
+    resonance = s**2 / (s**2 + 2.0 * x[1] * x[0] * s + x[0] ** 2)
+    background = (omega / x[0]) ** 2 + 0j
+    return np.concatenate([own * resonance[:, None], own * background[:, None]], axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -194,11 +194,35 @@ def get_output_instrument(aircraft: Aircraft, output: OutputDefinition) -> Instr
 
 def compute_input_correction(aircraft: Aircraft, surface: str, omega: np.ndarray) -> np.ndarray:
     """Compute the response from the recorded signal of a surface to its true deflection."""
+    return compute_input_corrections(aircraft, (surface,), omega)[:, 0]
+
+
+def compute_input_corrections(
+    aircraft: Aircraft, surfaces: Sequence[str], omega: np.ndarray
+) -> np.ndarray:
+    """Compute the corrections of several surfaces, (n_omega, n_u); equal ones are computed once.
+
+    Raises
+    ------
+    BadInput
+        If a name is not that of a surface.
+    """
+    chains = [_find_input_instruments(aircraft, surface) for surface in surfaces]
+    known = {
+        (recorded, driven): driven.response(omega) / recorded.response(omega)
+        for recorded, driven in dict.fromkeys(chains)
+    }
+    return np.stack([known[chain] for chain in chains], axis=1)
+
+
+def _find_input_instruments(aircraft: Aircraft, surface: str) -> tuple[Instrument, Instrument]:
+    """Return the instrument and the actuator of a surface."""
     for candidate in aircraft.surfaces:
         if candidate.name == surface:
-            recorded = _get_instrument(aircraft, candidate.instrument).response(omega)
-            driven = _get_instrument(aircraft, candidate.actuator).response(omega)
-            return driven / recorded
+            return (
+                _get_instrument(aircraft, candidate.instrument),
+                _get_instrument(aircraft, candidate.actuator),
+            )
     raise BadInput(
         f"'{surface}' is not a surface of {aircraft.name}; surfaces are "
         f"{', '.join(s.name for s in aircraft.surfaces)}",

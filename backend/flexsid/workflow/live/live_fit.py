@@ -30,7 +30,7 @@ from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
-    compute_input_correction,
+    compute_input_corrections,
     get_output_instrument,
 )
 from flexsid.workflow.live.live_task import LiveTask
@@ -62,8 +62,7 @@ class LiveFit:
     def _prepare(self, task: LiveTask) -> None:
         """Compute the responses of the instruments."""
         omega, aircraft = task.omega, task.aircraft
-        corrections = [compute_input_correction(aircraft, n, omega) for n in task.inputs]
-        self._corrections = np.stack(corrections, axis=1)
+        self._corrections = compute_input_corrections(aircraft, task.inputs, omega)
         instruments = [get_output_instrument(aircraft, o).response(omega) for o in task.outputs]
         self._instruments = np.stack(instruments, axis=1)
 

@@ -18,7 +18,7 @@ from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
-    compute_input_correction,
+    compute_input_corrections,
     get_output_instrument,
 )
 
@@ -356,7 +356,7 @@ class ManeuverMeasurement:
         inputs, every, frequencies = self.inputs, self.excited.inputs, self.frequencies
         omega, aircraft = frequencies.omega, self.aircraft
         recorded = self.recording.spectra(every, frequencies)
-        factors = np.stack([compute_input_correction(aircraft, n, omega) for n in every], axis=1)
+        factors = compute_input_corrections(aircraft, every, omega)
         deflections = FrequencyData(omega, recorded.values * factors, every)
         shape = (len(self.outputs), omega.size)
         responses = [get_output_instrument(aircraft, o).response(omega) for o in self.outputs]

@@ -11,6 +11,7 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.modal_files import WrittenModes
 from flexsid.records.modal_data import ModalKind, ModalTable
+from flexsid.storage.reading import read_once
 from flexsid.storage.store import Store
 from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.axes import RIGID_BODIES
@@ -188,7 +189,7 @@ def load_modes_of_model(
             return NO_MODES, (None, None)
     modal, damping = find_modal_tables(store, aircraft_id, modal_table_id, damping_table_id)
     ids = modal.id, None if damping is None else damping.id
-    return load_modes(store, modal, damping), ids
+    return read_once(("modes", *ids), lambda: load_modes(store, modal, damping)), ids
 
 
 def select_out_of_band_modes(

@@ -13,12 +13,9 @@ from flexsid.records.quality import SurfaceQuality
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.surface_checks import SurfaceCheck, check_surface
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies
+from flexsid.workflow.aircraft.aircraft_models import compute_input_correction
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
-from flexsid.workflow.measurements.recording import (
-    SpectrumFrequencies,
-    compute_input_correction,
-    list_command_names,
-)
+from flexsid.workflow.measurements.recording import SpectrumFrequencies, list_command_names
 
 _MULTIPLE = 3  # of the highest harmonic: a rate limit has its effect at three times a frequency
 _MAX_FREQUENCY_RATIO = 0.4  # of the lowest sampling rate, clear of the anti-alias filters

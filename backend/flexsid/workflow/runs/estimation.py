@@ -28,6 +28,7 @@ from flexsid.records.run import (
     OutputQuality,
     ParameterEstimate,
     Pole,
+    Provenance,
     RetainedModes,
     RunResult,
     RunSettings,
@@ -99,6 +100,8 @@ __all__ = ["compute_run", "prepare", "store_result"]
 
 def prepare(store: Store, run: EstimationRun, condition: Condition | None = None) -> EstimationTask:
     """Read everything that a run needs.
+
+    The provenance of a run that has a result is not hashed again.
 
     Parameters
     ----------
@@ -228,7 +231,11 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
         ),
-        provenance=hash_provenance(
+        provenance=Provenance(
+            rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
+        )
+        if run.result is not None
+        else hash_provenance(
             store,
             run,
             first.aircraft_id,

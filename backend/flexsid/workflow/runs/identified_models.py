@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from flexsid.records.run import EstimationRun, RunResult
+from flexsid.storage.reading import read_once
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -66,7 +67,11 @@ def load_identified_model(
     get_result(run)
     alone = replace(run.settings, additional_maneuver_ids=())
     number = run.maneuver_id if maneuver_id is None else maneuver_id
-    task = prepare(store, replace(run, maneuver_id=number, settings=alone))
+    asked = replace(run, maneuver_id=number, settings=alone)
+    # Runs of several methods often have the same model.
+    tables = (run.modal_table_id, run.damping_table_id, run.prediction_id)
+    key = ("identified model", number, repr(run.structure), repr(alone), tables)
+    task = read_once(key, lambda: prepare(store, asked))
     return replace(build_identified_model(task.model, run), priors=task.priors)
 
 

@@ -14,7 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.time_response import time_response
 from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import (
-    compute_input_correction,
+    compute_input_corrections,
     define_outputs,
     get_output_instrument,
     insert_instruments,
@@ -83,9 +83,7 @@ def _simulate(
     recorded = np.stack([values for _, values in inputs], axis=1)
 
     def correct(omega: np.ndarray) -> np.ndarray:
-        return np.stack(
-            [compute_input_correction(aircraft, name, omega) for name in found.model.inputs], axis=1
-        )
+        return compute_input_corrections(aircraft, found.model.inputs, omega)
 
     definitions = define_outputs(aircraft, found.model.outputs)
 
