@@ -12,7 +12,7 @@ from waiting import ended
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 
-_MOST_S = 0.4  # of processor time: twice what a page may take, for slow computers
+_MOST_S = 0.2  # of processor time: what takes longer is a job
 _CHANGING = {"leases"}  # beats of the server
 _VALUES = {"form": "json", "kind": "bode", "along": "airspeed"}
 

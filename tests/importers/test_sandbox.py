@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +42,23 @@ def test_reading_that_takes_too_long_is_stopped(
         with pytest.raises(UnreadableFile, match=r"flight\.csv: reading takes more than") as caught:
             sandbox.read_all([record])
     assert caught.value.code == "too-slow"
+    assert sandbox.read_all([record]).numbers("q").size == 200_000
+
+
+def test_time_that_other_programs_use_does_not_count(
+    record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sandbox, "SECONDS", 1.0)
+    monkeypatch.setattr(sandbox, "_BYTES_PER_SECOND", 1e12)
+    wait_for_line = sandbox._ReaderProcess._line
+
+    def wait_while_stopped(reader: sandbox._ReaderProcess, seconds: float) -> bytes | None:
+        if seconds != sandbox._SECONDS_TO_START:  # it reads
+            reader._process.send_signal(signal.SIGSTOP)
+            threading.Timer(1.5, reader._process.send_signal, (signal.SIGCONT,)).start()
+        return wait_for_line(reader, seconds)
+
+    monkeypatch.setattr(sandbox._ReaderProcess, "_line", wait_while_stopped)
     assert sandbox.read_all([record]).numbers("q").size == 200_000
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sqlite3
+import subprocess
 import threading
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from postgresql import find_programs
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import Aircraft
@@ -18,6 +21,7 @@ from flexsid.storage import backup as copies
 from flexsid.storage import leases, queue
 from flexsid.storage.store import Store
 
+ROOT = Path(__file__).parents[2]
 only_sqlite = pytest.mark.parametrize("backend", ["sqlite"])
 
 
@@ -72,7 +76,7 @@ def test_restore_returns_the_backup_and_copies_the_previous_database(
         older.execute("PRAGMA journal_mode = DELETE")
         older.execute(f"PRAGMA page_size = {page_size}")
         older.execute("VACUUM")
-    lost = store.aircraft.add(Aircraft(**{**_fields(aircraft), "name": "later", "id": None}))
+    lost = store.aircraft.add(_rename(aircraft, "later"))
     previous = copies.restore(database_url, copy)
     # The same server continues with the restored database.
     assert store.aircraft.find() == [aircraft]
@@ -80,7 +84,7 @@ def test_restore_returns_the_backup_and_copies_the_previous_database(
         waiting.id: RunState.QUEUED,
         running.id: RunState.RUNNING,
     }
-    store.aircraft.add(Aircraft(**{**_fields(aircraft), "name": "after", "id": None}))
+    store.aircraft.add(_rename(aircraft, "after"))
     # The holder of the lease detects the restore.
     assert leases.renew(store, lease, {}) is None
     assert leases.read(store).holder is None
@@ -91,6 +95,40 @@ def test_restore_returns_the_backup_and_copies_the_previous_database(
     before = Store.open(f"sqlite:///{previous}")
     assert before.aircraft.find() == [aircraft, lost]
     before.close()
+
+
+@only_sqlite
+def test_ids_given_after_a_backup_are_not_given_again(
+    database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
+) -> None:
+    copies.backup(database_url, tmp_path / "copy")
+    later = store.aircraft.add(_rename(aircraft, "later"))
+    flight = store.flights.add(Flight(aircraft_id=1, number=1))  # the first one of all
+    copies.restore(database_url, tmp_path / "copy")
+    assert (store.aircraft.add(_rename(aircraft, "after")).id or 0) > (later.id or 0)
+    assert (store.flights.add(Flight(aircraft_id=1, number=1)).id or 0) > (flight.id or 0)
+
+
+@pytest.mark.parametrize("backend", ["postgresql"])
+def test_postgresql_keeps_the_ids_that_the_documented_commands_carry_over(
+    database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
+) -> None:
+    page = (ROOT / "docs" / "how-to" / "operate.md").read_text()
+    statement = page.partition('psql -At -c "')[2].partition('"')[0]
+    programs = find_programs()
+    assert programs is not None
+    copy, address = tmp_path / "copy", f"--dbname={database_url}"
+    subprocess.run([programs / "pg_dump", "--format=custom", f"--file={copy}", address], check=True)
+    later = store.aircraft.add(_rename(aircraft, "later"))
+    with store.database.reading() as connection:
+        carried = connection.exec_driver_sql(statement.replace("%", "%%")).scalars().all()
+    store.close()
+    subprocess.run([programs / "pg_restore", "--clean", address, copy], check=True)
+    with store.database.transaction() as connection:
+        for one in carried:
+            connection.exec_driver_sql(one)
+    assert store.aircraft.find() == [aircraft]
+    assert (store.aircraft.add(_rename(aircraft, "after")).id or 0) > (later.id or 0)
 
 
 @only_sqlite
@@ -136,5 +174,5 @@ def test_postgresql_is_referred_to_pg_dump(database_url: str, tmp_path: Path) ->
         copies.restore(database_url, tmp_path / "copy")
 
 
-def _fields(aircraft: Aircraft) -> dict[str, object]:
-    return {name: getattr(aircraft, name) for name in Aircraft.__dataclass_fields__}
+def _rename(aircraft: Aircraft, name: str) -> Aircraft:
+    return replace(aircraft, id=None, name=name)

@@ -214,7 +214,7 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def _make_ready(ready: Path, target: Path) -> None:
-    """Reset the lease and the running runs, and set the page size of the target."""
+    """Reset the lease and the running runs, and take page size and given ids of the target."""
     with (
         closing(sqlite3.connect(target)) as present,
         closing(sqlite3.connect(ready, isolation_level=None)) as restored,
@@ -227,6 +227,7 @@ def _make_ready(ready: Path, target: Path) -> None:
             "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
             (epoch,),
         )
+        _keep_given_ids(present, restored)
         # Processes of the time of the backup do not continue their runs.
         restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
         # A backup has the job that made it, which is not to be repeated.
@@ -238,3 +239,16 @@ def _make_ready(ready: Path, target: Path) -> None:
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")
+
+
+def _keep_given_ids(present: sqlite3.Connection, restored: sqlite3.Connection) -> None:
+    """Continue the ids of all tables: addresses name records by them, and reports cite them."""
+    query = "SELECT name, seq FROM sqlite_sequence"
+    known = dict(restored.execute(query))
+    tables = {name for (name,) in restored.execute("SELECT name FROM sqlite_master")}
+    for name, given in present.execute(query).fetchall():
+        if name in known:
+            sequence = (max(given, known[name]), name)
+            restored.execute("UPDATE sqlite_sequence SET seq = ? WHERE name = ?", sequence)
+        elif name in tables:
+            restored.execute("INSERT INTO sqlite_sequence (seq, name) VALUES (?, ?)", (given, name))
