@@ -90,12 +90,31 @@ def compute_broken_loops(
 def compute_margins(L: Complex[np.ndarray, " n_omega"]) -> Margins:
     """Compute the margins of a loop gain at closely spaced frequencies."""
     gains = 1.0 / _find_axis_crossings(L)
-    difference = np.abs(2.0 / (1.0 + L) - 1.0)  # S - T
     return Margins(
         float(gains[gains > 1.0].min(initial=np.inf)),
-        float(_find_unit_crossings(L).min(initial=np.inf)),
-        float(2.0 / difference.max()),
+        float(compute_phase_margins(L[:, None])[0]),
+        float(compute_disk_margins(L[:, None])[0]),
     )
+
+
+def compute_phase_margins(
+    L: Complex[np.ndarray, "n_omega n_loops"],
+) -> Float[np.ndarray, " n_loops"]:
+    """Least distance in phase from -1 where a loop gain is one; infinite where none is. [rad]"""
+    size = np.log(np.maximum(np.abs(L), 1e-300))
+    at, loop = np.nonzero(size[:-1] * size[1:] < 0.0)
+    share = size[at, loop] / (size[at, loop] - size[at + 1, loop])
+    crossing = L[at, loop] + share * (L[at + 1, loop] - L[at, loop])
+    least = np.full(L.shape[1], np.inf)
+    np.minimum.at(least, loop, np.abs(np.angle(-crossing)))
+    return least
+
+
+def compute_disk_margins(
+    L: Complex[np.ndarray, "n_omega n_loops"],
+) -> Float[np.ndarray, " n_loops"]:
+    """Symmetric disk margins, 2 over the largest |S - T|. [1]"""
+    return 2.0 / np.abs(2.0 / (1.0 + L) - 1.0).max(axis=0)
 
 
 def _find_axis_crossings(L: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_crossings"]:
@@ -105,11 +124,3 @@ def _find_axis_crossings(L: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray
     share = imag[at] / (imag[at] - imag[at + 1])
     size = -(real[at] + share * (real[at + 1] - real[at]))
     return size[size > 0.0]
-
-
-def _find_unit_crossings(L: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray, " n_crossings"]:
-    """Distances in phase from -1 where the loop gain is one. [rad]"""
-    size = np.log(np.maximum(np.abs(L), 1e-300))
-    at = np.flatnonzero(size[:-1] * size[1:] < 0.0)
-    share = size[at] / (size[at] - size[at + 1])
-    return np.abs(np.angle(-(L[at] + share * (L[at + 1] - L[at]))))

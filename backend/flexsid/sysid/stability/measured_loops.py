@@ -16,7 +16,12 @@ from scipy.interpolate import make_interp_spline
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
-from flexsid.sysid.stability.closed_loop import Margins, compute_margins
+from flexsid.sysid.stability.closed_loop import (
+    Margins,
+    compute_disk_margins,
+    compute_margins,
+    compute_phase_margins,
+)
 
 _MONTE_CARLO_SAMPLES = 200  # standard errors of margins scatter by 5 %
 _FINE = 1500  # frequencies between which margins are interpolated
@@ -89,8 +94,8 @@ def estimate_loop_gains(
         scatter = rng.normal(size=(_MONTE_CARLO_SAMPLES, own.size)) + 1j * rng.normal(
             size=(_MONTE_CARLO_SAMPLES, own.size)
         )
-        drawn = [compute_margins(matrix @ (gain + std * each / np.sqrt(2.0))) for each in scatter]
-        phases = np.array([margins.phase for margins in drawn])
+        drawn = matrix @ (gain + std * scatter / np.sqrt(2.0)).T
+        phases = compute_phase_margins(drawn)
         finite = phases[np.isfinite(phases)]
         loops.append(
             MeasuredLoop(
@@ -100,7 +105,7 @@ def estimate_loop_gains(
                 std=std,
                 margins=compute_margins(matrix @ gain),
                 phase_std=float(finite.std()) if finite.size else float("nan"),
-                disk_std=float(np.std([margins.disk for margins in drawn])),
+                disk_std=float(compute_disk_margins(drawn).std()),
             )
         )
     return tuple(loops)
