@@ -5,12 +5,17 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
 import sqlalchemy as sa
 from fastapi.testclient import TestClient
 from waiting import ended
 
+from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
+from flexsid.sysid.excitation import designer
+from flexsid.sysid.excitation.harmonic_assignment import Band
+from flexsid.workflow.excitation import excitation_designs
 
 _MOST_S = 0.2  # of processor time: what takes longer is a job
 _CHANGING = {"leases"}  # beats of the server
@@ -52,6 +57,55 @@ def measure_work(client: TestClient, address: str) -> float:
     return time.process_time() - began
 
 
+def find_costly(client: TestClient, addresses: list[str]) -> dict[str, float]:
+    """Return the processor time of requests that compute for longer than a page may take."""
+    costly: dict[str, float] = {}
+    for address in addresses:
+        # The first request may import packages; what computes does so at each request.
+        if measure_work(client, address) > _MOST_S:
+            least = min(measure_work(client, address) for _ in range(2))
+            if least > _MOST_S:
+                costly[address] = least
+    return costly
+
+
+def build_largest_design() -> ExcitationDesign:
+    """40 bands in a record of 250 s: a million samples, 1,200 harmonics, up to number 1,247."""
+    bands = tuple(
+        excitation_designs.BandSpecification(
+            name=f"s{k}", band=Band(low_hz=0.05, high_hz=4.99, count=30)
+        )
+        for k in range(40)
+    )
+    specification = excitation_designs.specify_bands(bands, 250.0, 100.0, (0.01, 0.02, 0.04))
+    designer.check_specification(specification)
+    rng = np.random.default_rng(0)
+    drawn = {own.name: rng.uniform(0.0, 6.0, len(own.harmonics)) for own in specification.inputs}
+    tones = designer.build_multisine(specification, drawn).tones
+    return ExcitationDesign(
+        name="largest",
+        specification=specification,
+        phases={name: tuple(one.phases.tolist()) for name, one in tones.items()},
+        peak_factors=dict.fromkeys(tones, 1.5),
+    )
+
+
+def test_the_largest_design_is_read_and_exported_without_a_job(
+    empty: TestClient, database_url: str
+):
+    store = Store.open(database_url)
+    number = store.designs.add(build_largest_design()).id
+    store.close()
+    addresses = [
+        f"/api/v1/designs/{number}",
+        f"/api/v1/designs/{number}/checks?natural_frequency=60",
+        *(f"/api/v1/designs/{number}/export?form={form}" for form in ("csv", "mat", "h", "json")),
+        *(f"/api/v1/figures/design-{name}?design_id={number}" for name in ("history", "spectrum")),
+    ]
+    assert [empty.get(address).status_code for address in addresses] == [200] * len(addresses)
+    assert find_costly(empty, addresses) == {}
+
+
 def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_url: str):
     begun = client.post("/api/v1/flutter/results?run_ids=1")
     assert ended(client, begun.headers["location"])["state"] == "succeeded"
@@ -71,11 +125,6 @@ def test_no_route_computes_or_stores_when_it_is_read(client: TestClient, flown_u
         if "get" in operations and not path.endswith("/events")
     ]
     assert len(addresses) > 80
-    before, costly = count_rows(flown_url), {}
-    for address in addresses:
-        work = measure_work(client, address)
-        # The first request may import packages; what computes does so at each request.
-        if work > _MOST_S and (again := measure_work(client, address)) > _MOST_S:
-            costly[address] = again
-    assert costly == {}
+    before = count_rows(flown_url)
+    assert find_costly(client, addresses) == {}
     assert count_rows(flown_url) == before
