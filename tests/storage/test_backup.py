@@ -110,7 +110,7 @@ def test_ids_given_after_a_backup_are_not_given_again(
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
-def test_postgresql_keeps_the_ids_that_the_documented_commands_carry_over(
+def test_the_documented_commands_continue_the_ids_of_postgresql(
     database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
 ) -> None:
     page = (ROOT / "docs" / "how-to" / "operate.md").read_text()
@@ -121,11 +121,11 @@ def test_postgresql_keeps_the_ids_that_the_documented_commands_carry_over(
     subprocess.run([programs / "pg_dump", "--format=custom", f"--file={copy}", address], check=True)
     later = store.aircraft.add(_rename(aircraft, "later"))
     with store.database.reading() as connection:
-        carried = connection.exec_driver_sql(statement.replace("%", "%%")).scalars().all()
+        statements = connection.exec_driver_sql(statement.replace("%", "%%")).scalars().all()
     store.close()
     subprocess.run([programs / "pg_restore", "--clean", address, copy], check=True)
     with store.database.transaction() as connection:
-        for one in carried:
+        for one in statements:
             connection.exec_driver_sql(one)
     assert store.aircraft.find() == [aircraft]
     assert (store.aircraft.add(_rename(aircraft, "after")).id or 0) > (later.id or 0)

@@ -227,7 +227,7 @@ def _make_ready(ready: Path, target: Path) -> None:
             "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
             (epoch,),
         )
-        _keep_given_ids(present, restored)
+        _retain_given_ids(present, restored)
         # Processes of the time of the backup do not continue their runs.
         restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
         # A backup has the job that made it, which is not to be repeated.
@@ -241,7 +241,7 @@ def _make_ready(ready: Path, target: Path) -> None:
         restored.execute("VACUUM")
 
 
-def _keep_given_ids(present: sqlite3.Connection, restored: sqlite3.Connection) -> None:
+def _retain_given_ids(present: sqlite3.Connection, restored: sqlite3.Connection) -> None:
     """Continue the ids of all tables: addresses name records by them, and reports cite them."""
     query = "SELECT name, seq FROM sqlite_sequence"
     known = dict(restored.execute(query))
