@@ -52,9 +52,11 @@ def test_shapes_of_a_structure_are_orthogonal_over_its_mass():
     factor = RNG.normal(size=(30, 30))
     mass = factor @ factor.T + 30.0 * np.eye(30)
     shapes = np.linalg.solve(np.linalg.cholesky(mass).T, np.linalg.qr(SHAPES.T)[0]).T
-    assert np.allclose(compute_mass_orthogonality(5.0 * shapes, mass), np.eye(4), atol=1e-12)
+    assert np.allclose(
+        compute_mass_orthogonality(5.0 * shapes, shapes, mass), np.eye(4), atol=1e-12
+    )
     with pytest.raises(BadInput, match="generalised mass -"):
-        compute_mass_orthogonality(shapes, -mass)
+        compute_mass_orthogonality(shapes, shapes, -mass)
 
 
 def test_fuel_weights_reproduce_parabolas_and_hold_the_ends():

@@ -16,7 +16,7 @@ from flexsid.errors import UnreadableFile
 from flexsid.extensions import IMPORTERS, ExtensionFailed, load_extensions, report_errors
 from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
 from flexsid.importers.file_format import FileFormat
-from flexsid.importers.nastran import bulk, f06, op2, punch
+from flexsid.importers.nastran import bulk, f06, op2, op4, punch
 from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
 
@@ -53,6 +53,7 @@ _BUILT_IN = (
     _define("Parquet", parquet, ".parquet", needs="pyarrow", extra="parquet"),
     _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
     _define("Nastran output", op2, ".op2"),
+    _define("Nastran matrix", op4, ".op4"),
     _define("Nastran printout", f06, ".f06"),
     _define("Nastran punch", punch, ".pch"),
     _DECK,

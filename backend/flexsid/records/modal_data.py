@@ -373,10 +373,20 @@ class ModeIdentification:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orthogonality:
-    """Shapes over a mass matrix: one on the diagonal; ``worst`` is the largest beside it."""
+    """Shapes over a mass matrix: one of the same shape, zero of orthogonal shapes.
+
+    ``values`` has a row for each mode of the first source and a column for each of the second (by
+    default the same). ``least_pair`` is the smallest value of a pair of modes, ``worst`` the
+    largest of all others.
+    """
 
     modal_table_id: int
     fuel: float
+    other_id: int | None
     names: tuple[str, ...]
+    other_names: tuple[str, ...]
     values: list[list[float]]
     worst: float
+    least_pair: float
+    n_dofs: int
+    notes: tuple[str, ...]

@@ -20,6 +20,7 @@ from flexsid.storage.paging import Page
 from flexsid.text import LONGEST_FIELD
 from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data import ground_vibration_test
+from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, compute_orthogonality
 
 router = APIRouter(tags=["vibration-tests"], route_class=JsonRoute)
 
@@ -54,12 +55,20 @@ class IdentifiedModesRequest(Request):
     template_id: Id | None = None
 
 
+_Matrix = Annotated[str, Field(min_length=1, max_length=LONGEST_FIELD), Line]
+
+
 class OrthogonalityRequest(Request):
-    """Field of the mass matrix in the files, and modal table of the shapes."""
+    """Matrices of the files, and modal tables of the shapes; see ``OrthogonalityQuery``."""
 
     modal_table_id: Id
-    field: Annotated[str, Field(min_length=1, max_length=LONGEST_FIELD), Line]
+    mass: _Matrix
     fuel: _Fraction = 0.5
+    other_id: Id | None = None
+    other_fuel: _Fraction | None = None
+    stiffness: _Matrix | None = None
+    length_unit: Literal["m", "mm", "in", "ft"] | None = None
+    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
 
 
 async def _read_mode_search(
@@ -127,8 +136,6 @@ def save_identified_modes(
 def check_orthogonality(
     store: TheStore, upload_id: UploadId, body: OrthogonalityRequest
 ) -> Orthogonality:
-    """Check the orthogonality of mode shapes with a mass matrix of an uploaded file."""
+    """Return the orthogonality of mode shapes, or of two sources, over a mass matrix of files."""
     sources = open_upload(store, upload_id)
-    return ground_vibration_test.compute_orthogonality(
-        store, body.modal_table_id, body.fuel, sources, body.field
-    )
+    return compute_orthogonality(store, sources, body.make_record(OrthogonalityQuery))

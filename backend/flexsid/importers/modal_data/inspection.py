@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
+from flexsid.importers.matrices import describe_matrix, list_matrices
 from flexsid.importers.modal_data.analysis_selection import ModalAnalysis, list_analyses
 from flexsid.importers.modal_data.fuel_states import read_masses
 from flexsid.importers.modal_data.units import LENGTHS, MASSES
@@ -101,6 +102,7 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
         holds.append("a flutter summary")
     if "frf/frequency" in found:
         holds.append(f"{found['frf/real'].shape[0]} frequency responses")
+    holds += [describe_matrix(source, name) for name in list_matrices(source)][:_MOST]
     functions = [path for path in found if path.startswith("function/") and path[-2:] != " x"]
     if functions:
         holds.append(f"{len(functions)} measured functions")

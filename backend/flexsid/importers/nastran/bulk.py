@@ -1,4 +1,4 @@
-"""Nastran bulk data (.bdf, .nas, .dat, .pch): nodes, coordinate systems and edges of elements.
+"""Nastran bulk data (.bdf, .nas, .dat, .pch): nodes, coordinate systems, edges, matrices (DMIG).
 
 Fields may be in small, large and free format.
 
@@ -20,10 +20,12 @@ import numpy as np
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.edges import CORNERS, list_edges
 from flexsid.importers.nastran.frames import Point, list_geometry
+from flexsid.importers.nastran.matrix_entries import MatrixEntries, build_matrix, take_entry
+from flexsid.importers.nastran.numbers import read_real
 from flexsid.importers.source import Field
 
 _CARD = re.compile(
-    rb"^(INIT |SOL |CEND|BEGIN |GRID|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,12}\d+ |\$"
+    rb"^(INIT |SOL |CEND|BEGIN |GRID|DMIG|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,12}\d+ |\$"
     rb"|(C(QUAD|TRIA|BAR|BEAM|ROD|TUBE|ELAS|BUSH|ON[MR]|SHEAR)|PLOTEL|RB|P(SHELL|COMP|BAR|BEAM)"
     rb"|MAT[1-9]|SPC|MPC|PARAM|CAERO|SPLINE)\w*\*? *,)",
     re.IGNORECASE | re.MULTILINE,
@@ -34,7 +36,6 @@ _REPEAT = re.compile(r"=\(?(\d+)\)?")
 _STEP = re.compile(r"\*\(?([-+.\dEeDd]+)\)?")
 _Entry = TypeVar("_Entry")
 _KINDS = {"R": 1, "C": 2, "S": 3}
-_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d+)$")
 
 
 def recognises(head: bytes) -> bool:
@@ -56,6 +57,7 @@ class _Deck:
     defaults: tuple[int, int] | None = None
     weight_to_mass: tuple[float, ...] = ()
     edges: list[tuple[int, int]] = field(default_factory=list)
+    matrices: dict[str, MatrixEntries] = field(default_factory=dict)
     refused: list[str] = field(default_factory=list)
 
 
@@ -85,6 +87,12 @@ def read_text(text: str) -> Iterator[Field]:
     if deck.grids and deck.defaults is None:
         rows = [deck.grids[number] for number in sorted(deck.grids)]
         yield Field("deck/left_open", np.array([[cp is None, cd is None] for cp, _, cd in rows]))
+    for entries in deck.matrices.values():
+        matrix, why = build_matrix(entries)
+        if matrix is None:
+            deck.refused.append(why)
+        else:
+            yield from matrix.fields(entries.name)
     for name, values in (
         ("deck/grdset", deck.defaults),
         ("deck/wtmass", deck.weight_to_mass),
@@ -111,7 +119,7 @@ def list_entries(text: str, names: frozenset[str]) -> Iterator[tuple[int, list[s
 def _is_read(name: str) -> bool:
     return (
         name in CORNERS
-        or name in ("GRID", "GRDSET", "PARAM")
+        or name in ("GRID", "GRDSET", "PARAM", "DMIG")
         or re.fullmatch(r"CORD[12][RCS]", name) is not None
     )
 
@@ -230,6 +238,8 @@ def _take(deck: _Deck, entries: list[str]) -> None:
         _define(deck.grids, int(fields[0]), (cp, place, cd), "node")
     elif name in CORNERS:
         deck.edges += list_edges(name, fields)
+    elif name == "DMIG":
+        take_entry(deck.matrices, fields)
     elif name.startswith("CORD2"):
         points = tuple(read_real(value) for value in fields[2:11])
         frame = (_KINDS[name[5]], int(fields[1] or 0), points)
@@ -245,11 +255,3 @@ def _take(deck: _Deck, entries: list[str]) -> None:
 def _define(known: dict[int, _Entry], number: int, what: _Entry, kind: str) -> None:
     if known.setdefault(number, what) != what:
         raise ValueError(f"{kind} {number} has two different definitions")
-
-
-def read_real(text: str) -> float:
-    """Read a number in Nastran format: 1.5, 1.5E3, 1.5D3, 1.5+3, -.2-4; blank is zero."""
-    if not text:
-        return 0.0
-    plain = text.upper().replace("D", "E")
-    return float(plain if "E" in plain else _EXPONENT.sub(r"E\1", plain))

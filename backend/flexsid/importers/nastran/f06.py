@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.nastran.bulk import read_real
 from flexsid.importers.nastran.flutter import FlutterPages
 from flexsid.importers.nastran.modal_cases import (
     EigenvalueTable,
@@ -18,6 +17,7 @@ from flexsid.importers.nastran.modal_cases import (
     list_cases,
     list_notes,
 )
+from flexsid.importers.nastran.numbers import read_real
 from flexsid.importers.nastran.vectors import Vectors
 from flexsid.importers.source import Field
 

@@ -103,9 +103,13 @@ class Frames:
         return self._frame(system).to_basic(np.asarray(place, dtype=float))
 
     def turn(
-        self, nodes: Int[np.ndarray, " n_nodes"], values: Float[np.ndarray, "n_modes n_nodes 6"]
+        self,
+        nodes: Int[np.ndarray, " n_nodes"],
+        values: Float[np.ndarray, "n_modes n_nodes 6"],
+        *,
+        to_basic: bool = True,
     ) -> Float[np.ndarray, "n_modes n_nodes 6"]:
-        """Transform shapes from the displacement system of each node to the basic system."""
+        """Transform shapes from the displacement system of each node to the basic system, or back."""
         turned = values.copy()
         for column, node in enumerate(nodes):
             row = self._row.get(int(node))
@@ -113,6 +117,7 @@ class Frames:
             if number <= 0:  # -1 denotes fluid points
                 continue
             axes = self._frame(number).directions(self._place(int(node)))
+            axes = axes if to_basic else axes.T
             turned[:, column, :3] = values[:, column, :3] @ axes
             turned[:, column, 3:] = values[:, column, 3:] @ axes
         return turned

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Complex, Float, Inexact
+from scipy import sparse
 
 from flexsid.errors import BadInput
 
@@ -82,20 +83,29 @@ def compute_real_shapes(
 
 
 def compute_mass_orthogonality(
-    shapes: Float[np.ndarray, "n_modes n_dof"], mass: Float[np.ndarray, "n_dof n_dof"]
-) -> Float[np.ndarray, "n_modes n_modes"]:
-    """Orthogonality of shapes over a mass matrix, 1 on the diagonal.
+    a: Float[np.ndarray, "n_a n_dof"],
+    b: Float[np.ndarray, "n_b n_dof"],
+    mass: Float[np.ndarray, "n_dof n_dof"] | sparse.csr_array,
+) -> Float[np.ndarray, "n_a n_b"]:
+    """Orthogonality of two sets of shapes over a mass matrix: 1 of the same shape, -1 to 1.
 
-    One shape per row; the symmetric mass matrix is at the same degrees of freedom, in any
-    consistent unit.
+    One shape per row; the symmetric mass matrix (dense or sparse) is at the same degrees of
+    freedom, in any consistent unit. A set with itself gives its orthogonality.
 
     Raises
     ------
     BadInput
         If a shape has no positive generalised mass over this matrix.
     """
-    product = shapes @ mass @ shapes.T
-    generalized = np.diag(product)
+    product = a @ (mass @ b.T)
+    return product / np.outer(_compute_lengths(a, mass), _compute_lengths(b, mass))
+
+
+def _compute_lengths(
+    shapes: Float[np.ndarray, "n n_dof"],
+    mass: Float[np.ndarray, "n_dof n_dof"] | sparse.csr_array,
+) -> Float[np.ndarray, " n"]:
+    generalized = np.einsum("nd,nd->n", shapes, (mass @ shapes.T).T)
     if (generalized <= 0).any():
         place = int(np.flatnonzero(generalized <= 0)[0]) + 1
         raise BadInput(
@@ -104,8 +114,7 @@ def compute_mass_orthogonality(
             code="not-positive",
             mode=place,
         )
-    scale = np.sqrt(generalized)
-    return product / np.outer(scale, scale)
+    return np.sqrt(generalized)
 
 
 SEPARABLE = 1e3

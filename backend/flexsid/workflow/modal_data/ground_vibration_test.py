@@ -10,7 +10,6 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
 from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.responses import RawResponses
-from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_data import (
     FoundMode,
@@ -19,12 +18,11 @@ from flexsid.records.modal_data import (
     ModalKind,
     ModalTable,
     ModeIdentification,
-    Orthogonality,
     Stabilisation,
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import compute_mass_orthogonality, compute_real_shapes
+from flexsid.sysid.modes.assurance import compute_real_shapes
 from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
 from flexsid.sysid.modes.polyreference import (
     StabilizationPole,
@@ -33,7 +31,6 @@ from flexsid.sysid.modes.polyreference import (
     find_columns,
 )
 from flexsid.workflow.modal_data.modal_import import store_modal_data
-from flexsid.workflow.modal_data.modal_tables import TO_STRUCTURE, interpolate_shapes, open_modes
 from flexsid.workflow.modal_data.mode_matching import match_modes
 
 _SAME_POLE = 0.01  # relative difference in frequency of a pole and a mode
@@ -241,48 +238,6 @@ def store_found_modes(
         ),
     )
     return store_modal_data(store, aircraft, raw, named)
-
-
-def compute_orthogonality(
-    store: Store, modal_table_id: int, fuel: float, sources: Sources, field: str
-) -> Orthogonality:
-    """Compute the orthogonality of shapes over a mass matrix of a file.
-
-    Parameters
-    ----------
-    store, modal_table_id, fuel
-        Table and fuel fraction of the shapes.
-    sources, field
-        File and field of the matrix: square, with three (translations) or six degrees of freedom of
-        every node of the table, node by node, in structural axes.
-
-    Raises
-    ------
-    BadInput
-        If the matrix is not of this size, or not symmetric.
-    """
-    modes = open_modes(store, store.modal_tables.get(modal_table_id))
-    shapes = interpolate_shapes(store, modes, fuel) * TO_STRUCTURE
-    matrix = np.asarray(sources.numbers(field), dtype=float)
-    n_nodes = shapes.shape[1]
-    if matrix.shape not in ((3 * n_nodes,) * 2, (6 * n_nodes,) * 2):
-        raise BadInput(
-            f"the mass matrix is {' x '.join(map(str, matrix.shape))}; the table has {n_nodes} "
-            f"nodes, {3 * n_nodes} or {6 * n_nodes} rows and columns are expected",
-            code="unequal-lengths",
-        )
-    if not np.allclose(matrix, matrix.T, rtol=1e-6, atol=1e-9 * float(np.abs(matrix).max())):
-        raise BadInput("the mass matrix is not symmetric", code="not-symmetric")
-    flat = shapes[:, :, : matrix.shape[0] // n_nodes].reshape(shapes.shape[0], -1)
-    values = compute_mass_orthogonality(flat, matrix)
-    off = np.abs(values - np.eye(values.shape[0]))
-    return Orthogonality(
-        modal_table_id=modal_table_id,
-        fuel=fuel,
-        names=modes.table.names,
-        values=[list(map(float, row)) for row in values],
-        worst=float(off.max()),
-    )
 
 
 def _select_band(
