@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from scipy.io import loadmat
 from structural_files import make_structure, print_mass, print_shapes, write_deck
+
+from flexsid.importers.readers import read_file
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"
@@ -264,8 +269,8 @@ def test_exported_modes_are_imported_unchanged(client: TestClient, table: Any, f
             assert second["nodes_m"] == first["nodes_m"]
 
 
-def test_exported_modes_are_read_by_others(client: TestClient, table: Any) -> None:
-    """Single precision for readers that do not know double; MATLAB."""
+def test_exported_modes_are_read_by_others(client: TestClient, table: Any, tmp_path: Path) -> None:
+    """Single precision for readers that do not know double; MATLAB, matrices."""
     at = f"/api/v1/modal-tables/{table['id']}"
     single = client.get(f"{at}/file?form=uff-single&fuel=0.5")
     identity = upload(client, ("single.uff", single.content))
@@ -284,6 +289,37 @@ def test_exported_modes_are_read_by_others(client: TestClient, table: Any) -> No
     assert found["shapes"].shape == (found["numbers"].size, found["nodes"].shape[0], 6)
     hertz = [mode["frequency_hz"] for mode in client.get(f"{at}/modes?fuel=0.5").json()["items"]]
     assert found["frequency_hz"].ravel() == pytest.approx(hertz)
+    moved = np.array(first["displacement_m"])
+    for form in ("op4", "op4-binary"):
+        content = client.get(f"{at}/file?form={form}&fuel=0.5").content
+        (tmp_path / "modes.op4").write_bytes(content)
+        terms = {one.path: one.samples for one in read_file(tmp_path / "modes.op4", "modes.op4")}
+        shapes = np.zeros(terms["matrix/PHIG/size"])
+        shapes[terms["matrix/PHIG/row"], terms["matrix/PHIG/column"]] = terms["matrix/PHIG/value"]
+        assert shapes[:, 0].reshape(-1, 6)[:, :3] == pytest.approx(moved, abs=1e-6 * largest)
+
+
+def test_all_fuel_weights_are_one_archive(client: TestClient, table: Any) -> None:
+    at = f"/api/v1/modal-tables/{table['id']}"
+    with ZipFile(io.BytesIO(client.get(f"{at}/archive?form=csv").content)) as archive:
+        names = [f"modes-{table['id']}-fuel-{fuel}.csv" for fuel in ("0", "0.5", "1")]
+        assert archive.namelist() == names
+        assert archive.read(names[2]) == client.get(f"{at}/file?form=csv&fuel=1").content
+    assert client.get("/api/v1/modal-tables/2/archive").json()["code"] == "no-nodes"
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_shape_is_a_picture(client: TestClient, table: Any, moving: bool) -> None:
+    """Of the two mode shapes of the deck: as many lines as the page shows, all inside."""
+    at = f"/api/v1/modal-tables/{table['id']}"
+    n_lines = len(client.get(f"{at}/shape?number=1").json()["lines"])
+    drawn = client.get(f"{at}/picture?number=1&moving={moving}")
+    root = ElementTree.fromstring(drawn.text)
+    paths = root.findall("{*}path")
+    assert [path.get("d", "").count("M") for path in paths] == [n_lines, n_lines]
+    assert (root.find(".//{*}animate") is not None) == moving
+    numbers = np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", paths[1].get("d", "")), dtype=float)
+    assert ((numbers >= 0) & (numbers <= [960, 560])).all()
 
 
 def test_selected_analysis_and_elements_are_stored(client: TestClient) -> None:
@@ -320,9 +356,12 @@ def test_mass_properties_of_a_printout_are_those_of_the_aircraft(client: TestCli
     payload = {"aircraft_id": 1, "length_unit": "m", "mass_unit": "kg"}
     assert client.post(at, json=payload).json()["code"] == "two-results"
     payload["fuel"] = {"full.f06": 1.0}
+    before = client.get("/api/v1/aircraft/1").json()["mass"]
     mass = client.post(at, json=payload).json()["mass"]
-    assert (mass["fuel"], mass["mass_kg"]) == ([0.0, 1.0], [150.0, 200.0])
-    assert mass["pitch_inertia_kg_m2"] == pytest.approx([60.0, 60.0], rel=1e-4)
+    assert mass["fuel"] == before["fuel"]
+    assert (mass["mass_kg"][0], mass["mass_kg"][-1]) == (150.0, 200.0)
+    assert mass["mass_kg"][1:-1] == before["mass_kg"][1:-1], "other fuel weights are kept"
+    assert mass["pitch_inertia_kg_m2"][-1] == pytest.approx(60.0, rel=1e-4)
     assert client.get("/api/v1/aircraft/1").json()["mass"] == mass
     other = upload(client, ("deck.bdf", DECK))
     refused = client.post(f"/api/v1/uploads/{other}/mass-properties", json=payload)

@@ -139,7 +139,7 @@ def test_displacement_systems_of_a_deck_apply_to_its_matrices(
             "matrix MAAX is not symmetric",
         ),
         (
-            write_matrix_entries("MAAX", BEAM.mass, BEAM.dofs + [900, 0]).encode(),
+            write_matrix_entries("MAAX", BEAM.mass, BEAM.dofs + np.array([900, 0])).encode(),
             {"mass": "MAAX"},
             "no degree of freedom at which beam has a shape",
         ),

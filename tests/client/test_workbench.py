@@ -11,6 +11,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+from beam_model import make_beam, write_matrix_entries, write_results
 from plotly.graph_objects import Figure
 from scipy.io import loadmat
 from waiting import PATIENCE_S
@@ -283,3 +284,30 @@ def test_reports_are_written(workbench: Workbench, tmp_path: Path) -> None:
     workbench.save_report(tmp_path / "two.html", "comparison", run_ids=[1], prediction_ids=[1])
     with pytest.raises(BadInput, match=r"\.html or \.pdf"):
         workbench.save_report(tmp_path / "run.txt", "run", 1)
+
+
+def test_modal_data_are_imported_compared_and_saved(workbench: Workbench, tmp_path: Path) -> None:
+    beam = make_beam()
+    files = [tmp_path / name for name in ("deck.bdf", "modes.f06")]
+    for file, content in zip(files, write_results(beam.structure), strict=True):
+        file.write_bytes(content)
+    options = {"length_unit": "m", "mass_unit": "kg", "generalized_mass": "unit"}
+    modal = workbench.modal_data
+    assert modal.inspect(*files)["n_nodes"] == 13
+    number, other = (
+        modal.add(*files, aircraft_id=1, name=kind, kind=kind, **options) for kind in ("FEM", "GVT")
+    )
+    assert list(modal.modes(number)["frequency_hz"]) == pytest.approx(
+        beam.structure.omega / 2 / np.pi, rel=1e-6
+    )
+    assert list(modal.correlation(number, other)["mac"]) == pytest.approx(np.ones(4))
+    mass = tmp_path / "mass.pch"
+    mass.write_text(write_matrix_entries("MAAX", beam.mass, beam.dofs))
+    values = modal.orthogonality(mass, modal_table_id=number, mass="MAAX", length_unit="m")
+    assert values.to_numpy() == pytest.approx(np.eye(4), abs=2e-5)
+    assert modal.update(number, "updated", test_ids=[other]) > other
+    for name in ("modes.mat", "modes.op4", "modes.zip"):
+        modal.save(number, tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 1000
+    modal.save(number, tmp_path / "mode.svg", number=1, moving=True)
+    assert "<animate" in (tmp_path / "mode.svg").read_text()

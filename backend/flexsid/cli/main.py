@@ -18,6 +18,10 @@ import flexsid
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import DEFAULT_DATABASE, read_settings
 
+_MODAL_ACTIONS = (
+    *("inspect", "import", "list", "modes", "correlate", "orthogonality", "update", "export"),
+    "mass",
+)
 _METHODS = ("OE", "FRE", "EE")
 _ROLES = ("viewer", "analyst", "reviewer", "admin")
 _STARTS = ("best", "equation-error", "prediction", "residualized-prediction")
@@ -126,6 +130,8 @@ def build_parser() -> argparse.ArgumentParser:
     aircraft.add_argument("--replace", type=int, metavar="ID", help=meaning)
 
     _add_import_options(add("import", "data:import_files", "import files with a mapping"))
+    summary = "import, compare, update and export modes of FEM and ground vibration tests"
+    _add_modal_options(add("modal-data", "modal_data:run_action", summary))
     _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
     summary = "list, save or delete templates: settings of runs under a name"
     _add_template_options(add("template", "run_templates:templates", summary))
@@ -262,6 +268,39 @@ def _add_run_options(command: argparse.ArgumentParser) -> None:
     option("--additional-maneuvers", default="", metavar="ID,ID", help=meaning)
     meaning = "execute the run now, instead of queueing it for a server"
     option("--wait", action="store_true", help=meaning)
+
+
+def _add_modal_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    option("action", choices=_MODAL_ACTIONS)
+    meaning = (
+        "files to inspect or import; ids of modal tables; for orthogonality the id, then files"
+    )
+    option("items", nargs="*", metavar="ITEM", help=meaning)
+    option("--aircraft", type=int, default=1, metavar="ID", help="aircraft; default: 1")
+    option("--name", metavar="NAME", help="name of the modal table")
+    option("--kind", choices=("FEM", "GVT"), default="FEM")
+    option("--length", choices=("m", "mm", "in", "ft"), help="unit of length of the files")
+    option("--mass", choices=("kg", "t", "lb", "slug", "slinch"), help="unit of mass")
+    option("--generalized-mass", choices=("file", "unit", "unknown"))
+    meaning = "directions of x, y and z of the files"
+    option("--axes", default="aft right up", metavar="AXES", help=meaning)
+    meaning = "fuel fraction; of files FILE=0,FILE=1"
+    option("--fuel", metavar="FRACTION", help=meaning)
+    option("--analysis", action="append", default=[], metavar="FILE=LABEL")
+    option("--rigid-modes", action="store_true", help="include rigid-body modes")
+    option("--other", type=int, metavar="ID", help="second table of an orthogonality")
+    option("--other-fuel", type=float, metavar="FRACTION", help="fuel of the second table")
+    option("--matrix", metavar="NAME", help="mass matrix in the files")
+    option("--stiffness", metavar="NAME", help="stiffness matrix, to reduce the mass")
+    option("--tests", default="", metavar="ID,ID", help="tests that a table is updated from")
+    option("--runs", default="", metavar="ID,ID", help="runs that a table is updated from")
+    meaning = ".uff, .csv, .mat, .op4; .zip: all fuel weights; .svg: a picture"
+    option("--output", metavar="FILE", help=meaning)
+    meaning = "uff-single, op4-binary, or the form of the files of an archive"
+    option("--form", metavar="FORM", help=meaning)
+    option("--mode", type=int, metavar="NUMBER", help="mode of a picture")
+    option("--moving", action="store_true", help="animate the picture")
 
 
 def _add_template_options(command: argparse.ArgumentParser) -> None:

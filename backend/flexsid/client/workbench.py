@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexsid.client.connection import Connection
+from flexsid.client.modal_data import ModalData
 from flexsid.client.polling import RunFailed, describe_failure, poll_until_ended
 from flexsid.client.progress import ProgressLine
 from flexsid.client.tables import matrix, read_csv, table, tabulate_comparison
@@ -74,6 +75,11 @@ class Workbench:
     def __repr__(self) -> str:
         return f"Workbench({self._connection.url!r})"
 
+    @property
+    def modal_data(self) -> ModalData:
+        """Import, correlation, updating and files of modal data."""
+        return ModalData(self)
+
     # --- plain responses ---
 
     def get(self, path: str, **query: Any) -> Any:
@@ -98,6 +104,14 @@ class Workbench:
     def post(self, path: str, body: Any, **query: Any) -> Any:
         """Return the response of any route below ``/api/v1`` to a JSON body and a query."""
         return json.loads(self._connection.post(path, body, query))
+
+    def get_bytes(self, path: str, **query: Any) -> bytes:
+        """Return the content of a file of the workbench."""
+        return self._connection.get(path, query)
+
+    def send_files(self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any) -> bytes:
+        """Return the response of a route to files and fields of a form."""
+        return self._connection.send_files(path, files, **fields)
 
     def items(self, path: str, limit: int | None = None, **query: Any) -> list[dict[str, Any]]:
         """Return all items of a list, at most ``limit``, read page by page."""
@@ -358,7 +372,7 @@ class Workbench:
             ``fuel`` as a fraction, ``altitude_m``, ``next_m_s``, ``unmodelled_modes`` and
             ``variation`` (``linear`` or ``global-model``), as the interface names them.
         """
-        return self._compute("flutter", **(self._select_runs(run_ids) | query))
+        return self.compute("flutter", **(self._select_runs(run_ids) | query))
 
     def _select_runs(self, run_ids: Iterable[int] | None) -> dict[str, Any]:
         """Return the query of runs, by default those of the newest approved global model."""
@@ -382,7 +396,7 @@ class Workbench:
             ``fuel`` as a fraction, ``density_kg_m3``, ``from_m_s`` and ``to_m_s``, as the
             interface names them.
         """
-        return self._compute("flutter/predicted", prediction_id=prediction_id, **query)
+        return self.compute("flutter/predicted", prediction_id=prediction_id, **query)
 
     def closed_loop(
         self, run_ids: Iterable[int] | None, controller_id: int, **query: Any
@@ -392,7 +406,7 @@ class Workbench:
         With ``run_ids`` None they are those of the approved global model, as in ``flutter``.
         """
         query = self._select_runs(run_ids) | query
-        return self._compute("closed-loop", controller_id=controller_id, **query)
+        return self.compute("closed-loop", controller_id=controller_id, **query)
 
     def global_model(self, run_ids: Iterable[int], **query: Any) -> dict[str, Any]:
         """Return the derivatives of all runs over the envelope, with the outlying runs.
@@ -407,7 +421,7 @@ class Workbench:
             ``variables``, e.g. ``["dynamic_pressure_pa", "fuel_fraction"]``, and
             ``prediction_id``.
         """
-        return self._compute("global-models", run_ids=list(run_ids), **query)
+        return self.compute("global-models", run_ids=list(run_ids), **query)
 
     def global_models(self, **query: Any) -> pandas.DataFrame:
         """Return the stored versions of global models and the state of their review."""
@@ -469,15 +483,15 @@ class Workbench:
             and ``after_run``.
         """
         path = f"designs/{design_id}/optimal-design"
-        return self._compute(path, run_id=run_id, objective=objective, **query)
+        return self.compute(path, run_id=run_id, objective=objective, **query)
 
     def compare_aerodynamics(self, run_id: int) -> dict[str, Any]:
         """Return the verdict between quasi-steady and shaped derivatives for the data of a run."""
-        return self._compute("aerodynamics-comparisons", run_id=run_id)
+        return self.compute("aerodynamics-comparisons", run_id=run_id)
 
     def check_posterior(self, run_id: int) -> dict[str, Any]:
         """Return the posterior of an output-error run, sampled, against its standard errors."""
-        return self._compute("posterior-checks", run_id=run_id)
+        return self.compute("posterior-checks", run_id=run_id)
 
     def transfer_function(
         self,
@@ -500,7 +514,7 @@ class Workbench:
             Orders ``zeros``, ``poles`` and ``integrators``, those usual for the output by
             default; ``delay=False``; limits ``low_hz`` and ``high_hz`` of the band.
         """
-        return self._compute(
+        return self.compute(
             "transfer-functions", maneuver_id=maneuver_id, input=input, output=output, **options
         )
 
@@ -527,7 +541,7 @@ class Workbench:
         query: dict[str, Any] = {"run_ids": list(run_ids)}
         if others := list(maneuver_ids):
             query["maneuver_ids"] = others
-        cells = self._compute("cross-predictions", **query)["predictions"]
+        cells = self.compute("cross-predictions", **query)["predictions"]
         found = pandas.DataFrame(cells, columns=["run_id", "maneuver_id", "r_squared"])
         return found.pivot(index="run_id", columns="maneuver_id", values="r_squared").astype(float)
 
@@ -545,9 +559,9 @@ class Workbench:
         folds
             Number of folds.
         """
-        return self._compute("cross-validations", run_id=run_id, partition=partition, folds=folds)
+        return self.compute("cross-validations", run_id=run_id, partition=partition, folds=folds)
 
-    def _compute(self, path: str, **query: Any) -> dict[str, Any]:
+    def compute(self, path: str, **query: Any) -> dict[str, Any]:
         """Request a result, wait for its job and return it; an equal request is one job."""
         self.wait(self.post(f"{path}/results", None, **query)["id"])
         return self.get(path, **query)

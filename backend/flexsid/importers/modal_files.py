@@ -1,19 +1,31 @@
-"""Modal data written to universal files, CSV and MATLAB files."""
+"""Modal data written to universal files, CSV, MATLAB files and matrices (.op4)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
-from io import BytesIO
-from typing import Any
+from io import BytesIO, RawIOBase
+from typing import IO, Any, cast
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
+from flexsid.importers.nastran.op4 import write_op4
 from flexsid.importers.source import SourceFile
 from flexsid.text import one_line
 
 EXACT = "FLEXSID MODE"
 """First words of a text line of a data set with its numbers in full precision."""
+
+FORMS = {
+    "uff": "text/plain",
+    "uff-single": "text/plain",
+    "csv": "text/csv",
+    "mat": "application/x-matlab-data",
+    "op4": "text/plain",
+    "op4-binary": "application/octet-stream",
+}
+"""Media types of the forms in which modes are written."""
 
 CSV_COLUMNS = (
     *("mode", "frequency_hz", "damping", "mass_kg_m2", "node", "x_m", "y_m", "z_m"),
@@ -115,6 +127,63 @@ def write_matlab(modes: WrittenModes) -> bytes:
     named = {"names": np.array(modes.names, dtype=object), "lines": modes.lines + 1}
     files.savemat(file, values | named | {"numbers": np.array(modes.numbers)}, oned_as="column")
     return file.getvalue()
+
+
+def write_matrices(modes: WrittenModes, *, binary: bool = False) -> bytes:
+    """Write matrices (``.op4``): PHIG with a column for each mode, and what its rows and columns are.
+
+    NODES has node, x, y and z of every six rows of PHIG (three translations, three rotations), MODES
+    number, frequency [Hz], damping and generalised mass of each column; what is unknown is zero.
+    """
+    n_modes = len(modes.numbers)
+    columns = (modes.numbers, modes.frequency_hz, modes.damping, modes.mass)
+    matrices = {
+        "PHIG": modes.shapes.reshape(n_modes, -1).T,
+        "NODES": np.column_stack([modes.node_ids, modes.nodes]),
+        "MODES": np.nan_to_num(np.column_stack(columns).astype(float)),
+    }
+    return write_op4(matrices, binary=binary)
+
+
+def write_modes(modes: WrittenModes, form: str) -> Iterator[bytes]:
+    """Write modes in one of ``FORMS``, in parts."""
+    if form == "mat":
+        yield write_matlab(modes)
+    elif form in ("op4", "op4-binary"):
+        yield write_matrices(modes, binary=form == "op4-binary")
+    else:
+        text = write_csv(modes) if form == "csv" else write_universal(modes, single=form != "uff")
+        yield from (part.encode() for part in text)
+
+
+class _Parts(RawIOBase):
+    """What was written since the last ``take``."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, part: Any) -> int:
+        self._parts.append(bytes(part))
+        return len(self._parts[-1])
+
+    def take(self) -> bytes:
+        taken, self._parts = b"".join(self._parts), []
+        return taken
+
+
+def write_archive(files: Iterable[tuple[str, Iterator[bytes]]]) -> Iterator[bytes]:
+    """Write files with their names to a ZIP archive, in parts."""
+    parts = _Parts()
+    with ZipFile(cast("IO[bytes]", parts), "w", ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, content in files:
+            with archive.open(name, "w", force_zip64=True) as entry:
+                for part in content:
+                    entry.write(part)
+                    yield parts.take()
+    yield parts.take()
 
 
 def write_csv(modes: WrittenModes) -> Iterator[str]:

@@ -89,7 +89,7 @@ def import_modal_data(store: TheStore, upload_id: UploadId, body: ModalDataReque
 
 @router.post("/uploads/{upload_id}/mass-properties")
 def import_mass_properties(store: TheStore, upload_id: UploadId, body: MassRequest) -> Aircraft:
-    """Replace the mass properties of an aircraft by those of uploaded printouts."""
+    """Set the mass properties of an aircraft at the fuel weights of uploaded printouts."""
     options = body.make_record(MassOptions)
     table = extract_mass_table(open_upload(store, upload_id), options)
     return set_mass_table(store, body.aircraft_id, table)

@@ -29,7 +29,8 @@ from flexsid.api.serialization import (
 )
 from flexsid.errors import BadInput
 from flexsid.figure_table import OrderParameters
-from flexsid.importers.modal_files import write_csv, write_matlab, write_universal
+from flexsid.figures.shape_picture import draw_shape_picture
+from flexsid.importers.modal_files import FORMS, write_archive, write_modes
 from flexsid.records.modal_data import (
     Correlation,
     ModalKind,
@@ -43,6 +44,7 @@ from flexsid.workflow.modal_data.modal_tables import (
     FREQUENCY_STD,
     apply_corrections,
     gather_modes,
+    read_nodes,
 )
 from flexsid.workflow.modal_data.model_updating import update_modal_table
 from flexsid.workflow.views import model_order
@@ -54,14 +56,8 @@ from flexsid.workflow.views.shape import read_shape
 router = APIRouter(prefix="/modal-tables", tags=["modal-tables"], route_class=JsonRoute)
 
 
-_MEDIA_TYPES = {
-    "uff": "text/plain",
-    "uff-single": "text/plain",
-    "csv": "text/csv",
-    "mat": "application/x-matlab-data",
-}
-
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
+Form = Literal["uff", "uff-single", "csv", "mat", "op4", "op4-binary"]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
 
@@ -173,27 +169,69 @@ def get_observability(
 @router.get(
     "/{modal_table_id}/file",
     response_class=StreamingResponse,
-    responses={200: {"content": {kind: {} for kind in _MEDIA_TYPES.values()}}},
+    responses={200: {"content": {kind: {} for kind in FORMS.values()}}},
 )
 def download_modes(
     store: TheStore,
     modal_table_id: Identity,
-    form: Literal["uff", "uff-single", "csv", "mat"] = "uff",
+    form: Form = "uff",
     fuel: Fuel = 0.5,
 ) -> StreamingResponse:
-    """Return the modes at one fuel fraction as a universal, CSV or MATLAB file, in SI units."""
+    """Return the modes at one fuel fraction as a universal, CSV, MATLAB or matrix file, in SI."""
     modes = gather_modes(store, modal_table_id, fuel)
-    content: Iterable[str | bytes]
-    if form == "mat":
-        content = [write_matlab(modes)]
-    elif form == "csv":
-        content = write_csv(modes)
-    else:
-        content = write_universal(modes, single=form == "uff-single")
     name = f"modes-{modal_table_id}-fuel-{fuel:g}.{form.partition('-')[0]}"
+    return _send(write_modes(modes, form), FORMS[form], name)
+
+
+@router.get(
+    "/{modal_table_id}/archive",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"application/zip": {}}}},
+)
+def download_archive(
+    store: TheStore, modal_table_id: Identity, form: Form = "uff"
+) -> StreamingResponse:
+    """Return the modes at every fuel fraction of the table, one file each, in a ZIP archive."""
+    table = store.modal_tables.get(modal_table_id)
+    read_nodes(store, table)  # refused before the response begins
+    suffix = form.partition("-")[0]
+    files = (
+        (
+            f"modes-{modal_table_id}-fuel-{fuel:g}.{suffix}",
+            write_modes(gather_modes(store, modal_table_id, fuel), form),
+        )
+        for fuel in table.fuel
+    )
+    return _send(write_archive(files), "application/zip", f"modes-{modal_table_id}-{form}.zip")
+
+
+@router.get(
+    "/{modal_table_id}/picture",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"image/svg+xml": {}}}},
+)
+def draw_picture(
+    store: TheStore,
+    modal_table_id: Identity,
+    number: Mode,
+    fuel: Fuel = 0.5,
+    moving: Annotated[bool, Query(description="Animated through one cycle.")] = False,
+    scale: Annotated[float, Query(gt=0.0, le=1.0, description="Share of the span.")] = 0.1,
+    azimuth: Annotated[float, Query(ge=-7.0, le=7.0, description="rad")] = -2.2,
+    elevation: Annotated[float, Query(ge=-1.6, le=1.6, description="rad")] = 0.42,
+) -> StreamingResponse:
+    """Return one mode shape as a picture in lines (SVG), still or animated."""
+    shape = read_shape(store, modal_table_id, number, fuel)
+    parts = draw_shape_picture(
+        shape, scale=scale, azimuth=azimuth, elevation=elevation, moving=moving
+    )
+    return _send(parts, "image/svg+xml", f"mode-{modal_table_id}-{number}.svg")
+
+
+def _send(content: Iterable[str | bytes], kind: str, name: str) -> StreamingResponse:
     return StreamingResponse(
         content,
-        media_type=_MEDIA_TYPES[form],
+        media_type=kind,
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
 

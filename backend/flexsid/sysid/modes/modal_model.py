@@ -24,6 +24,12 @@ _SCANNED_OUTSIDE = 1.5  # modes are sought up to this ratio beyond the band
 _ADDED = 4  # modes at most in one round
 _APART = 0.1  # least relative distance in frequency of modes added in one round
 _RANK = 1e-10  # of the largest singular value: smaller ones of the information are rounding
+_OUTSIDE = range(-4, 5)
+"""Powers of s of the modes outside of the band.
+
+With -4, -2, 0 and 2 only, two modes 20 and 30 % above the band shifted a frequency by four standard
+deviations (2e-5). The odd ones are their damping."""
+
 _BLOCK = 64  # outputs factored at once
 
 
@@ -138,8 +144,8 @@ def fit_modal_model(
 
     Notes
     -----
-    Model: H_or = s^p (sum_k psi_ok L_kr / (s - lambda_k) + its conjugate + four terms s^-4, s^-2,
-    1, s^2 of modes outside of the band). Noise is independent over frequencies and responses; its
+    Model: H_or = s^p (sum_k psi_ok L_kr / (s - lambda_k) + its conjugate + terms in s^-4 to s^4
+    of modes outside of the band). Noise is independent over frequencies and responses; its
     variance, one of each response times one of each frequency, comes from the residuals. The
     weighted squares are minimised over poles and participation factors by Gauss-Newton with
     the shapes eliminated by orthogonal projection (Golub and Pereyra 1973); the covariance is the
@@ -190,7 +196,7 @@ def _columns(problem: _ModalProblem, poles: np.ndarray) -> tuple[np.ndarray, ...
     """Return the terms outside of the band, and first and second powers of each mode."""
     s, lift = problem.s, problem.lift
     size = np.sqrt(np.abs(s[0] * s[-1]))
-    outside = np.stack([lift * (s / size) ** power for power in (-4, -2, 0, 2)], axis=1)
+    outside = np.stack([lift * (s / size) ** power for power in _OUTSIDE], axis=1)
     one = lift[:, None] / (s[:, None] - poles)
     other = lift[:, None] / (s[:, None] - poles.conj())
     first = np.stack([one + other, 1j * (one - other)], axis=2)
@@ -217,11 +223,12 @@ def _reduce(problem: _ModalProblem, poles: np.ndarray, weights: _Weights) -> _Re
     # A complex variance of one is one half in each part.
     data = np.sqrt(2.0) * _stack(scaled).reshape(2 * n_omega, -1)
     inside = Q.T @ data
-    R = (R * norm)[4:, 4:]
+    n_outside = len(_OUTSIDE)
+    R = (R * norm)[n_outside:, n_outside:]
     return _Reduced(
         first=R[:, : 2 * n].reshape(-1, n, 2),
         second=R[:, 2 * n :].reshape(-1, n, 2),
-        data=inside[4:].reshape(-1, *problem.responses.shape[1:]),
+        data=inside[n_outside:].reshape(-1, *problem.responses.shape[1:]),
         outside=float(np.sum(data**2) - np.sum(inside**2)),
     )
 
@@ -375,7 +382,7 @@ def _estimate_weights(problem: _ModalProblem, fitted: np.ndarray, n: int) -> _We
     """
     n_omega, n_out, n_in = fitted.shape
     squares = np.abs(problem.responses - fitted) ** 2
-    n_real = 4 + 2 * n / n_in + 2 * n / n_out
+    n_real = len(_OUTSIDE) + 2 * n / n_in + 2 * n / n_out
     free = max(1.0 - 0.5 * n_real / n_omega, 1.0 / n_omega)
     least = _LEAST_NOISE**2 * np.mean(np.abs(problem.responses) ** 2, axis=0)
     least = np.where(least > 0, least, 1.0)

@@ -40,7 +40,7 @@ def reduce_statically(
     n = mass.shape[0]
     keeps = np.zeros(n, dtype=bool)
     keeps[kept] = True
-    size = np.abs(stiffness).sum(axis=1) + np.abs(mass).sum(axis=1)
+    size = abs(stiffness).sum(axis=1) + abs(mass).sum(axis=1)
     omitted = np.flatnonzero(~keeps & (np.asarray(size).ravel() > 0.0))
     transform = np.zeros((omitted.size, kept.size))
     if omitted.size:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers.mapping import parse_aircraft
@@ -64,7 +64,9 @@ def replace_aircraft(store: Store, aircraft_id: int, text: str) -> Aircraft:
 
 
 def set_mass_table(store: Store, aircraft_id: int, table: MassTable) -> Aircraft:
-    """Replace the mass properties of an aircraft; runs state that its data were changed since.
+    """Set the mass properties of an aircraft at some fuel weights, and keep those at all others.
+
+    Runs state that its data were changed since.
 
     Raises
     ------
@@ -72,7 +74,26 @@ def set_mass_table(store: Store, aircraft_id: int, table: MassTable) -> Aircraft
         If the aircraft does not exist.
     """
     with store.transaction():
-        return store.aircraft.replace(replace(store.aircraft.get(aircraft_id), mass=table))
+        aircraft = store.aircraft.get(aircraft_id)
+        return store.aircraft.replace(replace(aircraft, mass=merge_masses(aircraft.mass, table)))
+
+
+def merge_masses(known: MassTable, new: MassTable) -> MassTable:
+    """Return a mass table with the rows of the new one, and the known ones at other fuel weights.
+
+    A quantity that is not given at every fuel weight of the result is not given at any.
+    """
+    rows = {fuel: (known, row) for row, fuel in enumerate(known.fuel)}
+    rows |= {fuel: (new, row) for row, fuel in enumerate(new.fuel)}
+    fuels = sorted(rows)
+    merged: dict[str, tuple[float, ...] | None] = {"fuel": tuple(fuels)}
+    for one in fields(MassTable):
+        if one.name == "fuel":
+            continue
+        columns = [(getattr(table, one.name), row) for table, row in (rows[f] for f in fuels)]
+        is_known = all(column is not None for column, _ in columns)
+        merged[one.name] = tuple(column[row] for column, row in columns) if is_known else None
+    return MassTable(**merged)  # pyright: ignore[reportArgumentType]
 
 
 def _check_name(store: Store, definition: Aircraft, aircraft_id: int | None) -> None:

@@ -37,8 +37,8 @@ class OrthogonalityQuery:
     """Mass matrix of files, and the shapes that are compared over it.
 
     ``mass`` and ``stiffness`` are names of matrices in the files; the stiffness reduces the mass to
-    the measured degrees of freedom. ``other_id`` is a second modal table, such as that of a test; by
-    default the first is compared with itself. ``length_unit`` is that of the matrices, needed for
+    the measured degrees of freedom. ``other_id`` is a second modal table, such as that of a test;
+    by default the first is compared with itself. ``length_unit`` is that of the matrices, needed for
     rotations; ``axes`` as of ``ModalDataOptions``.
     """
 
@@ -254,7 +254,7 @@ def _reduce(
         )
     own = mass.values[kept][:, kept]
     left = np.setdiff1d(np.arange(n), kept)
-    has_mass = np.abs(mass.values[left]).sum() > 0.0
+    has_mass = bool(abs(mass.values[left]).sum() > 0.0)
     is_measured = query.other_id is not None or last.kind is ModalKind.GVT
     if has_mass and is_measured:
         raise BadInput(

@@ -34,7 +34,7 @@ export function FuelTab({ table, view }: TableProps) {
         actions={
           hasShapes(table) && (
             <Group gap="xs" className="no-print">
-              {(["uff", "uff-single", "csv", "mat"] as const).map((form) => (
+              {(["uff", "uff-single", "csv", "mat", "op4", "op4-binary"] as const).map((form) => (
                 <Button
                   key={form}
                   size="compact-sm"
@@ -45,6 +45,14 @@ export function FuelTab({ table, view }: TableProps) {
                   {form.replace("-", ", ").toUpperCase()}
                 </Button>
               ))}
+              <Button
+                size="compact-sm"
+                variant="default"
+                component="a"
+                href={address(`modal-tables/${String(table.id)}/archive`, { form: "uff" })}
+              >
+                All fuel weights (ZIP)
+              </Button>
             </Group>
           )
         }

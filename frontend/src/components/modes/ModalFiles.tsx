@@ -303,8 +303,7 @@ function MassForm({
             setAxes(value ?? axes);
           }}
         />
-        {files.length > 1 &&
-          files.map((file) => (
+        {files.map((file) => (
             <NumberInput
               key={file.name}
               label={`Fuel of ${file.name} [%]`}
@@ -316,7 +315,7 @@ function MassForm({
                   setFuel((before) => ({ ...before, [file.name]: value / 100 }));
               }}
             />
-          ))}
+        ))}
         <Button
           variant="default"
           disabled={mass === null || length === null}

@@ -1,6 +1,7 @@
 import { Button, Group, Select, Slider, Stack, Switch, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
+import { address } from "../../api/client";
 import { modesAtQuery, shapeQuery } from "../../api/queries";
 import type { ModalTable } from "../../api/types";
 import { fixed } from "../../lib/format";
@@ -166,10 +167,31 @@ function Drawn({ table, number, fuel, ...view }: OneProps & { number: number }) 
             camera={view.camera}
             onCamera={view.onCamera}
           />
-          <Text size="xs" className="quiet">
-            {data.name}, {fixed(data.frequency_hz, 3)} Hz; {data.nodes_m.length} of {data.n_nodes}{" "}
-            nodes
-          </Text>
+          <Group gap="xs">
+            <Text size="xs" className="quiet">
+              {data.name}, {fixed(data.frequency_hz, 3)} Hz; {data.nodes_m.length} of {data.n_nodes}{" "}
+              nodes
+            </Text>
+            {[false, true].map((moving) => (
+              <Button
+                key={String(moving)}
+                size="compact-xs"
+                variant="default"
+                className="no-print"
+                component="a"
+                href={address(`modal-tables/${String(table.id)}/picture`, {
+                  number,
+                  fuel,
+                  moving,
+                  scale: view.scale,
+                  azimuth: view.camera.azimuth % (2 * Math.PI),
+                  elevation: view.camera.elevation,
+                })}
+              >
+                {moving ? "Animation (SVG)" : "Picture (SVG)"}
+              </Button>
+            ))}
+          </Group>
         </>
       )}
     </Loaded>
