@@ -13,10 +13,14 @@ from structural_files import (
     add_eigenvalues,
     add_geometry,
     add_shapes,
+    add_shapes_by_node,
     make_structure,
     print_eigenvalues,
     print_shapes,
+    print_shapes_by_node,
+    punch_complex_shapes,
     punch_shapes,
+    punch_shapes_by_node,
     write_deck,
     write_deck_in,
     write_universal_nodes,
@@ -113,6 +117,22 @@ _TEXTS: dict[str, Callable[[Structure], str]] = {
 }
 
 
+_FURTHER_TEXTS: dict[str, Callable[[Structure], str]] = {
+    "sorted-by-node.f06": lambda s: print_eigenvalues(s) + print_shapes_by_node(s),
+    "sorted-by-node.pch": punch_shapes_by_node,
+    "complex.pch": punch_complex_shapes,
+    "complex-polar.pch": partial(punch_complex_shapes, polar=True),
+}
+
+
+def _write_by_node(structure: Structure, path: Path) -> None:
+    file = OutputFile()
+    add_geometry(file, structure)
+    add_shapes_by_node(file, structure)
+    add_eigenvalues(file, {1: structure})
+    file.save(path)
+
+
 def _write_text(build: Callable[[Structure], str], structure: Structure, path: Path) -> None:
     path.write_text(build(structure), encoding="latin-1")
 
@@ -120,7 +140,10 @@ def _write_text(build: Callable[[Structure], str], structure: Structure, path: P
 _WRITERS: dict[str, Callable[[Structure, Path], None]] = {
     **{f"{name}.op2": partial(_write_output, **how) for name, how in _OUTPUTS.items()},
     **{name: partial(_write_text, build) for name, build in _TEXTS.items()},
+    "sorted-by-node.op2": _write_by_node,
+    **{name: partial(_write_text, build) for name, build in _FURTHER_TEXTS.items()},
 }
+"""The seed of a structure is its place, so that further files are added at the end."""
 
 STRUCTURES: dict[str, Structure] = {
     name: make_structure(place, N_MODES, N_NODES, is_complex="complex" in name)

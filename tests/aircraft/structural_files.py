@@ -134,6 +134,67 @@ def punch_shapes(structure: Structure, subcase: int = 1, label: str = "") -> str
     return text
 
 
+def punch_complex_shapes(structure: Structure, *, polar: bool = False) -> str:
+    """Punch complex eigenvectors: four lines for each node."""
+    kind = "MAGNITUDE-PHASE" if polar else "REAL-IMAGINARY"
+    text = ""
+    for mode, root in enumerate(structure.roots):
+        text += f"$TITLE   = JOB\n$SUBTITLE=\n$LABEL   =\n$EIGENVECTOR\n${kind} OUTPUT\n"
+        text += f"$SUBCASE ID ={1:12d}\n$EIGENVALUE = ({root.real:15.7E},{root.imag:15.7E}) "
+        text += f"MODE ={mode + 1:6d}\n"
+        for node, values in zip(structure.ids, structure.shape[mode], strict=True):
+            parts = [values.real, values.imag]
+            if polar:
+                parts = [np.abs(values), np.degrees(np.angle(values)) % 360.0]
+            rows = [part[half] for part in parts for half in (slice(0, 3), slice(3, 6))]
+            lines = ["".join(f"{x:18.6E}" for x in row) for row in rows]
+            text += f"{node:10d}       G{lines[0]}\n"
+            text += "".join(f"-CONT-{'':12}{line}\n" for line in lines[1:])
+    return text
+
+
+def punch_shapes_by_node(structure: Structure) -> str:
+    """Punch the eigenvectors sorted by node (SORT2), with the eigenvalue in each row."""
+    text = ""
+    for place, node in enumerate(structure.ids):
+        text += "$TITLE   = JOB\n$EIGENVECTOR\n$REAL OUTPUT\n$SUBCASE ID =           1\n"
+        text += f"$POINT ID ={node:12d}  IDENTIFIED BY EIGENVALUE\n"
+        for omega, values in zip(structure.omega, structure.shape[:, place], strict=True):
+            first, second = (
+                "".join(f"{x:18.6E}" for x in part) for part in (values[:3], values[3:])
+            )
+            text += f"{omega**2:16.6E} G{first}\n-CONT-{'':12}{second}\n"
+    return text
+
+
+def print_shapes_by_node(structure: Structure) -> str:
+    """Print the eigenvectors sorted by node (SORT2)."""
+    text = ""
+    for place, node in enumerate(structure.ids):
+        text += f"1    JOB{'':60}PAGE\n     SUBTITLE\n0{'SUBCASE 1':>100}\n"
+        text += f"      POINT-ID =  {node:8d}\n{'':38}R E A L   E I G E N V E C T O R\n\n"
+        text += "      EIGENVALUE    TYPE          T1             T2             T3\n"
+        for omega, values in zip(structure.omega, structure.shape[:, place], strict=True):
+            text += f"{omega**2:18.6E}      G{''.join(f'{x:15.6E}' for x in values)}\n"
+    return text
+
+
+def add_shapes_by_node(file: OutputFile, structure: Structure, table: str = "OUGV2") -> None:
+    """Add the eigenvectors sorted by node (SORT2), with the number of the mode in each row."""
+    records = []
+    for place, node in enumerate(structure.ids.tolist()):
+        head = file.words("5i", 22, 2007, 0, 1, 10 * node + 2)
+        head += file.words("3f2i", 0, 0, 0, 1, 8) + file.words("40i", *[0] * 40)
+        records.append(head + file.text("", 96))
+        records.append(
+            b"".join(
+                file.words("2i6f", mode, 1, *row)
+                for mode, row in enumerate(structure.shape[:, place].tolist(), start=1)
+            )
+        )
+    file.block(table, records)
+
+
 class OutputFile:
     """An output file in Nastran format, in words of 4 or 8 bytes of either byte order."""
 

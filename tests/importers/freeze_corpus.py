@@ -14,15 +14,18 @@ read is frozen from the numbers that the file was written from; ``source`` state
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import tempfile
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from importlib import metadata
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import beam_model
 import numpy as np
 import structural_corpus
 
@@ -65,8 +68,53 @@ def main() -> None:
             }
             print(f"{name}: {package or 'definition'} {worst}")
     frozen["functions"] = {name: _freeze_function(SAMPLES / name) for name in _FUNCTIONS}
+    with tempfile.TemporaryDirectory() as folder:
+        frozen["matrices"] = _freeze_matrices(Path(folder))
     lines = [f" {json.dumps(name)}: {json.dumps(values)}" for name, values in frozen.items()]
     FROZEN.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+
+
+def _freeze_matrices(folder: Path) -> Values:
+    """Return matrices in every form that pyYeti writes, and DMIG that pyNastran reads."""
+    from pyNastran.bdf.bdf import BDF  # pyright: ignore[reportMissingImports]
+    from pyyeti.nastran import op4  # pyright: ignore[reportMissingImports]
+
+    rng = np.random.default_rng(1)
+    square, wide = np.round(rng.normal(size=(6, 6)), 3), np.round(rng.normal(size=(3, 5)), 3)
+    square[np.abs(square) < 0.8] = 0.0
+    wide[:, 1] = 0.0
+    source = {"square": square, "wide": wide, "complex": wide + 1j * wide[::-1]}
+    frozen: Values = {}
+    for binary, form, endian in product((False, True), ("dense", "bigmat", "nonbigmat"), "<>"):
+        if not binary and endian == ">":
+            continue
+        path = (
+            folder
+            / f"{'binary' if binary else 'text'}-{form}-{'le' if endian == '<' else 'be'}.op4"
+        )
+        op4.write(str(path), source, binary=binary, sparse=form, endian=endian)
+        found = op4.read(str(path), sparse=False)
+        frozen[path.name] = _freeze_matrix(path, f"pyyeti {metadata.version('pyyeti')}", found)
+    beam = beam_model.make_beam(3)
+    for large in (True, False):
+        path = folder / f"dmig-{'large' if large else 'free'}.pch"
+        path.write_text(beam_model.write_matrix_entries("MAAX", beam.mass, beam.dofs, large=large))
+        model = BDF(debug=None)
+        model.read_bdf(str(path), punch=True, xref=False)
+        values = model.dmig["MAAX"].get_matrix(is_sparse=False)[0]
+        frozen[path.name] = _freeze_matrix(
+            path, f"pyNastran {metadata.version('pyNastran')}", {"MAAX": values}
+        )
+    return frozen
+
+
+def _freeze_matrix(path: Path, source: str, found: Values) -> Values:
+    return {
+        "source": source,
+        "content": base64.b64encode(path.read_bytes()).decode(),
+        "real": {name.upper(): _round(np.real(values)) for name, values in found.items()},
+        "imaginary": {name.upper(): _round(np.imag(values)) for name, values in found.items()},
+    }
 
 
 def _freeze_function(path: Path) -> Values:
@@ -110,6 +158,10 @@ def _read_output(path: Path) -> Values:
         "xyz": [model.nodes[node].xyz for node in ids],
         "translation": np.real(modes.data)[:, :, :3],
     }
+    if not hasattr(modes, "eigns") and model.eigenvalues:  # sorted by node
+        table = next(iter(model.eigenvalues.values()))
+        hertz, mass = np.asarray(table.cycles), np.asarray(table.generalized_mass)
+        return values | {"hertz": hertz, "mass": mass}
     if not model.eigenvalues:
         roots = np.asarray(modes.eigrs) + 1j * np.asarray(modes.eigis)
         return values | {"hertz": np.abs(roots) / 2.0 / np.pi}

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +19,16 @@ from structural_files import (
     make_structure,
     print_eigenvalues,
     print_shapes,
+    punch_complex_shapes,
     punch_shapes,
+    punch_shapes_by_node,
     write_universal_nodes,
     write_universal_shapes,
 )
 
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.nastran.frames import Frames
+from flexsid.importers.nastran.op4 import write_op4
 from flexsid.importers.readers import read_file
 
 FROZEN = json.loads(Path(__file__).with_name("corpus.json").read_text(encoding="utf-8"))
@@ -66,6 +70,18 @@ def test_numbers_are_those_of_other_readers(tmp_path: Path, name: str) -> None:
         assert read[key] == pytest.approx(values, rel=0.0, abs=PRECISION * scale), key
 
 
+@pytest.mark.parametrize("name", FROZEN["matrices"])
+def test_matrices_are_those_of_other_readers(tmp_path: Path, name: str) -> None:
+    frozen = FROZEN["matrices"][name]
+    found = _read_content(tmp_path / name, base64.b64decode(frozen["content"]))
+    for matrix, real in frozen["real"].items():
+        own = f"matrix/{matrix}/"
+        values = np.zeros(found[f"{own}size"], dtype=complex)
+        terms = found[f"{own}value"] + 1j * found.get(f"{own}imaginary", np.zeros(1))
+        values[found[f"{own}row"], found[f"{own}column"]] = terms
+        assert values == pytest.approx(np.array(real) + 1j * np.array(frozen["imaginary"][matrix]))
+
+
 def _make_output(*blocks: tuple[str, list[bytes]], order: str = "<") -> bytes:
     output = OutputFile(order)
     for name, contents in blocks:
@@ -80,6 +96,10 @@ _SHAPES = print_shapes(_STRUCTURE)
 _PUNCH = punch_shapes(_STRUCTURE)
 _WORDS = OutputFile().words
 _GRID = _WORDS("3i2i3f3i", 4501, 45, 1, 7, 0, 1.0, 2.0, 3.0, 0, 0, 0)
+_MATRIX = write_op4({"MAAX": np.array([[2.0, 0.5], [0.5, 1.0]])})
+_MATRIX_RECORDS = write_op4({"MAAX": np.array([[2.0, 0.5], [0.5, 1.0]])}, binary=True)
+_COMPLEX_PUNCH = punch_complex_shapes(make_structure(8, 1, 2, is_complex=True))
+_DMIG = "DMIG,MAAX,0,6,2,0\nDMIG,MAAX,1,3,,1,3,2.\nDMIG,MAAX,2,3,,1,3,.5\n,2,3,1.\n"
 _UNIVERSAL = write_universal_nodes(_STRUCTURE) + write_universal_shapes(_STRUCTURE)
 
 READ: dict[str, tuple[str | bytes, dict[str, Any]]] = {
@@ -127,9 +147,36 @@ READ: dict[str, tuple[str | bytes, dict[str, Any]]] = {
         "".join(f"{line:72.72}{number:8d}\n" for number, line in enumerate(_PUNCH.splitlines(), 1)),
         {"shape/values": _STRUCTURE.shape},
     ),
-    "sorted-by-node.pch": (
-        _PUNCH.replace("$EIGENVALUE", "$POINT ID"),
-        {"refused": ["mode shapes sorted by node (SORT2)"]},
+    "sorted-by-time.pch": (
+        _PUNCH + punch_shapes_by_node(_STRUCTURE).replace("EIGENVALUE\n", "TIME\n"),
+        {"refused": ["results sorted by node (SORT2)"]},
+    ),
+    "modes-by-node.pch": (
+        _PUNCH + punch_shapes_by_node(_STRUCTURE).replace(f"{_STRUCTURE.omega[0] ** 2:16.6E}", "1"),
+        {"refused": ["mode shapes sorted by node (SORT2) without eigenvalues"]},
+    ),
+    "repeated.op4": (
+        _MATRIX + _MATRIX,
+        {"matrix/MAAX (2)/value": [2.0, 0.5, 0.5, 1.0]},
+    ),
+    "exponents.op4": (_MATRIX.replace(b"E+00", b"D+00"), {"matrix/MAAX/size": [2, 2]}),
+    "line-ends.op4": (_MATRIX.replace(b"\n", b"\r\n"), {"matrix/MAAX/row": [0, 1, 0, 1]}),
+    "zeros.op4": (write_op4({"Z": np.zeros((2, 3))}), {"matrix/Z/size": [2, 3]}),
+    "matrix.bdf": (
+        _GRIDS + _DMIG,
+        {"matrix/MAAX/dof": [[1, 3], [2, 3]], "matrix/MAAX/value": [2.0, 0.5, 1.0, 0.5]},
+    ),
+    "no-header.bdf": (
+        _GRIDS + _DMIG.partition("\n")[2],
+        {"refused": ["matrix MAAX has no header"]},
+    ),
+    "rectangular.bdf": (
+        _GRIDS + _DMIG.replace("0,6,2", "0,9,2"),
+        {"refused": ["matrix MAAX is rectangular"]},
+    ),
+    "both-halves.bdf": (
+        _GRIDS + _DMIG + "DMIG,MAAX,1,3,,2,3,.75\n",
+        {"refused": ["matrix MAAX is symmetric by its header"]},
     ),
     "elements.pch": ("CROD           1       1       5       6\n", {"line/nodes": [[5, 6]]}),
     "nodes.pch": (_GRIDS, {"xyz": _PLACES}),
@@ -192,6 +239,23 @@ REFUSED: dict[str, tuple[str | bytes, str]] = {
         "is repeated in this mode",
     ),
     "short-row.pch": (_PUNCH.replace("-CONT-", "-cont-"), "3 components, 6 expected"),
+    "short-complex-row.pch": (
+        "\n".join(_COMPLEX_PUNCH.splitlines()[:-2]),
+        "6 components, 12 expected",
+    ),
+    "other-modes-at-a-node.pch": (
+        punch_shapes_by_node(_STRUCTURE).rpartition("        ")[0][:-60],
+        "components, 6 expected|other than the 2 of node",
+    ),
+    "cut-off.op4": (_MATRIX.rpartition(b"       3")[0], "ends within a matrix"),
+    "cut-off-records.op4": (_MATRIX_RECORDS[:-30], "ends within a record"),
+    "outside.op4": (
+        _MATRIX.replace(b"       1       1       2", b"       1       2       2"),
+        "from row 2 on",
+    ),
+    "letters.op4": (_MATRIX.replace(b"2.0000", b"two.00"), "does not hold 2 numbers"),
+    "printout.op4": (b"1 JOB OF A DAY\n", "does not start like"),
+    "two-values.bdf": (_GRIDS + _DMIG + "DMIG,MAAX,1,3,,1,3,9.\n", "has two values"),
     "cut-off.op2": (_make_output(("GEOM1", [_GRID]))[:-30], "ends within a record"),
     "as-text.op2": (
         _make_output(("GEOM1", [_GRID])).replace(b"\n", b"\r\n").replace(b"\0\4", b"\4"),

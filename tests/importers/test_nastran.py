@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -207,9 +208,6 @@ def test_tables_other_than_modes_are_skipped_and_noted(tmp_path):
         read(f06, file)
     file.write_text(printed_page() + printed_page(node=12) + printed_page(mode=2))
     assert "mode 2 is not given at node 12" in read(f06, file)["refused"][0]
-    punched = tmp_path / "wing.pch"
-    punched.write_text("$TITLE = X\n$EIGENVECTOR\n$REAL-IMAGINARY OUTPUT\n")
-    assert "complex" in read(punch, punched)["refused"][0]
 
 
 @pytest.mark.parametrize("polar", [False, True])
@@ -528,3 +526,24 @@ def test_the_flutter_example_of_pynastran_is_read():
     assert "complex modes" in binary["refused"][0]
     assert binary["mode/radians"] == pytest.approx(printed["mode/radians"], rel=1e-5)
     assert read(bulk, folder / "0012_flutter.bdf")["deck/include"].size == 4
+
+
+def test_nodes_and_shapes_of_superelements_are_joined(tmp_path):
+    """Each superelement has a table of its nodes and one of its shapes; boundaries are in two."""
+    structure = make_structure(3, 2, 6)
+    file = OutputFile()
+    for part in (slice(0, 4), slice(3, 6)):
+        element = replace(
+            structure,
+            ids=structure.ids[part],
+            xyz=structure.xyz[part],
+            shape=structure.shape[:, part],
+        )
+        add_geometry(file, element)
+        add_shapes(file, {(1, ""): element})
+    file.save(tmp_path / "wing.op2")
+    found = read(op2, tmp_path / "wing.op2")
+    assert found["grid/id"].tolist() == found["shape/node"].tolist() == structure.ids.tolist()
+    assert found["grid/xyz"] == pytest.approx(structure.xyz, rel=1e-6)
+    assert found["shape/values"] == pytest.approx(structure.shape, rel=1e-6)
+    assert "refused" not in found

@@ -18,6 +18,8 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, read_upload
 from flexsid.workflow.importing.parsed_files import find_guesses
+from flexsid.workflow.modal_data.modal_tables import load_modes
+from flexsid.workflow.views.fuel import list_modes_at
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "../shared/data/flex28/records"
@@ -336,3 +338,85 @@ variables = ["alpha", "q"]
     assert len(store.modal_tables.find()) == 1
     with pytest.raises(Conflict, match="'FEM' is there already with other content"):
         import_files(store, [tmp_path / "fem.npz"], mapping.replace("0.02", "0.03"))
+
+
+def test_modes_over_fuel_have_strains_and_standard_deviations(
+    store: Store, aircraft: Aircraft, tmp_path: Path
+) -> None:
+    """Fields with a row for each fuel weight, and fields named after it; predictions too."""
+    rng = np.random.default_rng(3)
+    hertz, strain = np.array([[5.0, 8.0], [4.0, 7.0]]), rng.normal(size=(2, 2, 3))
+    shapes = rng.normal(size=(1, 2, 4, 6)) * [[[[1.0]]], [[[-1.1]]]]
+    ids = np.arange(1.0, 5.0)[:, None]
+    arrays = {
+        f"phi_{fuel + 1}_{mode}": np.hstack([ids, shapes[fuel, k]])
+        for fuel in range(2)
+        for k, mode in enumerate((7, 8))
+    }
+    arrays |= {"hz": hertz, "eps": strain, "nodes": np.hstack([ids, rng.normal(size=(4, 3))])}
+    np.savez(
+        tmp_path / "gvt.npz", **arrays, CZ_1=np.array([-4.5, -2.0]), CZ_2=np.array([-4.4, -2.1])
+    )
+    mapping = """
+[aircraft]
+name = "X-1"
+[[modal_tables]]
+name = "GVT"
+kind = "GVT"
+fuel = [0, 1]
+numbers = [7, 8]
+names = ["SW1B", "AW1B"]
+symmetric = [true, false]
+frequency = { field = "hz", unit = "Hz" }
+frequency_std = { values = [0.01, 0.02], unit = "Hz" }
+damping = { value = 0.02 }
+damping_std = { value = 0.001 }
+shape_std = { value = 0.03 }
+mass = { value = 1.0, unit = "kg*m2" }
+[modal_tables.shape]
+field = "phi_{fuel}_{number}"
+translation_columns = [2, 3, 4]
+rotation_columns = [5, 6, 7]
+unit = "m"
+coordinates = "nodes"
+coordinate_columns = [2, 3, 4]
+coordinate_unit = "m"
+points = { az_l = 2 }
+[modal_tables.strain]
+field = "eps"
+gauges = ["root", "mid", "tip"]
+unit = "ustrain"
+[[predictions]]
+source = "vortex lattice"
+fuel = [0, 1]
+[[predictions.terms]]
+field = "CZ_{fuel}"
+coefficients = ["CZ"]
+variables = ["alpha", "q"]
+"""
+    done = import_files(store, [tmp_path / "gvt.npz"], mapping)
+    (table,), (prediction,) = done.modal_tables, done.predictions
+    assert (table.fuel, table.gauges) == ((0.0, 1.0), ("root", "mid", "tip"))
+    found = {name: store.arrays.get(key) for name, key in table.arrays.items()}
+    assert found["omega"] == pytest.approx(2.0 * np.pi * hertz)
+    assert found["omega_std"] == pytest.approx(2.0 * np.pi * np.array([[0.01, 0.02]] * 2))
+    assert found["strain"] == pytest.approx(1e-6 * strain)
+    assert found["node_shape"][1, 0, :, 0] == pytest.approx(-shapes[1, 0, :, 0])
+    assert store.arrays.get(prediction.values) == pytest.approx(
+        np.array([[-4.5, -2.0], [-4.4, -2.1]])
+    )
+    assert prediction.fuel == (0.0, 1.0)
+    assert table.id is not None
+    seventh = {mode.number: mode for mode in list_modes_at(store, table.id, 0.5)}[7]
+    assert seventh.frequency_std_hz == pytest.approx(0.01)
+    assert (seventh.damping_std, seventh.shape_std) == pytest.approx((0.001, 0.03))
+    modes = load_modes(store, table, None)
+    assert modes.frequency_std[7] == pytest.approx(np.hypot(0.005, 0.01 / 4.0))
+    for old, new, reason in (
+        ("fuel = [0, 1]\nnumbers", "fuel = [1, 0]\nnumbers", "rising order"),
+        ("phi_{fuel}_", "phi_1_", "must contain {fuel}"),
+        ('field = "eps"', 'field = "hz"', "3 gauges are expected"),
+        ('"CZ_{fuel}"', '"CZ_1"', "2 rows are expected, one for each fuel weight"),
+    ):
+        with pytest.raises(BadInput, match=reason):
+            import_files(store, [tmp_path / "gvt.npz"], mapping.replace(old, new))

@@ -13,7 +13,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, field_validator, model_validator
+from pydantic import BeforeValidator, Field, StrictBool, field_validator, model_validator
 
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import AircraftMapping, AircraftPart
@@ -267,12 +267,35 @@ class ShapeMapping(MappingTable):
     points: dict[Line, Integer] = key("the node of each sensor point")
 
 
+class StrainMapping(MappingTable):
+    """``[modal_tables.strain]``: strain of the modes at gauges, a row per mode, per unit eta."""
+
+    field: Text = key("the field of the strains; {fuel} stands for the number of the fuel weight")
+    gauges: Texts = key("the gauges of the columns")
+    unit: Unit = key("the unit of the strains, such as ustrain")
+
+
+def _list_fuel(value: object) -> object:
+    return [value] if isinstance(value, (int, float)) else value
+
+
+_Fuel = Annotated[
+    tuple[Annotated[float, Field(ge=0.0, le=1.0)], ...],
+    BeforeValidator(_list_fuel),
+    Field(min_length=1),
+]
+
+
 class ModalTableMapping(MappingTable):
-    """``[[modal_tables]]``: names, frequencies, damping, generalised masses and shapes of modes."""
+    """``[[modal_tables]]``: names, frequencies, damping, generalised masses and shapes of modes.
+
+    ``fuel`` is one fuel fraction, or a list of several. A field then has a row for each, or its
+    name has {fuel}, the number of the fuel weight from 1.
+    """
 
     name: Name = key("the name of the table")
     kind: ModalKind = key("the kind of modal data")
-    fuel: Number = key("fuel fraction", 0.0)
+    fuel: _Fuel = key("fuel fraction, or a list of them", (0.0,))
     numbers: Integers = key("the numbers of the modes")
     names: Texts = key("the names of the modes")
     symmetric: tuple[StrictBool, ...] = key("true for each symmetric mode")
@@ -281,8 +304,16 @@ class ModalTableMapping(MappingTable):
     )
     damping: _Number | None = key("damping ratios", None)
     mass: _Inertia | None = key("generalised masses", None)
+    frequency_std: Annotated[Quantity, Dimension("angular rate", "frequency")] | None = key(
+        "standard deviations of the frequencies", None
+    )
+    damping_std: _Number | None = key("standard deviations of the damping ratios", None)
+    shape_std: _Number | None = key(
+        "standard deviations of the shapes, relative to their rms", None
+    )
     first: _Column = key("place of the first of these modes in a field", 1)
     shape: ShapeMapping | None = key("mode shapes", None)
+    strain: StrainMapping | None = key("strain of the modes at gauges", None)
     origin: Note = key("where the modes are from", "")
 
     @model_validator(mode="after")
@@ -293,6 +324,8 @@ class ModalTableMapping(MappingTable):
             raise InvalidValue("and symmetric must have one entry per mode.", "names")
         if self.frequency is None and self.damping is None:
             raise InvalidValue("or damping must be given.", "frequency")
+        if list(self.fuel) != sorted(set(self.fuel)):
+            raise InvalidValue("must list fuel fractions in rising order.", "fuel")
         if self.shape is not None and (self.frequency is None or self.mass is None):
             problem = "and frequency must be given: a shape needs its scale."
             raise InvalidValue(problem, "mass")
@@ -300,7 +333,10 @@ class ModalTableMapping(MappingTable):
 
 
 class TermMapping(MappingTable):
-    """``[[predictions.terms]]``: one array, a row per coefficient and a column per variable."""
+    """``[[predictions.terms]]``: one array, a row per coefficient and a column per variable.
+
+    Of several fuel weights the array has a layer for each, or its name has {fuel}.
+    """
 
     field: Text = key("the field that holds the array")
     coefficients: Texts = key("the coefficients of the rows")
@@ -328,7 +364,7 @@ class PredictionMapping(MappingTable):
     kind: Literal["panel code", "wind tunnel", "simulation", "flight"] = key(
         "kind of source", "panel code"
     )
-    fuel: Number = key("fuel fraction", 0.0)
+    fuel: _Fuel = key("fuel fraction, or a list of them", (0.0,))
     terms: tuple[TermMapping, ...] = key("the arrays of the derivatives", min_length=1)
     note: Note = key("free text", "")
 

@@ -28,9 +28,11 @@ FORMS = {
 """Media types of the forms in which modes are written."""
 
 CSV_COLUMNS = (
-    *("mode", "frequency_hz", "damping", "mass_kg_m2", "node", "x_m", "y_m", "z_m"),
+    *("mode", "frequency_hz", "damping", "mass_kg_m2", "frequency_std_hz", "damping_std"),
+    *("node", "x_m", "y_m", "z_m"),
     *("phi_x_m", "phi_y_m", "phi_z_m", "nu_x_rad", "nu_y_rad", "nu_z_rad"),
 )
+_PLACES, _SHAPES = CSV_COLUMNS[7:10], CSV_COLUMNS[10:]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,6 +48,8 @@ class WrittenModes:
     names: tuple[str, ...]
     frequency_hz: np.ndarray
     damping: np.ndarray
+    frequency_std_hz: np.ndarray
+    damping_std: np.ndarray
     mass: np.ndarray
     node_ids: np.ndarray
     nodes: np.ndarray
@@ -130,10 +134,11 @@ def write_matlab(modes: WrittenModes) -> bytes:
 
 
 def write_matrices(modes: WrittenModes, *, binary: bool = False) -> bytes:
-    """Write matrices (``.op4``): PHIG with a column for each mode, and what its rows and columns are.
+    """Write matrices (``.op4``): PHIG with a column for each mode, NODES and MODES.
 
-    NODES has node, x, y and z of every six rows of PHIG (three translations, three rotations), MODES
-    number, frequency [Hz], damping and generalised mass of each column; what is unknown is zero.
+    NODES has node, x, y and z of every six rows of PHIG (three translations, three rotations),
+    MODES number, frequency [Hz], damping and generalised mass of each column; what is unknown is
+    zero.
     """
     n_modes = len(modes.numbers)
     columns = (modes.numbers, modes.frequency_hz, modes.damping, modes.mass)
@@ -191,6 +196,8 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
     known = {
         "damping": np.isfinite(modes.damping).all(),
         "mass_kg_m2": np.isfinite(modes.mass).all(),
+        "frequency_std_hz": np.isfinite(modes.frequency_std_hz).all(),
+        "damping_std": np.isfinite(modes.damping_std).all(),
     }
     columns = [name for name in CSV_COLUMNS if known.get(name, True)]
     yield ",".join(columns) + "\n"
@@ -200,6 +207,8 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
             "frequency_hz": f"{modes.frequency_hz[index]:.17g}",
             "damping": f"{modes.damping[index]:.17g}",
             "mass_kg_m2": f"{modes.mass[index]:.17g}",
+            "frequency_std_hz": f"{modes.frequency_std_hz[index]:.17g}",
+            "damping_std": f"{modes.damping_std[index]:.17g}",
         }
         head = ",".join(of_mode[name] for name in columns if name in of_mode)
         rows = np.concatenate([modes.nodes, modes.shapes[index]], axis=1)
@@ -212,7 +221,7 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
 def convert_csv_modes(source: SourceFile) -> SourceFile:
     """Convert a table with the columns of ``write_csv`` to the fields of modal data."""
     found = source.arrays
-    if not {"mode", "node", "frequency_hz", *CSV_COLUMNS[5:11]} <= set(found):
+    if not {"mode", "node", "frequency_hz", *_PLACES, *_SHAPES[:3]} <= set(found):
         return source
     columns = {name: np.asarray(found[name]).ravel() for name in CSV_COLUMNS if name in found}
     numbers, first, place = np.unique(
@@ -222,14 +231,14 @@ def convert_csv_modes(source: SourceFile) -> SourceFile:
         columns["node"].astype(np.int64), return_index=True, return_inverse=True
     )
     shape = np.zeros((numbers.size, ids.size, 6))
-    for axis, name in enumerate(CSV_COLUMNS[8:]):
+    for axis, name in enumerate(_SHAPES):
         if name in columns:
             shape[place, row, axis] = columns[name]
     fields = {
         "grid/id": ids,
         "grid/cp": np.zeros(ids.size, dtype=np.int64),
         "grid/cd": np.zeros(ids.size, dtype=np.int64),
-        "grid/xyz": np.stack([columns[name][row_of] for name in CSV_COLUMNS[5:8]], axis=1),
+        "grid/xyz": np.stack([columns[name][row_of] for name in _PLACES], axis=1),
         "shape/number": numbers,
         "shape/radians": 2.0 * np.pi * columns["frequency_hz"][first],
         "shape/node": ids,
@@ -237,7 +246,12 @@ def convert_csv_modes(source: SourceFile) -> SourceFile:
         "unit/length": np.array([1.0]),
         "unit/force": np.array([1.0]),
     }
-    for name, column in (("damping", "damping"), ("mass", "mass_kg_m2")):
+    for name, column, factor in (
+        ("damping", "damping", 1.0),
+        ("mass", "mass_kg_m2", 1.0),
+        ("radians_std", "frequency_std_hz", 2.0 * np.pi),
+        ("damping_std", "damping_std", 1.0),
+    ):
         if column in columns:
-            fields[f"shape/{name}"] = columns[column][first]
+            fields[f"shape/{name}"] = factor * columns[column][first]
     return SourceFile(name=source.name, sha256=source.sha256, arrays=fields)

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.mapping import ModalTableMapping, ShapeMapping
+from flexsid.importers.mapping import ModalTableMapping, ShapeMapping, StrainMapping
 from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.quantity import Quantity
 from flexsid.importers.source import Sources, refuse_field
@@ -28,6 +28,7 @@ class RawModalTable:
     names: tuple[str, ...]
     symmetric: tuple[bool, ...]
     points: tuple[str, ...]
+    gauges: tuple[str, ...]
     arrays: Mapping[str, np.ndarray]
     origin: str
 
@@ -42,13 +43,17 @@ def extract_modal_table(part: ModalTableMapping, sources: Sources) -> RawModalTa
         point names a node that the shapes do not have.
     """
     arrays: dict[str, np.ndarray] = {}
-    if part.frequency is not None:
-        scale = 2.0 * np.pi if part.frequency.unit == "Hz" else 1.0
-        arrays["omega"] = scale * _per_mode(part.frequency, part, sources)
-    if part.damping is not None:
-        arrays["zeta"] = _per_mode(part.damping, part, sources)
-    if part.mass is not None:
-        arrays["mass"] = _per_mode(part.mass, part, sources)
+    for name, quantity in (
+        ("omega", part.frequency),
+        ("zeta", part.damping),
+        ("mass", part.mass),
+        ("omega_std", part.frequency_std),
+        ("zeta_std", part.damping_std),
+        ("shape_std", part.shape_std),
+    ):
+        if quantity is not None:
+            scale = 2.0 * np.pi if quantity.unit == "Hz" else 1.0
+            arrays[name] = scale * _per_mode(quantity, part, sources)
     points: tuple[str, ...] = ()
     if part.shape is not None:
         points = tuple(part.shape.points)
@@ -60,39 +65,96 @@ def extract_modal_table(part: ModalTableMapping, sources: Sources) -> RawModalTa
                     part.shape.path(f"points.{name}"), f"names node {node}, which has no shape."
                 )
         selected = [rows[node] for node in part.shape.points.values()]
-        arrays["shape"] = shapes[:, selected][None]
-        arrays["node_shape"] = shapes[None]
+        arrays["shape"] = shapes[:, :, selected]
+        arrays["node_shape"] = shapes
         arrays["nodes"] = nodes
+    if part.strain is not None:
+        arrays["strain"] = _strains(part, part.strain, sources)
     return RawModalTable(
         name=part.name,
         kind=part.kind,
-        fuel=(part.fuel,),
+        fuel=part.fuel,
         numbers=part.numbers,
         names=part.names,
         symmetric=part.symmetric,
         points=points,
+        gauges=() if part.strain is None else part.strain.gauges,
         arrays=arrays,
         origin=part.origin,
     )
 
 
 def _per_mode(quantity: Quantity, part: ModalTableMapping, sources: Sources) -> np.ndarray:
-    n_modes = len(part.numbers)
+    """Return positive numbers of every fuel weight and mode, (F, n), in SI."""
+    n_fuel, n_modes = len(part.fuel), len(part.numbers)
     if quantity.field is None:
         values = np.asarray(quantity.numbers, dtype=np.float64)
-        values = np.full(n_modes, values[0]) if values.size == 1 else values
+        rows = [np.full(n_modes, values[0]) if values.size == 1 else values] * n_fuel
     else:
-        values = np.atleast_1d(sources.numbers(quantity.field)).reshape(-1)
-        if values.size > n_modes or part.first > 1:
-            values = values[part.first - 1 : part.first - 1 + n_modes]
-    if values.size != n_modes or not np.isfinite(values).all() or (values <= 0).any():
-        raise refuse(quantity.given, f"must give {n_modes} positive numbers, found {values.size}.")
-    return units.to_si(values, quantity.unit)[None]
+        rows = [np.reshape(row, -1) for row in read_layers(quantity.field, n_fuel, sources)]
+        if part.first > 1 or any(row.size > n_modes for row in rows):
+            rows = [row[part.first - 1 : part.first - 1 + n_modes] for row in rows]
+    for values in rows:
+        if values.size != n_modes or not np.isfinite(values).all() or (values <= 0).any():
+            raise refuse(
+                quantity.given, f"must give {n_modes} positive numbers, found {values.size}."
+            )
+    return units.to_si(np.array(rows), quantity.unit)
+
+
+def read_layers(field: str, n_fuel: int, sources: Sources) -> list[np.ndarray]:
+    """Read the values of a field at each fuel weight.
+
+    A name with ``{fuel}`` is that of one field for each, numbered from 1; another field has a layer
+    (first axis) for each.
+
+    Raises
+    ------
+    BadInput
+        If the field has another number of layers.
+    """
+    if "{fuel}" in field:
+        names = [field.replace("{fuel}", str(place)) for place in range(1, n_fuel + 1)]
+        return [np.asarray(sources.numbers(name), dtype=np.float64) for name in names]
+    values = np.asarray(sources.numbers(field), dtype=np.float64)
+    if n_fuel == 1:
+        return [values]
+    if values.ndim < 2 or values.shape[0] != n_fuel:
+        raise refuse_field(
+            field,
+            f"has shape {values.shape}; {n_fuel} rows are expected, one for each fuel weight, or a "
+            "name with {fuel}.",
+            "unequal-lengths",
+        )
+    return list(values)
+
+
+def _strains(part: ModalTableMapping, strain: StrainMapping, sources: Sources) -> np.ndarray:
+    """Return strains of every fuel weight, mode and gauge, (F, n, G), per unit eta."""
+    expected = (len(part.numbers), len(strain.gauges))
+    layers = []
+    for values in read_layers(strain.field, len(part.fuel), sources):
+        if values.size == expected[0] * expected[1] and 1 in expected:
+            values = values.reshape(expected)
+        if values.shape != expected or not np.isfinite(values).all():
+            raise refuse_field(
+                strain.field,
+                f"has shape {values.shape}; finite numbers of {expected[0]} modes by {expected[1]} "
+                "gauges are expected.",
+                "unequal-lengths",
+            )
+        layers.append(values)
+    if units.dimension(strain.unit) != "strain":
+        raise refuse(strain.path("unit"), f"'{strain.unit}' is no unit of strain.")
+    return units.to_si(np.array(layers), strain.unit)
 
 
 def _shapes(
     part: ModalTableMapping, shape: ShapeMapping, sources: Sources
 ) -> tuple[np.ndarray, list[int], np.ndarray]:
+    """Return shapes (F, n, K, 6), node numbers and nodes."""
+    if len(part.fuel) > 1 and "{fuel}" not in shape.field:
+        raise refuse(shape.path("field"), "must contain {fuel}, the number of the fuel weight.")
     coordinates = _rows(sources, shape.coordinates, (shape.node_column, *shape.coordinate_columns))
     ids = [int(node) for node in coordinates[:, 0]]
     if len(set(ids)) != len(ids):
@@ -100,15 +162,16 @@ def _shapes(
     nodes = units.to_si(coordinates[:, 1:], shape.coordinate_unit) + np.asarray(shape.origin_m)
     columns = (shape.node_column, *shape.translation_columns, *shape.rotation_columns)
     length = units.factor(shape.unit, "length")
-    shapes = np.empty((len(part.numbers), len(ids), 6))
-    for mode, number in enumerate(part.numbers):
-        field = shape.field.replace("{number}", str(number))
+    shapes = np.empty((len(part.fuel), len(part.numbers), len(ids), 6))
+    for weight, mode in np.ndindex(shapes.shape[:2]):
+        field = shape.field.replace("{number}", str(part.numbers[mode]))
+        field = field.replace("{fuel}", str(weight + 1))
         rows = _rows(sources, field, columns)
         if [int(node) for node in rows[:, 0]] != ids:
             problem = f"does not list the nodes of '{shape.coordinates}' in their order."
             raise refuse_field(field, problem, "unequal-lengths")
-        shapes[mode, :, :3] = rows[:, 1:4] * length * TO_BODY
-        shapes[mode, :, 3:] = rows[:, 4:7] * TO_BODY
+        shapes[weight, mode, :, :3] = rows[:, 1:4] * length * TO_BODY
+        shapes[weight, mode, :, 3:] = rows[:, 4:7] * TO_BODY
     return shapes, ids, nodes
 
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.importers.mapping import PredictionMapping, TermMapping
+from flexsid.importers.modal_table import read_layers
 from flexsid.importers.source import Sources, refuse_field
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawPrediction:
-    """Derivatives by name, nondimensional with half the chord; ``values`` is (1, n_names)."""
+    """Derivatives by name, nondimensional with half the chord; ``values`` is (F, n_names)."""
 
     source: str
     kind: str
@@ -37,12 +38,12 @@ def extract_prediction(part: PredictionMapping, sources: Sources, chord_m: float
     chord_m
         Reference chord of the aircraft. [m]
     """
-    found: dict[str, float] = {}
+    found: dict[str, np.ndarray] = {}
     for term in part.terms:
         scale = term.factor
         if term.reference_length_m is not None:
             scale *= 2.0 * term.reference_length_m / chord_m
-        values = scale * _matrix(term, sources)
+        values = scale * _layers(term, len(part.fuel), sources)
         for row, coefficient in enumerate(term.coefficients):
             for column, variable in enumerate(term.variables):
                 if not variable:
@@ -51,26 +52,29 @@ def extract_prediction(part: PredictionMapping, sources: Sources, chord_m: float
                 if name in found:
                     problem = f"gives '{name}' of prediction '{part.source}' a second time."
                     raise refuse_field(term.field, problem, "duplicate-derivative")
-                found[name] = float(values[row, column])
+                found[name] = values[:, row, column]
     return RawPrediction(
         source=part.source,
         kind=part.kind,
-        fuel=(part.fuel,),
+        fuel=part.fuel,
         names=tuple(found),
-        values=np.array([list(found.values())]),
+        values=np.stack(list(found.values()), axis=1),
         note=part.note,
     )
 
 
-def _matrix(term: TermMapping, sources: Sources) -> np.ndarray:
+def _layers(term: TermMapping, n_fuel: int, sources: Sources) -> np.ndarray:
+    """Return the array of a term at every fuel weight, (F, n_coefficients, n_variables)."""
     expected = (len(term.coefficients), len(term.variables))
-    values = np.asarray(sources.numbers(term.field), dtype=np.float64)
-    if 1 in expected and values.size == expected[0] * expected[1]:
-        values = values.reshape(expected)
-    if values.shape != expected:
-        shape = f"{expected[0]} coefficients by {expected[1]} variables"
-        problem = f"has shape {values.shape}; {shape} are expected."
-        raise refuse_field(term.field, problem, "unequal-lengths")
-    if not np.isfinite(values).all():
-        raise refuse_field(term.field, "is not finite.", "not-finite")
-    return values
+    layers = []
+    for values in read_layers(term.field, n_fuel, sources):
+        if 1 in expected and values.size == expected[0] * expected[1]:
+            values = values.reshape(expected)
+        if values.shape != expected:
+            shape = f"{expected[0]} coefficients by {expected[1]} variables"
+            problem = f"has shape {values.shape}; {shape} are expected."
+            raise refuse_field(term.field, problem, "unequal-lengths")
+        if not np.isfinite(values).all():
+            raise refuse_field(term.field, "is not finite.", "not-finite")
+        layers.append(values)
+    return np.array(layers)

@@ -27,7 +27,9 @@ class ModalTable:
     ``omega`` (F, n) [rad/s], ``zeta`` (F, n), ``mass`` (F, n) [kg m2],
     ``shape`` (F, n, P, 6) translation [m] and rotation [rad] per unit eta in body
     axes, ``strain`` (F, n, G) per unit eta, ``nodes`` (K, 3) structural axes [m],
-    ``node_shape`` (F, n, K, 6). Only ``omega`` or ``zeta`` must be there.
+    ``node_shape`` (F, n, K, 6), ``omega_std``, ``zeta_std`` (F, n) standard deviations and
+    ``shape_std`` (F, n) that of a shape relative to its rms. Only ``omega`` or ``zeta`` must be
+    there.
 
     Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
     per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
@@ -101,6 +103,9 @@ class ModeAtFuel:
     reason: str
     frequency_hz: float
     damping: float | None
+    frequency_std_hz: float | None
+    damping_std: float | None
+    shape_std: float | None
     mass_kg_m2: float | None
     followed: float | None  # least MAC on the way over fuel
 

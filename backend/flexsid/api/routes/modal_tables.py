@@ -43,7 +43,9 @@ from flexsid.storage.paging import Page
 from flexsid.workflow.modal_data.modal_tables import (
     FREQUENCY_STD,
     apply_corrections,
+    compute_frequency_std,
     gather_modes,
+    open_modes,
     read_nodes,
 )
 from flexsid.workflow.modal_data.model_updating import update_modal_table
@@ -110,8 +112,15 @@ def get_modal_table(store: TheStore, modal_table_id: Identity) -> ModalTableDeta
         name: store.arrays.get(table.arrays[name]).tolist() if name in table.arrays else None
         for name in ("omega", "zeta")
     }
-    frequency_std = FREQUENCY_STD[table.kind]
-    return extend_record(ModalTableDetail, table, frequency_std=frequency_std, **numbers)
+    frequency_std = (
+        compute_frequency_std(open_modes(store, table)) if numbers["omega"] is not None else {}
+    )
+    return extend_record(
+        ModalTableDetail,
+        table,
+        frequency_std=max(frequency_std.values(), default=FREQUENCY_STD[table.kind]),
+        **numbers,
+    )
 
 
 @router.get("/{modal_table_id}/modes")

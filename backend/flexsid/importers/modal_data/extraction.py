@@ -40,6 +40,8 @@ class RawModalData:
     points: dict[str, int]
     origin: str
     notes: tuple[str, ...]
+    omega_std: np.ndarray | None = None
+    zeta_std: np.ndarray | None = None
 
 
 def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalData:
@@ -114,6 +116,8 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         numbers=first.numbers[:n_modes],
         omega=np.stack([part.omega[:n_modes] for part in parts]),
         zeta=_stack([part.zeta for part in parts], n_modes),
+        omega_std=_stack([part.omega_std for part in parts], n_modes),
+        zeta_std=_stack([part.zeta_std for part in parts], n_modes),
         mass=None if mass is None else mass * mass_factor * length**2,
         node_ids=first.ids,
         nodes=nodes,

@@ -29,6 +29,8 @@ class FuelState:
     omega: np.ndarray
     zeta: np.ndarray | None
     mass: np.ndarray | None
+    omega_std: np.ndarray | None
+    zeta_std: np.ndarray | None
     ids: np.ndarray
     places: np.ndarray
     shape: np.ndarray
@@ -103,6 +105,8 @@ def join_modes(
         omega=omega[selected],
         zeta=found["shape/damping"][selected] if "shape/damping" in found else None,
         mass=mass,
+        omega_std=found["shape/radians_std"][selected] if "shape/radians_std" in found else None,
+        zeta_std=found["shape/damping_std"][selected] if "shape/damping_std" in found else None,
         ids=ids[rows],
         places=places[rows],
         shape=values[selected],

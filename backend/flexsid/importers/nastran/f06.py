@@ -18,10 +18,11 @@ from flexsid.importers.nastran.modal_cases import (
     list_notes,
 )
 from flexsid.importers.nastran.numbers import read_real
-from flexsid.importers.nastran.vectors import Vectors
+from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
 from flexsid.importers.source import Field
 
 _VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")
+_POINT = re.compile(r"^0?\s*POINT-ID\s*=\s*(\d+)\s*$")
 _EIGENVALUE = re.compile(r"^\s*EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*$")
 _COMPLEX_EIGENVALUE = re.compile(
     r"^\s*COMPLEX EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*,\s*([-+.\dEeDd]+)\s*$"
@@ -54,6 +55,7 @@ def read(path: Path) -> Iterator[Field]:
             raise UnreadableFile(
                 f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
             ) from error
+    printed.finish()
     found = list(printed.fields())
     refused = printed.refused()
     if not found:
@@ -98,6 +100,9 @@ class _Printout:
         self._is_polar = False
         self._tables: list[_Table] = []
         self._vectors = Vectors()
+        self._by_node: dict[int, VectorsByNode] = {}
+        self._point: int | None = None  # node of shapes sorted by node
+        self._lacks_heading = False
         self._vector: dict[int, list[complex]] | None = None
         self._real: tuple[int, list[float]] | None = None  # first line of a complex row
         self._masses: list[_MassMatrix] = []
@@ -114,6 +119,8 @@ class _Printout:
             self._subtitle, self._second_line = subtitle.strip()[:_LABEL].strip(), None
         if (subcase := _SUBCASE.search(line)) is not None:
             self._label, self._subcase = subcase[1].strip(), int(subcase[2])
+        if (point := _POINT.match(line)) is not None:
+            self._point = int(point[1])
         if (element := _SUPERELEMENT.search(line)) is not None:
             self._superelement = int(element[1])
         if "R E A L   E I G E N V A L U E S" in line:
@@ -130,8 +137,9 @@ class _Printout:
         elif "MAXIMUM  DISPLACEMENTS" in line:
             self._take = self._row_of_largest
         elif line[:1] == "1":  # a new page
+            self._end_page()
             self._take = self._nothing
-            self._superelement, self._second_line = 0, ""
+            self._superelement, self._second_line, self._point = 0, "", None
         else:
             if (value := _EIGENVALUE.search(line)) is not None:
                 self._eigenvalue = read_real(value[1])
@@ -168,14 +176,40 @@ class _Printout:
     def _begin_vector(self, line: str, mode: str | None) -> None:
         """Begin a mode, or continue it on a new page."""
         self._take, self._vector = self._row_of_vector, None
-        if mode is None:
-            self._skip("mode shapes sorted by node (SORT2); those sorted by mode are read")
-        elif self._buckling:
+        if self._buckling:
             self._skip("buckling shapes (SOL 105)")
+        elif mode is None:
+            self._take, self._lacks_heading = self._heading_by_node, True
         else:
             self._mode = int(mode)
             if "C O M P L E X" in line:
                 self._take, self._real, self._is_polar = self._row_of_complex_vector, None, False
+
+    def _heading_by_node(self, line: str) -> None:
+        """Read the heading of shapes sorted by node (SORT2), whose first column is to be known."""
+        words = line.split()
+        if "T1" in words and words[0] == "EIGENVALUE" and self._point is not None:
+            self._take, self._lacks_heading = self._row_by_node, False
+
+    def _end_page(self) -> None:
+        """Note shapes sorted by node whose columns are not known."""
+        if self._lacks_heading:
+            self._skip(
+                "mode shapes sorted by node (SORT2) without eigenvalues; those sorted by mode are "
+                "read"
+            )
+            self._lacks_heading = False
+
+    def _row_by_node(self, line: str) -> None:
+        """Read a row of shapes sorted by node: eigenvalue, type, six components."""
+        parts = line[1:].split()
+        if len(parts) != 8 or parts[1] != "G" or self._point is None:
+            return
+        shapes = self._by_node.setdefault(
+            self._subcase, VectorsByNode(self._subcase, self._label or self._subtitle)
+        )
+        row: list[complex] = [read_real(part) for part in parts[2:]]
+        shapes.rows.setdefault(self._point, []).append((read_real(parts[0]), row))
 
     def _row_of_complex_vector(self, line: str) -> None:
         """Read a row of two lines: node, type and real parts, then imaginary parts or phases."""
@@ -255,6 +289,12 @@ class _Printout:
             if table.augmented and not known.augmented:
                 found[table.subcase] = table
         return found
+
+    def finish(self) -> None:
+        """Add the shapes that are sorted by node to those sorted by mode."""
+        self._end_page()
+        for shapes in self._by_node.values():
+            shapes.add_to(self._vectors)
 
     def refused(self) -> list[str]:
         """Return descriptions of the content that is not used."""

@@ -109,7 +109,7 @@ class Frames:
         *,
         to_basic: bool = True,
     ) -> Float[np.ndarray, "n_modes n_nodes 6"]:
-        """Transform shapes from the displacement system of each node to the basic system, or back."""
+        """Transform shapes from the displacement systems of nodes to the basic one, or back."""
         turned = values.copy()
         for column, node in enumerate(nodes):
             row = self._row.get(int(node))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +26,7 @@ _BUCKLING = (7, 8)  # before and after
 _POLAR = 3  # format code of magnitude and phase [deg]
 _SUBTITLE, _LABEL, _TITLE_WORDS = 82, 114, 32  # words of an identification record
 _TABLES = (1, 7)  # displacements and eigenvectors
+_BY_NODE = (2001, 2007)  # the same, sorted by node
 _GEOMETRY = re.compile(r"GEOM1[SN]?(OLD)?")
 _ELEMENTS = re.compile(r"GEOM[24][SN]?(OLD)?")
 _CORNERS = {
@@ -45,16 +46,20 @@ _CORNERS = {
 
 _RBE2 = (6901, 69)
 _LARGEST_NODE = 99_999_999
+_GROUPS = {
+    "grid": {1: ("id", "cp", "xyz", "cd")},
+    "frame": {1: ("id", "kind", "reference", "points"), 5: ("by_grid",)},
+}
+"""Fields of nodes and coordinate systems with a row each, by the columns of the first of them."""
+
 _FLUTTER = "OVG"  # table of the flutter summary
 _EIGENVALUES = re.compile(r"LAMA[SF1]?")
-_SHAPES = re.compile(r"B?(OUG(V?1)?|OPHIG|OUGV1PAT)")
+_SHAPES = re.compile(r"B?(OUG(V?[12])?|OPHIG|OUGV1PAT)")
 _IN_BASIC = ("B", "OUGV1PAT")  # beginnings of tables whose shapes are in basic directions
 _NOT_READ = {
     "ROUG": "displacements relative to an enforced motion",
     "BLAMA": "buckling factors",
     "CLAMA": "eigenvalues of complex modes",
-    "OUGV2": "shapes sorted by node (SORT2)",
-    "OUG2": "shapes sorted by node (SORT2)",
     "OUGPSD": "power spectra", "OUGRMS": "rms values", "OUGATO": "autocorrelations",
     "OUGCRM": "cumulative rms values", "OUGNO": "zero crossings",
     "OUXY": "shapes of the solution set", "TOUG": "temperatures",
@@ -81,6 +86,7 @@ def read(path: Path) -> Iterator[Field]:
     edges: list[np.ndarray] = []
     tables: dict[int, EigenvalueTable] = {}
     cases: list[NastranCase] = []
+    by_node: dict[int, _NodeShapes] = {}
     is_flutter = False
     for block in words.blocks():
         name = block[0][: 2 * words.size].decode("ascii", "replace")
@@ -101,7 +107,7 @@ def read(path: Path) -> Iterator[Field]:
             except _NotModes as error:
                 refused.append(str(error))
         elif _SHAPES.fullmatch(name):
-            added, notes = _shapes(records, words, name)
+            added, notes = _shapes(records, words, name, by_node)
             refused += notes
             refused += [
                 f"table {name}: a table with other content is read"
@@ -117,6 +123,15 @@ def read(path: Path) -> Iterator[Field]:
     if is_flutter and any(case.is_complex for case in cases):
         refused.append("complex modes of a flutter analysis, which are not in vacuo")
         cases = [case for case in cases if not case.is_complex]
+    for shapes in by_node.values():
+        case = shapes.build_case(tables)
+        if case is None:
+            refused.append(
+                f"shapes sorted by node (SORT2) of subcase {shapes.subcase}, without the "
+                "eigenvalues (LAMA) of these modes"
+            )
+        elif not _add_case(cases, case):
+            refused.append(f"shapes sorted by node of subcase {shapes.subcase}: others are read")
     refused += list_notes(cases)
     found |= {one.path: one for one in list_cases(cases, _match_subcases(tables, cases))}
     if not found:
@@ -134,25 +149,52 @@ def read(path: Path) -> Iterator[Field]:
 
 
 def _add_group(found: dict[str, Field], taken: dict[str, Field], group: str) -> bool:
-    """Add the fields of a group; return False if another table has other values of it."""
-    part = {path: one for path, one in taken.items() if path.startswith(f"{group}/")}
-    if not any(path.startswith(f"{group}/") for path in found):
-        found |= part
-        return True
-    return all(
-        path in found and np.array_equal(one.samples, found[path].samples)
-        for path, one in part.items()
-    )
+    """Add the rows of a group, such as the nodes of a further superelement.
+
+    Returns False if another table has a row of the same number with other values.
+    """
+    agrees = True
+    for key, names in _GROUPS[group].items():
+        columns = [f"{group}/{name}" for name in names]
+        if columns[0] not in taken:
+            continue
+        part = [taken[path].samples for path in columns]
+        if columns[0] in found:
+            known = [found[path].samples for path in columns]
+            one, other = (samples[0].reshape(-1, key)[:, 0] for samples in (known, part))
+            _, rows, again = np.intersect1d(one, other, return_indices=True)
+            if any(not np.array_equal(a[rows], b[again]) for a, b in zip(known, part, strict=True)):
+                agrees = False
+                continue
+            new = ~np.isin(other, one)
+            part = [np.concatenate([a, b[new]]) for a, b in zip(known, part, strict=True)]
+        found |= {path: Field(path, rows) for path, rows in zip(columns, part, strict=True)}
+    return agrees
 
 
 def _add_case(cases: list[NastranCase], case: NastranCase) -> bool:
-    """Add the modes of a subcase; return False if another table has other values of them."""
-    for known in cases:
-        if (known.subcase, known.is_complex) == (case.subcase, case.is_complex):
-            return all(
-                np.array_equal(getattr(known, name), getattr(case, name))
-                for name in ("numbers", "eigenvalues", "nodes", "values", "in_basic")
-            )
+    """Add the modes of a subcase, or their shapes at the nodes of a further superelement.
+
+    Returns False if another table has other modes of the subcase, or other values at a node.
+    """
+    for place, known in enumerate(cases):
+        if (known.subcase, known.is_complex) != (case.subcase, case.is_complex):
+            continue
+        if any(
+            not np.array_equal(getattr(known, name), getattr(case, name))
+            for name in ("numbers", "eigenvalues", "in_basic")
+        ):
+            return False
+        _, rows, again = np.intersect1d(known.nodes, case.nodes, return_indices=True)
+        if not np.array_equal(known.values[:, rows], case.values[:, again]):
+            return False
+        new = ~np.isin(case.nodes, known.nodes)
+        if new.any():
+            nodes = np.concatenate([known.nodes, case.nodes[new]])
+            values = np.concatenate([known.values, case.values[:, new]], axis=1)
+            order = np.argsort(nodes)
+            cases[place] = replace(known, nodes=nodes[order], values=values[:, order])
+        return True
     cases.append(case)
     return True
 
@@ -367,8 +409,71 @@ class _Modes:
     shapes: list[np.ndarray] = field(default_factory=list)
 
 
-def _shapes(records: list[bytes], words: _Words, name: str) -> tuple[list[NastranCase], list[str]]:
-    """Return the modes of each subcase of a table, and descriptions of what is not read."""
+@dataclass(slots=True)
+class _NodeShapes:
+    """Real modes of one subcase that are sorted by node (SORT2), of which rows have the number."""
+
+    subcase: int
+    label: str
+    in_basic: bool
+    numbers: np.ndarray
+    nodes: list[int] = field(default_factory=list)
+    shapes: list[np.ndarray] = field(default_factory=list)
+
+    def build_case(self, tables: dict[int, EigenvalueTable]) -> NastranCase | None:
+        """Return the modes with their eigenvalues; None if there is no table that has them."""
+        table = tables.get(self.subcase)
+        if table is None or not np.isin(self.numbers, table[0]).all():
+            return None
+        radians = dict(zip(table[0].tolist(), table[1].tolist(), strict=True))
+        return NastranCase(
+            subcase=self.subcase,
+            is_complex=False,
+            label=self.label,
+            numbers=self.numbers,
+            eigenvalues=np.array([radians[number] ** 2 for number in self.numbers.tolist()]),
+            nodes=np.array(self.nodes),
+            values=np.stack(self.shapes, axis=1),
+            in_basic=self.in_basic,
+        )
+
+
+def _take_node(
+    ident: bytes, data: bytes, words: _Words, name: str, by_node: dict[int, _NodeShapes]
+) -> bool:
+    """Add the rows of one node, one for each mode: number, type of point and six components.
+
+    Returns False if the table names no node.
+    """
+    head = np.frombuffer(ident[: 10 * words.size], words.integer)
+    layout = np.dtype([("i", words.integer, 2), ("x", words.real, 6)])
+    subcase, node = int(head[3]), int(head[4]) // 10
+    if node <= 0:
+        return False
+    if int(head[9]) != 8 or len(data) % layout.itemsize:
+        raise UnreadableFile(f"table {name} has rows of an unknown length for node {node}.")
+    rows = np.frombuffer(data, layout)
+    if (rows["i"][:, 1] != 1).any():
+        return True  # a scalar point
+    numbers = rows["i"][:, 0].astype(np.int64)
+    shapes = by_node.setdefault(
+        subcase,
+        _NodeShapes(subcase, _read_label(ident, words), name.startswith(_IN_BASIC), numbers),
+    )
+    if not np.array_equal(numbers, shapes.numbers) or node in shapes.nodes:
+        raise UnreadableFile(f"table {name} has other modes for node {node}, or has it twice.")
+    shapes.nodes.append(node)
+    shapes.shapes.append(rows["x"].astype(float))
+    return True
+
+
+def _shapes(
+    records: list[bytes], words: _Words, name: str, by_node: dict[int, _NodeShapes]
+) -> tuple[list[NastranCase], list[str]]:
+    """Return the modes of each subcase of a table, and descriptions of what is not read.
+
+    Real modes that are sorted by node are added to ``by_node``.
+    """
     found: dict[tuple[int, bool], _Modes] = {}
     refused: list[str] = []
     # After the name of the sub-table, identification and data records alternate.
@@ -377,6 +482,10 @@ def _shapes(records: list[bytes], words: _Words, name: str) -> tuple[list[Nastra
         if head.size < 10:
             break
         approach, code, subcase, mode = (int(head[k]) for k in (0, 1, 3, 4))
+        if approach // 10 == _REAL_EIGENVALUES and code in _BY_NODE:
+            if not _take_node(ident, data, words, name, by_node):
+                refused.append(f"table {name} holds shapes sorted by node that names no node")
+            continue
         what = _describe_other_content(approach // 10, code)
         if what is not None:
             refused.append(f"table {name} holds {what}")

@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
-from flexsid.importers.nastran.modal_cases import list_cases, list_notes
-from flexsid.importers.nastran.vectors import Vectors
+from flexsid.importers.nastran.modal_cases import NastranCase, list_cases, list_notes
+from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
 from flexsid.importers.source import Field
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
+_COMPLEX_MODE = re.compile(
+    r"\$EIGENVALUE\s*=\s*\(\s*(\S+?)\s*,\s*(\S+?)\s*\)\s+MODE\s*=\s*(\d+)", re.IGNORECASE
+)
+_POINT = re.compile(r"\$POINT ID\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\$SUBCASE ID\s*=\s*(\d+)", re.IGNORECASE)
 _LABEL = re.compile(r"\$(SUBTITLE|LABEL)\s*=\s*(.*\S)", re.IGNORECASE)
 _SHAPES = ("$EIGENVECTOR", "$DISPLACEMENTS")
-_DESCRIPTIONS = ("$SUBTITLE", "$LABEL", "$REAL OUTPUT", "$SUBCASE ID", "$SUBCOM", "$SEID")
-_NOT_READ = {
-    "$REAL-IMAGINARY": "complex mode shapes; real ones (SOL 103) are read",
-    "$MAGNITUDE-PHASE": "complex mode shapes; real ones (SOL 103) are read",
-    "$POINT": "mode shapes sorted by node (SORT2); those sorted by mode are read",
-}
+_DESCRIPTIONS = (
+    *("$SUBTITLE", "$LABEL", "$REAL OUTPUT", "$SUBCASE ID", "$SUBCOM", "$SEID"),
+    *("$REAL-IMAGINARY OUTPUT", "$MAGNITUDE-PHASE OUTPUT"),
+)
+_COMPLEX = ("$REAL-IMAGINARY", "$MAGNITUDE-PHASE")
+_COMPONENTS = 6
 
 
 def recognises(head: bytes) -> bool:
@@ -34,54 +39,134 @@ def recognises(head: bytes) -> bool:
 def read(path: Path) -> Iterator[Field]:
     """Read punched eigenvectors and bulk data."""
     text = path.read_text(encoding="latin-1")
-    shapes = Vectors()
-    table: dict[int, list[complex]] | None = None
-    row: list[complex] = []
-    label = ""
-    refused: list[str] = []
-    is_read = False
-    subcase = 0
+    punched = _Punched()
     for number, line in enumerate(text.splitlines(), start=1):
-        line = line[:72]  # a sequence number follows
-        if line.startswith("$"):
-            title = line.split("=")[0].rstrip()
-            if title in _SHAPES:
-                is_read, table = True, None
-            elif (why := _NOT_READ.get(title.split()[0])) is not None:
-                if is_read and why not in refused:
-                    refused.append(why)
-                is_read = False
-            elif title not in _DESCRIPTIONS and not title.startswith(("$EIGENVALUE", "$ ")):
-                is_read = False  # other results
-            if (case := _SUBCASE.search(line)) is not None:
-                subcase = int(case[1])
-            if (named := _LABEL.match(line)) is not None:
-                label = named[2]
-            found = _MODE.search(line)
-            if found is not None and is_read:
-                table = shapes.begin(subcase, int(found[2]), float(found[1]), label=label)
-            elif not is_read:
-                table = None
-            continue
-        if table is None:
-            continue
         try:
-            parts = line.split()
-            if parts and parts[0] == "-CONT-":
-                row.extend(float(part) for part in parts[1:4])
-            elif len(parts) >= 5 and parts[1] == "G":
-                row = [float(part) for part in parts[2:5]]
-                if int(parts[0]) in table:
-                    raise ValueError(f"node {parts[0]} is repeated in this mode")
-                table[int(parts[0])] = row
+            punched.take(line[:72])  # a sequence number follows
         except ValueError as error:
             raise UnreadableFile(
-                f"line {number}: '{line.strip()[:60]}' cannot be read ({error}).", row=number
+                f"line {number}: '{line[:72].strip()[:60]}' cannot be read ({error}).", row=number
             ) from error
-    cases = shapes.cases()
+    cases = punched.cases()
     yield from list_cases(cases, {})
-    refused += list_notes(cases)
+    refused = [*punched.refused, *list_notes(cases)]
     if refused:
         yield Field("refused", np.array(refused, dtype=np.str_))
     if bulk.has_entries(text):
         yield from bulk.read_text(text)
+
+
+class _Punched:
+    """Eigenvectors of a punch file, read line by line."""
+
+    def __init__(self) -> None:
+        self.refused: list[str] = []
+        self._shapes = Vectors()
+        self._by_node: dict[int, VectorsByNode] = {}
+        self._is_read = False
+        self._is_complex = self._is_polar = False
+        self._subcase, self._label = 0, ""
+        self._table: dict[int, list[complex]] | None = None
+        self._point: int | None = None  # node of shapes sorted by node
+        self._row: list[float] = []
+        self._put: Callable[[list[complex]], None] | None = None
+
+    def take(self, line: str) -> None:
+        """Read a title, or a part of a row."""
+        if line.startswith("$"):
+            self._end_row()
+            self._take_title(line)
+            return
+        parts = line.split()
+        if parts and parts[0] == "-CONT-":
+            if self._put is not None:
+                self._row += [float(part) for part in parts[1:4]]
+        elif len(parts) >= 5 and parts[1] == "G":
+            self._end_row()
+            self._begin_row(parts)
+
+    def cases(self) -> list[NastranCase]:
+        """Return the shapes of every analysis."""
+        self._end_row()
+        for shapes in self._by_node.values():
+            shapes.add_to(self._shapes)
+        return self._shapes.cases()
+
+    def _take_title(self, line: str) -> None:
+        title = line.split("=")[0].rstrip()
+        if title in _SHAPES:
+            self._is_read, self._table, self._point = True, None, None
+            self._is_complex = self._is_polar = False
+        elif title.startswith(_COMPLEX):
+            self._is_complex = True
+            self._is_polar = title.startswith(_COMPLEX[1])
+        elif title == "$POINT ID":
+            self._begin_point(line)
+        elif title not in _DESCRIPTIONS and not title.startswith(("$EIGENVALUE", "$ ")):
+            self._is_read = False  # other results
+        if (case := _SUBCASE.search(line)) is not None:
+            self._subcase = int(case[1])
+        if (named := _LABEL.match(line)) is not None:
+            self._label = named[2]
+        if not self._is_read:
+            self._table = self._point = None
+        elif (found := _COMPLEX_MODE.search(line)) is not None and self._is_complex:
+            root = complex(float(found[1]), float(found[2]))
+            self._table = self._shapes.begin(
+                self._subcase, int(found[3]), root, is_complex=True, label=self._label
+            )
+        elif (found := _MODE.search(line)) is not None and not self._is_complex:
+            self._table = self._shapes.begin(
+                self._subcase, int(found[2]), float(found[1]), label=self._label
+            )
+
+    def _begin_point(self, line: str) -> None:
+        """Begin the shapes at a node, if they are those of real modes."""
+        identified = line.upper().partition("IDENTIFIED BY")[2].split()
+        node = _POINT.search(line)
+        is_mode = not identified or identified[0] in ("MODE", "EIGENVALUE", "EIGENVALUES")
+        if self._is_read and (self._is_complex or not is_mode or node is None):
+            what = "complex mode shapes" if self._is_complex else "results"
+            self._note(f"{what} sorted by node (SORT2); those sorted by mode are read")
+            self._is_read = False
+        elif self._is_read and node is not None:
+            self._point = int(node[1])
+
+    def _note(self, text: str) -> None:
+        if text not in self.refused:
+            self.refused.append(text)
+
+    def _begin_row(self, parts: list[str]) -> None:
+        first = [float(part) for part in parts[2:5]]
+        if self._table is not None:
+            node, table = int(parts[0]), self._table
+            if node in table:
+                raise ValueError(f"node {node} is repeated in this mode")
+            self._row, self._put = first, partial(table.__setitem__, node)
+        elif self._point is not None:
+            if "." not in parts[0]:
+                self._note("mode shapes sorted by node (SORT2) without eigenvalues")
+                self._is_read, self._point = False, None
+                return
+            shapes = self._by_node.setdefault(
+                self._subcase, VectorsByNode(self._subcase, self._label)
+            )
+            rows, eigenvalue = shapes.rows.setdefault(self._point, []), float(parts[0])
+            self._row = first
+            self._put = lambda row: rows.append((eigenvalue, row))
+
+    def _end_row(self) -> None:
+        """Store the row that was read: real parts of six components, then imaginary ones."""
+        if self._put is None:
+            return
+        n = _COMPONENTS * (2 if self._is_complex else 1)
+        if len(self._row) != n:
+            raise ValueError(f"the row before has {len(self._row)} components, {n} expected")
+        row: list[complex] = list(self._row[:_COMPONENTS])
+        pairs = list(zip(self._row[:_COMPONENTS], self._row[_COMPONENTS:], strict=False))
+        if self._is_polar:
+            row = [size * np.exp(1j * np.radians(phase)) for size, phase in pairs]
+        elif self._is_complex:
+            row = [complex(real, imaginary) for real, imaginary in pairs]
+        self._put(row)
+        self._row, self._put = [], None

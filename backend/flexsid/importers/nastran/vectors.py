@@ -62,6 +62,40 @@ class Vectors:
         return [_build_case(one) for one in self._analyses if any(one.vectors.values())]
 
 
+@dataclass(slots=True)
+class VectorsByNode:
+    """Real mode shapes of one analysis that are sorted by node (SORT2): eigenvalue and row each."""
+
+    subcase: int = 0
+    label: str = ""
+    rows: dict[int, list[tuple[float, list[complex]]]] = field(default_factory=dict)
+
+    def add_to(self, vectors: Vectors) -> None:
+        """Add the shapes to others, numbered in the order in which every node lists them.
+
+        Raises
+        ------
+        UnreadableFile
+            If nodes list other eigenvalues, or one twice.
+        """
+        expected: list[float] = []
+        for node, rows in self.rows.items():
+            eigenvalues = [value for value, _ in rows]
+            expected = expected or eigenvalues
+            if eigenvalues != expected:
+                raise UnreadableFile(
+                    f"node {node} has {len(eigenvalues)} mode shapes sorted by node (SORT2), other "
+                    f"than the {len(expected)} of node {next(iter(self.rows))}."
+                )
+        if len(set(expected)) < len(expected):
+            raise UnreadableFile(
+                "the mode shapes sorted by node (SORT2) have one eigenvalue twice; request SORT1."
+            )
+        for mode, eigenvalue in enumerate(expected, start=1):
+            table = vectors.begin(self.subcase, mode, eigenvalue, label=self.label)
+            table |= {node: rows[mode - 1][1] for node, rows in self.rows.items()}
+
+
 def _build_case(analysis: _ModalAnalysis) -> NastranCase:
     vectors = analysis.vectors
     modes = sorted(mode for mode, rows in vectors.items() if rows)

@@ -23,6 +23,7 @@ _VAIN_ROUNDS = 2  # at most, in which no mode is added
 _SCANNED_OUTSIDE = 1.5  # modes are sought up to this ratio beyond the band
 _ADDED = 4  # modes at most in one round
 _APART = 0.1  # least relative distance in frequency of modes added in one round
+_CLOSE = 6.0  # decay rates: poles nearer to each other are a close pair
 _RANK = 1e-10  # of the largest singular value: smaller ones of the information are rounding
 _OUTSIDE = range(-4, 5)
 """Powers of s of the modes outside of the band.
@@ -177,6 +178,7 @@ def fit_modal_model(
     if poles.size:
         poles, part, weights = _refine(problem, poles, part, weights, _FINAL)
         poles, part, weights = _remove_insignificant(problem, poles, part, weights)
+        poles, part, weights = _remove_redundant(problem, poles, part, weights)
     order = np.argsort(np.abs(poles))
     left = sorted(one for one in refused if omega[0] <= one <= omega[-1])
     return _finish(problem, poles[order], part[order], weights), np.array(left)
@@ -435,6 +437,36 @@ def _remove_insignificant(
         poles, part = np.delete(poles, weakest), np.delete(part, weakest, axis=0)
         if poles.size:
             poles, part, weights = _refine(problem, poles, part, weights)
+    return poles, part, weights
+
+
+def _remove_redundant(
+    problem: _ModalProblem, poles: np.ndarray, part: np.ndarray, weights: _Weights
+) -> tuple[np.ndarray, np.ndarray, _Weights]:
+    """Remove modes of close pairs without which a new fit is not significantly worse.
+
+    Two modes in place of one explain the same data, so that each is significant if the other
+    retains its pole.
+    """
+    n_out, n_in = problem.responses.shape[1:]
+    least = float(chi2.isf(_FALSE_MODES / problem.s.size, 2 * (n_out + n_in)))
+    place = 0
+    while place < poles.size:
+        apart = np.abs(np.delete(poles, place) - poles[place])
+        decay = np.maximum(-np.real(np.delete(poles, place)), -np.real(poles[place]))
+        if not (apart < _CLOSE * decay).any():
+            place += 1
+            continue
+        _, cost = _solve_shapes(_reduce(problem, poles, weights), part, weights)
+        fewer = _minimise(
+            problem, np.delete(poles, place), np.delete(part, place, axis=0), weights, _FINAL
+        )
+        _, other = _solve_shapes(_reduce(problem, fewer[0], weights), fewer[1], weights)
+        if other - cost < least:
+            poles, part, weights = _refine(problem, *fewer, weights, _FINAL)
+            place = 0
+        else:
+            place += 1
     return poles, part, weights
 
 

@@ -203,8 +203,8 @@ def compute_predicted_flutter(
     low, high = task.band
     names = {str(number): name for number, name in task.modes.names.items()}
     aircraft = task.build_aircraft(float(np.sqrt(low * high)))
-    n_modes = len(task.table.modes)
-    stiffness = StiffnessError(np.full(n_modes, task.modes.frequency_std), np.inf)
+    frequency_std = np.array([task.modes.frequency_std[number] for number in task.table.modes])
+    stiffness = StiffnessError(frequency_std, np.inf)
     found = IdentifiedModes(aircraft, task.uncertain, stiffness)
     prediction = predict_flutter(found, task.band, task.density, called=names)
     if prediction.crossing is not None:

@@ -265,7 +265,7 @@ def _build_identified_modes(
     derivatives: DerivativeTable,
     names: tuple[str, ...],
     covariance: np.ndarray,
-    frequency_std: float,
+    frequency_std: Mapping[int, float],
     retained: RetainedModes | None = None,
     priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> IdentifiedModes:
@@ -278,7 +278,7 @@ def _build_identified_modes(
     relative_std = [
         float(np.sqrt(covariance[names.index(f"omega_{number}"), names.index(f"omega_{number}")]))
         if f"omega_{number}" in names
-        else frequency_std
+        else frequency_std[number]
         for number in derivatives.modes
     ]
     return IdentifiedModes(

@@ -300,6 +300,7 @@ def store_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> M
         names=raw.names,
         symmetric=raw.symmetric,
         points=raw.points,
+        gauges=raw.gauges,
         arrays={name: store.arrays.put(array) for name, array in raw.arrays.items()},
         origin=raw.origin,
     )

@@ -209,7 +209,7 @@ def _read_stiffness_error(store: Store, run: EstimationRun, task: EstimationTask
         run.damping_table_id,
         task.structure.modes,
     )
-    relative = np.full(len(task.model.modes.numbers), modes.frequency_std)
+    relative = np.array([modes.frequency_std[number] for number in task.model.modes.numbers])
     return StiffnessError(relative, task.model.condition.dynamic_pressure)
 
 

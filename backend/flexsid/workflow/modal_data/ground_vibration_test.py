@@ -223,6 +223,8 @@ def store_found_modes(
         numbers=numbers,
         omega=2.0 * np.pi * np.array([[mode.frequency_hz for mode in modes]]),
         zeta=np.array([[mode.damping for mode in modes]]),
+        omega_std=2.0 * np.pi * np.array([[mode.std_hz for mode in modes]]),
+        zeta_std=np.array([[mode.std_damping for mode in modes]]),
         mass=np.ones((1, len(selected))) if found.scaled else None,
         node_ids=ids,
         nodes=nodes,

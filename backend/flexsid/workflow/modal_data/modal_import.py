@@ -71,10 +71,9 @@ def store_modal_data(
     }
     if points:
         arrays["shape"] = np.asarray(raw.shape[:, :, list(points.values())], dtype=float)
-    if raw.zeta is not None:
-        arrays["zeta"] = raw.zeta
-    if raw.mass is not None:
-        arrays["mass"] = raw.mass
+    for name in ("zeta", "mass", "omega_std", "zeta_std"):
+        if (values := getattr(raw, name)) is not None:
+            arrays[name] = values
     with store.transaction():
         versions = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
         table = store.modal_tables.add(

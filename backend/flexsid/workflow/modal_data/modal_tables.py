@@ -50,6 +50,9 @@ FREQUENCY_STD = {ModalKind.FEM: FEM_FREQUENCY, ModalKind.GVT: GVT_FREQUENCY}
 _LEAST_COMPONENTS = 6
 """Measured components from which shapes at sensor points can be compared."""
 
+DEVIATIONS = ("omega_std", "zeta_std", "shape_std")
+"""Arrays with standard deviations of frequencies, damping and shapes."""
+
 TO_STRUCTURE = np.tile(TO_BODY, 2)
 """Shapes with rotations from body to structural axes: a half turn about y, its own inverse."""
 
@@ -92,7 +95,7 @@ class AircraftModes:
     names: dict[int, str]
     symmetric: dict[int, bool]
     warnings: tuple[str, ...]
-    frequency_std: float
+    frequency_std: dict[int, float]
     damping_std: dict[int, float]
 
     def belongs_to(self, number: int, body: RigidBody) -> bool:
@@ -115,7 +118,7 @@ NO_MODES = AircraftModes(
     names={},
     symmetric={},
     warnings=(),
-    frequency_std=0.0,
+    frequency_std={},
     damping_std={},
 )
 """Modes of an aircraft without modal table, which is identified as a rigid one."""
@@ -159,12 +162,26 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
         names=dict(zip(modal.numbers, list_mode_names(modal), strict=True)),
         symmetric=dict(zip(modal.numbers, modal.symmetric, strict=True)),
         warnings=warnings,
-        frequency_std=FREQUENCY_STD[modal.kind],
+        frequency_std=compute_frequency_std(open_modes(store, modal)),
         damping_std={
             number: GVT_DAMPING if number in measured else ASSUMED_DAMPING_ERROR
             for number in modal.numbers
         },
     )
+
+
+def compute_frequency_std(modes: Modes) -> dict[int, float]:
+    """Compute the relative standard deviation of the frequency of each mode, by number.
+
+    That of the kind of table; of a measured frequency, also in an updated model, that of a test and
+    the standard deviation that its source states.
+    """
+    of_kind = FREQUENCY_STD[modes.table.kind]
+    if modes.omega_std is None:
+        return dict.fromkeys(modes.table.numbers, of_kind)
+    stated = np.hypot(GVT_FREQUENCY, modes.omega_std / modes.omega).max(axis=0)
+    std = np.where(np.isfinite(stated), stated, of_kind)
+    return dict(zip(modes.table.numbers, std.tolist(), strict=True))
 
 
 def load_modes_of_model(
@@ -259,7 +276,11 @@ def _select_predicted(store: Store, tables: list[ModalTable]) -> list[ModalTable
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
-    """Frequencies, damping and mass of a table in tracked order."""
+    """Frequencies, damping and mass of a table in tracked order, (F, n).
+
+    ``omega_std`` and ``zeta_std`` are standard deviations, ``shape_std`` those of the shapes
+    relative to their rms; None where the table has none, NaN where a mode has none.
+    """
 
     table: ModalTable
     fuel: np.ndarray
@@ -267,6 +288,9 @@ class Modes:
     zeta: np.ndarray | None
     mass: np.ndarray | None
     tracking: Tracking
+    omega_std: np.ndarray | None = None
+    zeta_std: np.ndarray | None = None
+    shape_std: np.ndarray | None = None
 
 
 def open_modes(store: Store, table: ModalTable) -> Modes:
@@ -280,7 +304,7 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
     table = apply_corrections(store, table)
     if "omega" not in table.arrays:
         raise BadInput(f"table '{table.name}' has no frequencies", code="no-frequencies")
-    arrays = _read_arrays(store, table, ("omega", "zeta", "mass"))
+    arrays = _read_arrays(store, table, ("omega", "zeta", "mass", *DEVIATIONS))
     tracking = _read_tracking(store, table) or _track_shapes(store, table, arrays["omega"])
     sorted_arrays = {name: tracking.sort(values) for name, values in arrays.items()}
     return Modes(
@@ -290,6 +314,7 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
         zeta=sorted_arrays.get("zeta"),
         mass=sorted_arrays.get("mass"),
         tracking=tracking,
+        **{name: sorted_arrays.get(name) for name in DEVIATIONS},
     )
 
 
@@ -348,6 +373,14 @@ def interpolate_shapes(store: Store, modes: Modes, fuel: float) -> np.ndarray:
     return np.stack([interpolate_shape(store, modes, mode, fuel) for mode in places])
 
 
+def interpolate_deviation(modes: Modes, name: str, fuel: float) -> np.ndarray:
+    """Interpolate one of ``DEVIATIONS`` at a fuel fraction; NaN where it is not known."""
+    values = getattr(modes, name)
+    if values is None:
+        return np.full(len(modes.table.numbers), np.nan)
+    return np.asarray(interpolate(modes.fuel, values, fuel))
+
+
 def gather_modes(store: Store, modal_table_id: int, fuel: float) -> WrittenModes:
     """Gather the modes of a table at a fuel fraction, at all its nodes.
 
@@ -369,6 +402,8 @@ def gather_modes(store: Store, modal_table_id: int, fuel: float) -> WrittenModes
         frequency_hz=sum_weighted_rows(compute_fuel_weights(modes.fuel, fuel), modes.omega)
         / (2.0 * np.pi),
         damping=unknown if modes.zeta is None else interpolate(modes.fuel, modes.zeta, fuel),
+        frequency_std_hz=interpolate_deviation(modes, "omega_std", fuel) / (2.0 * np.pi),
+        damping_std=interpolate_deviation(modes, "zeta_std", fuel),
         mass=unknown if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel),
         node_ids=np.arange(1, nodes.shape[0] + 1) if ids is None else store.arrays.get(ids),
         nodes=nodes,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.records import finite_or_none
 from flexsid.records.modal_data import ModalTable
 from flexsid.records.run import RunState
 from flexsid.storage.store import Store
@@ -16,6 +17,7 @@ from flexsid.workflow.modal_data.modal_tables import (
     Modes,
     find_modal_tables,
     format_title,
+    interpolate_deviation,
     interpolate_shapes,
     list_mode_names,
     load_modes,
@@ -29,11 +31,16 @@ _MODE_FACTOR = re.compile(r"(omega|zeta)_(\d+)")
 
 @dataclass(frozen=True, slots=True)
 class _Update:
-    """Factor on the frequency of a mode, and its damping; None where not measured."""
+    """Factor on the frequency of a mode, and its damping; None where not measured.
+
+    ``factor_std`` and ``damping_std`` are standard deviations that the source states.
+    """
 
     factor: float | None
     damping: float | None
     source: str
+    factor_std: float | None = None
+    damping_std: float | None = None
 
 
 def update_modal_table(
@@ -76,10 +83,13 @@ def update_modal_table(
     for run_id in run_ids:
         for number, new in _read_run(store, modes, run_id).items():
             old = updates.get(number, _Update(None, None, ""))
+            has_factor, has_damping = new.factor is not None, new.damping is not None
             updates[number] = _Update(
-                old.factor if new.factor is None else new.factor,
-                old.damping if new.damping is None else new.damping,
+                new.factor if has_factor else old.factor,
+                new.damping if has_damping else old.damping,
                 "; ".join(source for source in (old.source, new.source) if source),
+                new.factor_std if has_factor else old.factor_std,
+                new.damping_std if has_damping else old.damping_std,
             )
     if not updates:
         raise BadInput(
@@ -102,6 +112,8 @@ def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, _Update]:
     shapes = interpolate_shapes(store, test, fuel)[:, :, :3]
     numbers, named = match_modes(store, modes.table.id, fuel, read_nodes(store, table), shapes)
     omega = sum_weighted_rows(compute_fuel_weights(modes.fuel, fuel), modes.omega)
+    omega_std = interpolate_deviation(test, "omega_std", fuel)
+    zeta_std = interpolate_deviation(test, "zeta_std", fuel)
     found = {}
     for place, number in enumerate(numbers):
         if number not in modes.table.numbers:
@@ -113,6 +125,8 @@ def _read_test(store: Store, modes: Modes, test_id: int) -> dict[int, _Update]:
             float(test.omega[0, place] / omega[column]),
             float(damping) if np.isfinite(damping) else None,
             f"mode {table.numbers[place]} of {format_title(table)} at fuel {fuel:g}, {mac}",
+            finite_or_none(omega_std[place] / omega[column]),
+            finite_or_none(zeta_std[place]),
         )
     return found
 
@@ -147,10 +161,17 @@ def _read_run(store: Store, modes: Modes, run_id: int) -> dict[int, _Update]:
         source = f"run {run_id} ({estimate.name} {estimate.value:.4f} ± {estimate.std_error:.4f})"
         source = "; ".join(part for part in (old.source, source) if part)
         if match[1] == "omega":
-            found[number] = replace(old, factor=estimate.value, source=source)
+            found[number] = replace(
+                old, factor=estimate.value, factor_std=estimate.std_error, source=source
+            )
         else:
-            value = estimate.value * float(damping[column])
-            found[number] = replace(old, damping=value, source=source)
+            scale = float(damping[column])
+            found[number] = replace(
+                old,
+                damping=estimate.value * scale,
+                damping_std=estimate.std_error * scale,
+                source=source,
+            )
     return found
 
 
@@ -160,7 +181,10 @@ def _store_updated(
     table, order = modes.table, modes.tracking.order
     assert table.id is not None
     omega = modes.omega.copy()
-    zeta = np.full(omega.shape, np.nan) if modes.zeta is None else modes.zeta.copy()
+    zeta, omega_std, zeta_std = (
+        np.full(omega.shape, np.nan) if values is None else values.copy()
+        for values in (modes.zeta, modes.omega_std, modes.zeta_std)
+    )
     notes = []
     names = list_mode_names(table)
     for number, update in sorted(updates.items()):
@@ -168,17 +192,22 @@ def _store_updated(
         changes = []
         if update.factor is not None:
             omega[:, column] *= update.factor
-            changes.append(f"frequency x {update.factor:.5f}")
+            omega_std[:, column] = np.nan
+            if update.factor_std is not None:
+                omega_std[:, column] = omega[:, column] * update.factor_std / update.factor
+            changes.append(f"frequency x {_format(update.factor, update.factor_std)}")
         if update.damping is not None:
             zeta[:, column] = update.damping
-            changes.append(f"damping {update.damping:.5f}")
+            zeta_std[:, column] = np.nan if update.damping_std is None else update.damping_std
+            changes.append(f"damping {_format(update.damping, update.damping_std)}")
         notes.append(f"{names[column]}: {', '.join(changes)} from {update.source}.")
     rest = [names[k] for k, number in enumerate(table.numbers) if number not in updates]
     if rest:
         notes.append(f"Not updated: {', '.join(rest)}.")
     arrays = dict(table.arrays)
     # Arrays are stored in the order of the source, modes are in tracked order.
-    for key, values in (("omega", omega), ("zeta", zeta)):
+    updated = {"omega": omega, "zeta": zeta, "omega_std": omega_std, "zeta_std": zeta_std}
+    for key, values in updated.items():
         if key == "omega" or np.isfinite(values).any():
             stored = np.empty_like(values)
             np.put_along_axis(stored, order, values, axis=1)
@@ -199,3 +228,7 @@ def _store_updated(
         assert new.id is not None
         store.modal_shapes.copy(table.id, new.id)
     return new
+
+
+def _format(value: float, std: float | None) -> str:
+    return f"{value:.5f}" + ("" if std is None else f" ± {std:.2g}")

@@ -38,8 +38,8 @@ class OrthogonalityQuery:
 
     ``mass`` and ``stiffness`` are names of matrices in the files; the stiffness reduces the mass to
     the measured degrees of freedom. ``other_id`` is a second modal table, such as that of a test;
-    by default the first is compared with itself. ``length_unit`` is that of the matrices, needed for
-    rotations; ``axes`` as of ``ModalDataOptions``.
+    by default the first is compared with itself. ``length_unit`` is that of the matrices, needed
+    for rotations; ``axes`` as of ``ModalDataOptions``.
     """
 
     modal_table_id: int

@@ -452,7 +452,7 @@ def _compute_modal_errors(
     def collect(kind: str, std: Mapping[int, float]) -> np.ndarray:
         return np.array([0.0 if f"{kind}_{n}" in free else std[n] for n in numbers])
 
-    frequency = collect("omega", dict.fromkeys(numbers, modes.frequency_std))
+    frequency = collect("omega", modes.frequency_std)
     damping = collect("zeta", modes.damping_std)
     tables = [compute_modal_errors(model, frequency, damping) for model in models]
     return replace(tables[0], values=np.mean([table.values for table in tables], axis=0))

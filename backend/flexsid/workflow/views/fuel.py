@@ -11,8 +11,10 @@ from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.sysid.modes.tracking import find_mode_crossings
 from flexsid.workflow.modal_data.modal_tables import (
+    DEVIATIONS,
     format_title,
     interpolate_damping,
+    interpolate_deviation,
     list_mode_names,
     open_modes,
 )
@@ -28,6 +30,7 @@ def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeA
     omega = sum_weighted_rows(weights, modes.omega)
     zeta = interpolate_damping(store, modes, fuel)
     mass = None if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel)
+    deviations = [interpolate_deviation(modes, name, fuel) for name in DEVIATIONS]
     followed = modes.tracking.assurance.min(axis=0)
     names = list_mode_names(table)
     reasons = [*table.reasons, *[""] * len(table.numbers)]
@@ -39,6 +42,9 @@ def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeA
             reason=reasons[index],
             frequency_hz=float(omega[index]) / (2.0 * np.pi),
             damping=finite_or_none(zeta[index]),
+            frequency_std_hz=finite_or_none(deviations[0][index] / (2.0 * np.pi)),
+            damping_std=finite_or_none(deviations[1][index]),
+            shape_std=finite_or_none(deviations[2][index]),
             mass_kg_m2=None if mass is None else float(mass[index]),
             followed=float(followed[index]) if modes.fuel.size > 1 else None,
         )
