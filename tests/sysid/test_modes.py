@@ -140,7 +140,10 @@ def test_symmetry_is_found_from_shapes_wherever_the_plane_lies():
         found = find_symmetry(nodes + np.array([0.0, shift, 0.0]), translation)
         assert list(found) == classes
     half = nodes[:, 1] >= 0
-    assert find_symmetry(nodes[half], translation[:, half])[0] is None
+    # A half model: by the motion of its plane of symmetry, not by that of a wing with itself.
+    assert list(find_symmetry(nodes[half], translation[:, half])) == classes
+    clamped = translation[:, half] * np.minimum(nodes[half, 1], 1.0)[:, None]
+    assert set(find_symmetry(nodes[half], clamped)) == {None}
     one_wing = np.where(half[:, None], translation[:1], 0.0)
     assert find_symmetry(nodes, one_wing) == (None,)
 
@@ -153,6 +156,36 @@ def test_modes_are_named_by_their_largest_motion():
     assert named[0].reason == "90 % of the wing's motion is bending; symmetric"
     pitch = np.cross([0.0, 1.0, 0.0], nodes)[None]
     assert name_modes(nodes, pitch)[0].name == "R1"
+
+
+def make_airplane() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Nodes of a wing, a fuselage, a horizontal tail and a fin, and which are of each."""
+    parts = {
+        "wing": [(x, y, 0.0) for y in np.linspace(-6, 6, 25) for x in (3.5, 4.0, 4.5)],
+        "fuselage": [(x, 0.0, -0.2) for x in np.linspace(0, 12, 25)],
+        "tail": [(x, y, 1.0) for y in np.linspace(-2, 2, 9) for x in (11.3, 11.8)],
+        "fin": [(11.6, 0.0, z) for z in np.linspace(0, 2.5, 8)],
+    }
+    owner = np.repeat(list(parts), [len(part) for part in parts.values()])
+    return np.concatenate(list(parts.values())), {name: owner == name for name in parts}
+
+
+def test_modes_of_fuselage_and_tail_are_not_named_as_those_of_the_wing():
+    nodes, of = make_airplane()
+    x, y, z = nodes.T
+    shapes = np.zeros((5, len(nodes), 3))
+    shapes[0, of["wing"], 2] = (y[of["wing"]] / 6.0) ** 2  # bending of the wing
+    shapes[0, ~of["wing"], 2] = 0.01 * (x[~of["wing"]] - 4.0)
+    shapes[1, of["fuselage"], 2] = np.cos(np.pi * x[of["fuselage"]] / 6.0)
+    shapes[1, of["wing"], 2] = np.cos(np.pi * x[of["wing"]] / 6.0)  # follows as a rigid body
+    shapes[1, of["tail"] | of["fin"], 2] = 1.0
+    shapes[2, of["tail"], 2] = np.abs(y[of["tail"]]) * y[of["tail"]]
+    shapes[3, of["fin"], 1] = z[of["fin"]] ** 2
+    shapes[4] = [0.0, 0.0, 1.0]
+    named = name_modes(nodes, shapes)
+    assert [mode.name for mode in named] == ["SW1B", "", "", "", "R1"]
+    assert [mode.symmetric for mode in named[:4]] == [True, True, False, False]
+    assert "not a mode of the wing" in named[1].reason
 
 
 def test_cross_orthogonality_at_few_points_is_that_of_the_whole_model():

@@ -107,6 +107,26 @@ def test_standard_deviations_cover_and_a_close_pair_is_resolved():
     assert 0.93 <= np.mean(np.abs(errors) < 2.0) <= 0.97
 
 
+@pytest.mark.parametrize("seed", [2, 4, 17])
+def test_one_mode_is_not_split_into_two(seed):
+    """Noise of 10 %: two modes in place of one explain it as well."""
+    omega = 2.0 * np.pi * np.linspace(4.0, 12.0, 240)
+    natural, zeta, phi = wing(4.0, 12.0, 6, 8, 3, pair=0.0075)
+    clean = synthesise("acceleration", omega, natural, zeta, 1.0, phi, (0, 7))
+    found = identify(omega, add_noise(clean, 0.1, 1000 + seed), "acceleration")
+    assert found.omega.size == 6
+
+
+def test_out_of_band_modes_do_not_bias_frequencies():
+    """Two modes 20 and 30 % above the band, whose sum no polynomial of s^2 represents."""
+    clean = synthesise("acceleration", OMEGA, MODES.omega, MODES.zeta, MODES.mass, PHI, SHAKERS)
+    found = [
+        identify(OMEGA, add_noise(clean, 0.02, seed), "acceleration", order=24) for seed in range(3)
+    ]
+    errors = [(one.omega - MODES.omega[:6]) / one.std_omega for one in found]
+    assert np.abs(np.mean(errors, axis=0)).max() < 2.0
+
+
 def test_both_indicators_peak_at_a_close_pair():
     omega = 2.0 * np.pi * np.linspace(4.0, 12.0, 2000)
     natural, zeta, phi = wing(4.0, 12.0, 6, 8, 3, pair=0.0075)

@@ -19,6 +19,10 @@ _RIGID_SHARE = 0.98  # of the motion: least share of the rigid-body motion in a 
 _FORE_AFT_SHARE = 0.25  # of the wing's motion: least share in a fore-aft mode
 _WINGLET_RATIO = 2.0  # mean square of the winglets over the wing: least ratio in a winglet mode
 _RANK_TOLERANCE = 3e-5  # of the largest singular value: rotation about a straight line is none
+_OUTER = 0.3  # of the span from its middle: the wing alone reaches further out
+_CHORD_MARGIN = 0.5  # of the outer chord, before and behind the edges extended inboard
+_LEAST_NODES = 6  # of a part whose deformation is compared with that of the wing
+_BRANCH_RATIO = 4.0  # mean square deformation of the other parts over that of the wing
 _LETTER = {True: "S", False: "A", None: ""}
 _WORD = {True: "symmetric", False: "antisymmetric", None: "neither symmetric nor antisymmetric"}
 
@@ -36,7 +40,8 @@ class ModeName:
 class _Motion:
     """Mean square motions of a wing, as shares of its own (sum 1), and of its winglets.
 
-    ``rigid`` is the share of the whole motion that six motions of a rigid body account for.
+    ``rigid`` is the share of the whole motion that six motions of a rigid body account for,
+    ``branch`` the mean square deformation of fuselage and tail over that of the wing.
     """
 
     fore_aft: float
@@ -44,6 +49,7 @@ class _Motion:
     twist: float
     winglet: float
     rigid: float
+    branch: float
 
 
 def name_modes(
@@ -67,7 +73,8 @@ def name_modes(
     tuple of ModeName
         ``S`` or ``A``, then ``W`` with a running number and ``B`` (bending) or ``T``
         (torsion), ``FA`` (wing fore-aft) or ``WL`` (winglet lateral); ``R`` and a number
-        for motions of the rigid body.
+        for motions of the rigid body. A mode of fuselage or tail, which the rule does not
+        distinguish, has no name.
 
     Notes
     -----
@@ -80,6 +87,9 @@ def name_modes(
     names: list[ModeName] = []
     for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
         kind, why = _classify_motion(motion)
+        if not kind:
+            names.append(ModeName("", symmetric, f"{why}; {_WORD[symmetric]}"))
+            continue
         letter = "" if kind == "R" else _LETTER[symmetric]
         counts[letter + kind] = count = counts.get(letter + kind, 0) + 1
         if kind in ("B", "T"):
@@ -98,6 +108,11 @@ def _classify_motion(motion: _Motion) -> tuple[str, str]:
 
     if motion.rigid > _RIGID_SHARE:
         return "R", f"{percent(motion.rigid)} of the motion is that of a rigid body"
+    if motion.branch > _BRANCH_RATIO:
+        return "", (
+            f"fuselage and tail deform {motion.branch**0.5:.3g} times as much as the wing: not a "
+            "mode of the wing"
+        )
     if motion.winglet > _WINGLET_RATIO:
         return "WL", f"winglets move sideways {motion.winglet**0.5:.1f} times as far as the wing"
     if motion.fore_aft > _FORE_AFT_SHARE and motion.fore_aft > motion.plunge:
@@ -142,7 +157,44 @@ def _measure_motions(
     rigid = np.square(flat @ _build_rigid_basis(nodes)).sum(axis=1)
     rows = [*_divide(squares, total), _divide(lateral, total)]
     rows.append(_divide(rigid, np.einsum("ij,ij->i", flat, flat)))
+    rows.append(_compare_branches(nodes, translation, station))
     return [_Motion(*row) for row in np.array(rows).T.tolist()]
+
+
+def _compare_branches(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+    station: Int[np.ndarray, " n_nodes"],
+) -> Float[np.ndarray, " n_modes"]:
+    """Mean square deformation of fuselage and tail over that of the wing; zero without these.
+
+    They are the nodes before and behind the edges of the outer wing, extended inboard. A
+    deformation is what remains of the motion of a part without its motion as a rigid body.
+    """
+    none = np.zeros(translation.shape[0])
+    y = nodes[:, 1]
+    out = np.abs(y) if y.min() * y.max() < 0.0 else np.abs(y - y[np.argmin(np.abs(y))])
+    half = float(out.max())
+    outer = (station >= 0) & (out > 2.0 * _OUTER * half)
+    if np.unique(np.round(out[outer], 6)).size < 2:
+        return none
+    slope, start = np.polyfit(out[outer], nodes[outer, 0], 1)
+    behind = nodes[:, 0] - (start + slope * out)
+    margin = _CHORD_MARGIN * max(float(np.ptp(behind[outer])), _LEAST_CHORD * half)
+    is_wing = (behind >= behind[outer].min() - margin) & (behind <= behind[outer].max() + margin)
+    branch = ~is_wing & (station >= 0)
+    if branch.sum() < _LEAST_NODES or is_wing.sum() < _LEAST_NODES:
+        return none
+    deformation = []
+    for part in (branch, is_wing):
+        flat = translation[:, part].reshape(translation.shape[0], -1)
+        basis = _build_rigid_basis(nodes[part])
+        rest = flat - (flat @ basis) @ basis.T
+        deformation.append(np.square(rest).sum(axis=1) / int(part.sum()))
+    total = np.square(translation).sum(axis=(1, 2)) / nodes.shape[0]
+    return np.divide(
+        deformation[0], np.maximum(deformation[1], 1e-6 * total), out=none, where=total > 0
+    )
 
 
 def _divide(part: np.ndarray, whole: Float[np.ndarray, " n_modes"]) -> np.ndarray:
