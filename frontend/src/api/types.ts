@@ -169,6 +169,8 @@ export type FlutterSummary = Received<"FlutterSummary">;
 export type SummaryRoots = Received<"SummaryRoots">;
 export type ModalDataRequest = Schemas["ModalDataRequest"];
 export type MassRequest = Schemas["MassRequest"];
+export type OrthogonalityRequest = Schemas["OrthogonalityRequest"];
+export type Orthogonality = Schemas["Orthogonality"];
 export type GlossaryEntry = Received<"GlossaryEntry">;
 
 export type Method = Run["method"];

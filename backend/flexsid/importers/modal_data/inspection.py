@@ -32,7 +32,7 @@ class ModalFile:
     """Content of one file, as text, and its data sets that are not used.
 
     ``analyses`` are the modal analyses of a file that has several, ``mass`` is that printed, in the
-    unit of the file.
+    unit of the file, ``matrices`` are the names of its matrices.
     """
 
     name: str
@@ -41,6 +41,7 @@ class ModalFile:
     has_modes: bool
     analyses: tuple[ModalAnalysis, ...] = ()
     mass: float | None = None
+    matrices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +115,7 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
         has_modes="shape/values" in found,
         analyses=list_analyses(source),
         mass=float(found["rigid/mass"][0, 0]) if "rigid/mass" in found else None,
+        matrices=list_matrices(source),
     )
 
 

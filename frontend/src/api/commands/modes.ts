@@ -1,7 +1,12 @@
 /** Commands that import and correct modal data. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
-import type { MassRequest, ModalDataRequest, ResponsesRequest } from "../types";
+import type {
+  MassRequest,
+  ModalDataRequest,
+  OrthogonalityRequest,
+  ResponsesRequest,
+} from "../types";
 
 export function useCorrectMode(tableId: number) {
   const cache = useQueryClient();
@@ -48,6 +53,18 @@ export function useImportMassProperties(upload: string, aircraftId: number) {
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["aircraft"] }),
+  });
+}
+
+export function useOrthogonality(upload: string) {
+  return useMutation({
+    mutationFn: (request: OrthogonalityRequest) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/orthogonality", {
+          params: { path: { upload_id: upload } },
+          body: request,
+        }),
+      ),
   });
 }
 

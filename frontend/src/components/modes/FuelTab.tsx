@@ -89,7 +89,15 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     { key: "name", header: "Name", render: (row) => row.name },
     { key: "symmetry", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
     quantity("frequency", "Frequency", (row) => row.frequency_hz, "Hz", 3),
+    {
+      ...quantity<ModeAtFuel>("frequency_std", "±", (row) => row.frequency_std_hz, "Hz", 4),
+      onlyIf: (row) => row.frequency_std_hz !== null,
+    },
     numeric("damping", "Damping", (row) => percent(row.damping, 2), "%"),
+    {
+      ...numeric<ModeAtFuel>("damping_std", "±", (row) => percent(row.damping_std, 3), "%"),
+      onlyIf: (row) => row.damping_std !== null,
+    },
     numeric("mass", "Generalised mass", (row) => significant(row.mass_kg_m2, 4), "kg m²"),
     numeric("followed", "Lowest MAC over fuel", (row) => fixed(row.followed, 3)),
     { key: "reason", header: "Why", wraps: true, render: (row) => row.reason },

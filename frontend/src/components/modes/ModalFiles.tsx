@@ -16,6 +16,7 @@ import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
+import { OrthogonalityForm } from "./OrthogonalityForm";
 
 interface Props {
   aircraft: Aircraft;
@@ -29,7 +30,13 @@ export function ModalFiles({ aircraft, view, onChange }: Props) {
     <Stack gap="md">
       <Choose onChange={onChange} />
       {view.upload !== undefined && (
-        <Found key={view.upload} id={view.upload} aircraft={aircraft} onChange={onChange} />
+        <Found
+          key={view.upload}
+          id={view.upload}
+          aircraft={aircraft}
+          fuel={(view.fuel ?? 50) / 100}
+          onChange={onChange}
+        />
       )}
     </Stack>
   );
@@ -49,7 +56,7 @@ function Choose({ onChange }: Pick<Props, "onChange">) {
   return (
     <Section
       title="Import modal data"
-      note="Nastran .op2, .f06, .pch, .bdf with its includes; universal files .uff, .unv; one set per fuel weight"
+      note="Nastran .op2, .f06, .pch, .op4, .bdf with its includes; universal files .uff, .unv; one set per fuel weight"
     >
       <div
         className="drop-zone"
@@ -90,7 +97,7 @@ interface FoundProps {
   onChange: Props["onChange"];
 }
 
-function Found({ id, aircraft, onChange }: FoundProps) {
+function Found({ id, aircraft, fuel, onChange }: FoundProps & { fuel: number }) {
   const found = useQuery(structureUploadQuery(id));
   return (
     <Loaded query={found} rows={6}>
@@ -124,6 +131,9 @@ function Found({ id, aircraft, onChange }: FoundProps) {
             )}
             {data.files.some((file) => file.mass !== null) && (
               <MassForm id={id} found={data} aircraft={aircraft} />
+            )}
+            {data.files.some((file) => file.matrices.length > 0) && (
+              <OrthogonalityForm id={id} found={data} aircraft={aircraft} fuel={fuel} />
             )}
             {data.files.some((file) => file.holds.includes("a flutter summary")) && (
               <FlutterSummaryForm id={id} aircraft={aircraft} onChange={onChange} />
