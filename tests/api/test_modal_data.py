@@ -360,7 +360,7 @@ def test_mass_properties_of_a_printout_are_those_of_the_aircraft(client: TestCli
     mass = client.post(at, json=payload).json()["mass"]
     assert mass["fuel"] == before["fuel"]
     assert (mass["mass_kg"][0], mass["mass_kg"][-1]) == (150.0, 200.0)
-    assert mass["mass_kg"][1:-1] == before["mass_kg"][1:-1], "other fuel weights are kept"
+    assert mass["mass_kg"][1:-1] == before["mass_kg"][1:-1], "other fuel weights are retained"
     assert mass["pitch_inertia_kg_m2"][-1] == pytest.approx(60.0, rel=1e-4)
     assert client.get("/api/v1/aircraft/1").json()["mass"] == mass
     other = upload(client, ("deck.bdf", DECK))

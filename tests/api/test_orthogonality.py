@@ -14,7 +14,7 @@ from flexsid.importers.nastran.op4 import write_op4
 
 BEAM = make_beam()
 MEASURED = np.arange(0, 13, 2)  # nodes
-KEPT = np.flatnonzero(
+MEASURED_DOFS = np.flatnonzero(
     np.isin(BEAM.dofs[:, 0], BEAM.structure.ids[MEASURED]) & (BEAM.dofs[:, 1] == 3)
 )
 PUNCH = (
@@ -74,11 +74,11 @@ def test_mass_reduced_by_guyan_makes_test_modes_orthogonal(
     found = client.post(at, json=body | {"stiffness": "KAAX"}).json()
     assert found["n_dofs"] == 7
     assert "26 degrees of freedom is reduced to 7 by static condensation" in found["notes"][-1]
-    left = np.setdiff1d(np.arange(26), KEPT)
+    left = np.setdiff1d(np.arange(26), MEASURED_DOFS)
     K, M = BEAM.stiffness, BEAM.mass
     transform = np.zeros((26, 7))
-    transform[KEPT] = np.eye(7)
-    transform[left] = -np.linalg.solve(K[np.ix_(left, left)], K[np.ix_(left, KEPT)])
+    transform[MEASURED_DOFS] = np.eye(7)
+    transform[left] = -np.linalg.solve(K[np.ix_(left, left)], K[np.ix_(left, MEASURED_DOFS)])
     shapes = BEAM.structure.shape[:, MEASURED, 2]
     product = shapes @ transform.T @ M @ transform @ shapes.T
     size = np.sqrt(np.diag(product))

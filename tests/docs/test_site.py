@@ -61,7 +61,7 @@ def test_the_programs_of_a_page_run(page: str, live_url: str, tmp_path: Path, mo
 def test_commands_of_the_guides_exist() -> None:
     for path in DOCS.rglob("*.md"):
         for command in re.findall(
-            r"^flexsid ([a-z]+)", path.read_text(encoding="utf-8"), re.MULTILINE
+            r"^flexsid ([a-z-]+)", path.read_text(encoding="utf-8"), re.MULTILINE
         ):
             with pytest.raises(SystemExit) as ended:
                 main([command, "--help"])

@@ -166,8 +166,8 @@ def make_airplane() -> tuple[np.ndarray, dict[str, np.ndarray]]:
         "tail": [(x, y, 1.0) for y in np.linspace(-2, 2, 9) for x in (11.3, 11.8)],
         "fin": [(11.6, 0.0, z) for z in np.linspace(0, 2.5, 8)],
     }
-    owner = np.repeat(list(parts), [len(part) for part in parts.values()])
-    return np.concatenate(list(parts.values())), {name: owner == name for name in parts}
+    part_of = np.repeat(list(parts), [len(part) for part in parts.values()])
+    return np.concatenate(list(parts.values())), {name: part_of == name for name in parts}
 
 
 def test_modes_of_fuselage_and_tail_are_not_named_as_those_of_the_wing():

@@ -792,6 +792,7 @@ _TEXTS = {
     "text/plain": "static const float design_t[2400][5] = {\n",
     "text/event-stream": 'id: 12\nevent: job\ndata: {"job_id": 1, "kind": "succeeded"}\n\n',
     "application/zip": "PK",
+    "image/svg+xml": "<svg>",
 }
 
 

@@ -91,10 +91,10 @@ def read_symmetric_matrix(sources: Sources, name: str) -> SymmetricMatrix:
     """
     file, _, inside = name.rpartition(":")
     holders = [
-        (source, wanted)
+        (source, requested)
         for source in sources.items
-        for wanted in {name, inside}
-        if wanted in list_matrices(source) and (wanted == name or source.name == file)
+        for requested in {name, inside}
+        if requested in list_matrices(source) and (requested == name or source.name == file)
     ]
     if len(holders) > 1:
         raise BadInput(

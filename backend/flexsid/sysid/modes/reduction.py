@@ -15,16 +15,16 @@ the omitted degrees of freedom is singular to the precision of the file."""
 
 
 def reduce_statically(
-    mass: sparse.csr_array, stiffness: sparse.csr_array, kept: Int[np.ndarray, " n_kept"]
-) -> Float[np.ndarray, "n_kept n_kept"]:
+    mass: sparse.csr_array, stiffness: sparse.csr_array, retained: Int[np.ndarray, " n_retained"]
+) -> Float[np.ndarray, "n_retained n_retained"]:
     """Reduce a mass matrix to some degrees of freedom by static condensation.
 
     Parameters
     ----------
     mass, stiffness
         Symmetric matrices of the same degrees of freedom, in consistent units.
-    kept
-        Rows of the degrees of freedom that are kept.
+    retained
+        Rows of the degrees of freedom that are retained.
 
     Raises
     ------
@@ -38,14 +38,14 @@ def reduce_statically(
     freedom with neither mass nor stiffness are omitted.
     """
     n = mass.shape[0]
-    keeps = np.zeros(n, dtype=bool)
-    keeps[kept] = True
+    is_retained = np.zeros(n, dtype=bool)
+    is_retained[retained] = True
     size = abs(stiffness).sum(axis=1) + abs(mass).sum(axis=1)
-    omitted = np.flatnonzero(~keeps & (np.asarray(size).ravel() > 0.0))
-    transform = np.zeros((omitted.size, kept.size))
+    omitted = np.flatnonzero(~is_retained & (np.asarray(size).ravel() > 0.0))
+    transform = np.zeros((omitted.size, retained.size))
     if omitted.size:
         inner = sparse.csc_array(stiffness[omitted][:, omitted])
-        right = stiffness[omitted][:, kept].toarray()
+        right = stiffness[omitted][:, retained].toarray()
         try:
             transform = -splu(inner).solve(right)
             error = float(np.abs(inner @ transform + right).max(initial=0.0))
@@ -58,6 +58,6 @@ def reduce_statically(
                 "of the analysis set",
                 code="singular-stiffness",
             )
-    coupled = mass[kept][:, omitted] @ transform
+    coupled = mass[retained][:, omitted] @ transform
     inner_mass = transform.T @ (mass[omitted][:, omitted] @ transform)
-    return np.asarray(mass[kept][:, kept].toarray() + coupled + coupled.T + inner_mass)
+    return np.asarray(mass[retained][:, retained].toarray() + coupled + coupled.T + inner_mass)

@@ -64,7 +64,7 @@ def replace_aircraft(store: Store, aircraft_id: int, text: str) -> Aircraft:
 
 
 def set_mass_table(store: Store, aircraft_id: int, table: MassTable) -> Aircraft:
-    """Set the mass properties of an aircraft at some fuel weights, and keep those at all others.
+    """Set the mass properties of an aircraft at some fuel weights, and retain those at all others.
 
     Runs state that its data were changed since.
 

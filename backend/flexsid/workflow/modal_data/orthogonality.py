@@ -53,7 +53,7 @@ class OrthogonalityQuery:
 
 
 @dataclass(slots=True, eq=False)
-class _Shapes:
+class _SourceShapes:
     """Shapes (n, K, 6) of a table in the axes and unit of the matrices; ``ids`` of the nodes."""
 
     table: ModalTable
@@ -105,15 +105,15 @@ def compute_orthogonality(
     moving = np.abs(a).max(axis=0) > 0
     if query.other_id is not None:
         moving &= np.abs(b).max(axis=0) > 0
-    kept = np.flatnonzero(moving)
-    if not kept.size:
+    retained = np.flatnonzero(moving)
+    if not retained.size:
         raise BadInput(
             f"matrix {mass.name} has no degree of freedom at which {one.table.name} has a shape; "
             "check the numbers of the nodes",
             code="nothing-common",
         )
-    reduced, note = _reduce(sources, query, mass, kept, compared[-1].table)
-    a, b = a[:, kept], b[:, kept]
+    reduced, note = _reduce(sources, query, mass, retained, compared[-1].table)
+    a, b = a[:, retained], b[:, retained]
     values = compute_mass_orthogonality(a, b, reduced)
     pairs = linear_sum_assignment(-np.abs(values))
     paired = np.zeros(values.shape, dtype=bool)
@@ -127,17 +127,17 @@ def compute_orthogonality(
         values=[list(map(float, row)) for row in values],
         worst=float(np.abs(values[~paired]).max(initial=0.0)),
         least_pair=float(np.abs(values[paired]).min()),
-        n_dofs=int(kept.size),
+        n_dofs=int(retained.size),
         notes=(*notes, note),
     )
 
 
-def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
+def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _SourceShapes:
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
     nodes = read_nodes(store, table)
     ids = table.arrays.get("node_ids")
-    return _Shapes(
+    return _SourceShapes(
         table,
         list_mode_names(table),
         np.arange(1, len(nodes) + 1) if ids is None else np.asarray(store.arrays.get(ids)),
@@ -146,7 +146,7 @@ def _read_shapes(store: Store, modal_table_id: int, fuel: float) -> _Shapes:
     )
 
 
-def _find_dofs(matrix: SymmetricMatrix, sources: Sources, one: _Shapes) -> np.ndarray:
+def _find_dofs(matrix: SymmetricMatrix, sources: Sources, one: _SourceShapes) -> np.ndarray:
     """Return node and component of each row of a matrix."""
     n = matrix.values.shape[0]
     if matrix.dofs is not None:
@@ -179,7 +179,7 @@ def _find_dofs(matrix: SymmetricMatrix, sources: Sources, one: _Shapes) -> np.nd
     )
 
 
-def _locate(one: _Shapes, other: _Shapes) -> _Shapes:
+def _locate(one: _SourceShapes, other: _SourceShapes) -> _SourceShapes:
     """Give the nodes of the second source the numbers of the nearest nodes of the first."""
     extent = float(np.linalg.norm(np.ptp(one.nodes, axis=0)))
     found = cKDTree(one.nodes).query(other.nodes)
@@ -206,7 +206,7 @@ def _locate(one: _Shapes, other: _Shapes) -> _Shapes:
     return other
 
 
-def _transform(shapes: _Shapes, sources: Sources, length: float, axes: str) -> None:
+def _transform(shapes: _SourceShapes, sources: Sources, length: float, axes: str) -> None:
     """Transform shapes to the unit and the displacement systems of the matrices."""
     turn = parse_axes(axes)
     for half in (slice(0, 3), slice(3, 6)):
@@ -222,7 +222,7 @@ def _transform(shapes: _Shapes, sources: Sources, length: float, axes: str) -> N
     )
 
 
-def _select(shapes: _Shapes, dofs: np.ndarray) -> np.ndarray:
+def _select(shapes: _SourceShapes, dofs: np.ndarray) -> np.ndarray:
     """Return shapes at the degrees of freedom of a matrix, zero where there is none."""
     row_of = {int(node): row for row, node in enumerate(shapes.ids)}
     rows = np.array([row_of.get(int(node), -1) for node in dofs[:, 0]])
@@ -236,10 +236,10 @@ def _reduce(
     sources: Sources,
     query: OrthogonalityQuery,
     mass: SymmetricMatrix,
-    kept: np.ndarray,
+    retained: np.ndarray,
     last: ModalTable,
 ) -> tuple[np.ndarray | sparse.csr_array, str]:
-    """Return the mass at the degrees of freedom that are kept, and a note on its reduction."""
+    """Return the mass at the degrees of freedom that are retained, and a note on its reduction."""
     n = mass.values.shape[0]
     if query.stiffness is not None:
         stiffness = read_symmetric_matrix(sources, query.stiffness)
@@ -248,23 +248,23 @@ def _reduce(
                 f"the matrices {mass.name} and {stiffness.name} have other degrees of freedom",
                 code="unequal-lengths",
             )
-        return reduce_statically(mass.values, stiffness.values, kept), (
-            f"The mass of {n} degrees of freedom is reduced to {kept.size} by static condensation "
-            "(Guyan)."
+        return reduce_statically(mass.values, stiffness.values, retained), (
+            f"The mass of {n} degrees of freedom is reduced to {retained.size} by "
+            "static condensation (Guyan)."
         )
-    own = mass.values[kept][:, kept]
-    left = np.setdiff1d(np.arange(n), kept)
+    own = mass.values[retained][:, retained]
+    left = np.setdiff1d(np.arange(n), retained)
     has_mass = bool(abs(mass.values[left]).sum() > 0.0)
     is_measured = query.other_id is not None or last.kind is ModalKind.GVT
     if has_mass and is_measured:
         raise BadInput(
             f"matrix {mass.name} has mass at {left.size} degrees of freedom that "
             f"{format_title(last)} does not measure; give the stiffness matrix for a static "
-            f"condensation (Guyan), or the mass of a test-analysis model at the {kept.size} "
+            f"condensation (Guyan), or the mass of a test-analysis model at the {retained.size} "
             "measured ones",
             code="not-reduced",
         )
-    return own, f"The mass is used at {kept.size} of its {n} degrees of freedom, as given."
+    return own, f"The mass is used at {retained.size} of its {n} degrees of freedom, as given."
 
 
 def _has_same_dofs(one: SymmetricMatrix, other: SymmetricMatrix) -> bool:

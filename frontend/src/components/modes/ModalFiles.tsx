@@ -314,17 +314,17 @@ function MassForm({
           }}
         />
         {files.map((file) => (
-            <NumberInput
-              key={file.name}
-              label={`Fuel of ${file.name} [%]`}
-              min={0}
-              max={100}
-              value={100 * (fuel[file.name] ?? 0)}
-              onChange={(value) => {
-                if (typeof value === "number")
-                  setFuel((before) => ({ ...before, [file.name]: value / 100 }));
-              }}
-            />
+          <NumberInput
+            key={file.name}
+            label={`Fuel of ${file.name} [%]`}
+            min={0}
+            max={100}
+            value={100 * (fuel[file.name] ?? 0)}
+            onChange={(value) => {
+              if (typeof value === "number")
+                setFuel((before) => ({ ...before, [file.name]: value / 100 }));
+            }}
+          />
         ))}
         <Button
           variant="default"
