@@ -1,13 +1,13 @@
 """What lists of runs show of results, until now read out of each result of 100 kB.
 
-Revision: 0039, after 0037
+Revision: 0039, after 0038
 """
 
 import sqlalchemy as sa
 from alembic import op
 
 revision = "0039"
-down_revision = "0037"
+down_revision = "0038"
 branch_labels = None
 depends_on = None
 
