@@ -17,7 +17,7 @@ DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
 DEFAULT_PORT = 8000
 LOOPBACK = "127.0.0.1"
 _SHORTEST_SECRET = 32
-_BACKUPS_KEPT = 7
+_BACKUPS_RETAINED = 7
 
 
 class Mode(StrEnum):
@@ -38,7 +38,7 @@ class Settings:
     ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
     unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
-    ``backups_kept`` of these backups are kept.
+    ``backups_retained`` of these backups are retained.
     """
 
     database: str = DEFAULT_DATABASE
@@ -54,7 +54,7 @@ class Settings:
     openid: OpenIdProvider | None = None
     site_key: Path | None = None
     backup_hours: int | None = None
-    backups_kept: int = _BACKUPS_KEPT
+    backups_retained: int = _BACKUPS_RETAINED
 
     @property
     def is_secure(self) -> bool:
@@ -71,7 +71,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         If a value is invalid, or would expose data without log-in or encryption.
     """
     port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
-    kept = _number(environment, "FLEXSID_BACKUPS_KEPT", "a number of backups", 10_000)
+    retained = _number(environment, "FLEXSID_BACKUPS_RETAINED", "a number of backups", 10_000)
     settings = Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
         port=DEFAULT_PORT if port is None else port,
@@ -90,7 +90,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         openid=_read_openid(environment),
         site_key=Path(key) if (key := environment.get("FLEXSID_SITE_KEY")) else None,
         backup_hours=_number(environment, "FLEXSID_BACKUP_HOURS", "a number of hours", 8760),
-        backups_kept=_BACKUPS_KEPT if kept is None else kept,
+        backups_retained=_BACKUPS_RETAINED if retained is None else retained,
     )
     _check_access(settings)
     return settings

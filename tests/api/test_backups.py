@@ -77,7 +77,7 @@ def test_a_restored_backup_is_not_made_again(flown_url: str, tmp_path: Path) -> 
     store.close()
 
 
-def test_scheduled_backups_are_restored_as_a_test_and_the_newest_kept(flown_url: str) -> None:
+def test_scheduled_backups_are_restored_as_a_test_and_the_newest_retained(flown_url: str) -> None:
     store = Store.open(flown_url)
     asked = execute_request(store, BACKUP, BackupRequest(), lambda progress: None)
     made = []
@@ -88,7 +88,7 @@ def test_scheduled_backups_are_restored_as_a_test_and_the_newest_kept(flown_url:
         assert stages[-1] == "Restoring the copy"
         queue.request_cancel(store, claimed.id or 0)  # ends the job of this test
         made.append(task.target)
-        assert not request_due_backup(store, hours=1, kept=2)
+        assert not request_due_backup(store, hours=1, retained=2)
         os.utime(task.target, (0, time.time() - 3700))
     folder = made[0].parent
     assert list_scheduled(folder) == made[1:]
@@ -111,23 +111,23 @@ def test_a_copy_that_cannot_be_restored_is_no_backup(
         BACKUP.compute(task, lambda progress: None)
     assert not task.target.exists()
     fail_job(store, claimed, FailedMessage(code="x", message="damaged"))
-    assert not request_due_backup(store, hours=1, kept=2), "repeated after an hour"
+    assert not request_due_backup(store, hours=1, retained=2), "repeated after an hour"
     store.close()
 
 
 def _claim_due(store: Store) -> tuple[BackupTask, Job]:
     """Queue the backup that is due, and start it without a worker."""
-    assert request_due_backup(store, hours=1, kept=2)
-    assert not request_due_backup(store, hours=1, kept=2), "one is queued"
+    assert request_due_backup(store, hours=1, retained=2)
+    assert not request_due_backup(store, hours=1, retained=2), "one is queued"
     (waiting,) = store.jobs.find(kind=BACKUP.name, state=RunState.QUEUED)
     claimed = queue.claim(store, waiting.id)
     assert claimed is not None
-    return BACKUP.prepare(store, claimed, BackupRequest(kept=2)), claimed
+    return BACKUP.prepare(store, claimed, BackupRequest(retained=2)), claimed
 
 
 def test_settings_of_scheduled_backups_are_read() -> None:
     found = read_settings({"FLEXSID_BACKUP_HOURS": "24"})
-    assert (found.backup_hours, found.backups_kept) == (24, 7)
+    assert (found.backup_hours, found.backups_retained) == (24, 7)
     assert read_settings({}).backup_hours is None
     with pytest.raises(BadInput, match="number of hours"):
         read_settings({"FLEXSID_BACKUP_HOURS": "0"})

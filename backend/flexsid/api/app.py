@@ -134,7 +134,7 @@ def create_app(
             check_additional_part=check_additional_part,
         )
         scheduled = asyncio.create_task(
-            schedule_backups(app.state.context, settings.backup_hours, settings.backups_kept)
+            schedule_backups(app.state.context, settings.backup_hours, settings.backups_retained)
             if settings.backup_hours is not None
             else asyncio.sleep(0)
         )

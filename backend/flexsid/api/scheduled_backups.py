@@ -19,18 +19,18 @@ _log = logging.getLogger(__name__)
 _CHECK_S = 60.0
 
 
-async def schedule_backups(context: Context, hours: int, kept: int) -> None:
+async def schedule_backups(context: Context, hours: int, retained: int) -> None:
     """Queue a backup whenever the last one is older than an interval, until cancelled."""
     while True:
         try:
-            if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, kept):
+            if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, retained):
                 context.dispatcher.wake()
         except FlexsidError as error:
             _log.warning("no backup was requested: %s", error.message)
         await asyncio.sleep(_CHECK_S)
 
 
-def request_due_backup(store: Store, hours: int, kept: int) -> bool:
+def request_due_backup(store: Store, hours: int, retained: int) -> bool:
     """Queue a backup if one is due; return whether it is.
 
     Raises
@@ -40,5 +40,5 @@ def request_due_backup(store: Store, hours: int, kept: int) -> bool:
     """
     if not is_backup_due(store, timedelta(hours=hours), datetime.now(UTC)):
         return False
-    submit(store, BACKUP, BackupRequest(kept=kept), title="Database, scheduled")
+    submit(store, BACKUP, BackupRequest(retained=retained), title="Database, scheduled")
     return True

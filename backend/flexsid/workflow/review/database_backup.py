@@ -25,9 +25,9 @@ _RETRY = timedelta(hours=1)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BackupRequest:
-    """The database is that of the server; ``kept`` of scheduled backups are kept, the newest."""
+    """The database is that of the server; the newest ``retained`` scheduled backups stay."""
 
-    kept: int | None = None
+    retained: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,11 +40,11 @@ class BackupFile:
 
 @dataclass(frozen=True, slots=True)
 class BackupTask:
-    """Address of a database, the new file, and the number of scheduled backups to keep."""
+    """Address of a database, the new file, and the number of scheduled backups to retain."""
 
     url: str
     target: Path
-    kept: int | None = None
+    retained: int | None = None
 
 
 def refuse_backup(store: Store) -> None:
@@ -72,8 +72,8 @@ def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask
             partial.unlink(missing_ok=True)
     assert job.started_at is not None
     name = f"{job.started_at:%Y%m%d-%H%M%S}-{job.id}-{job.attempt}.db"
-    name = name if request.kept is None else f"{_SCHEDULED}{name}"
-    return BackupTask(f"sqlite:///{source}", folder / name, request.kept)
+    name = name if request.retained is None else f"{_SCHEDULED}{name}"
+    return BackupTask(f"sqlite:///{source}", folder / name, request.retained)
 
 
 def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
@@ -82,14 +82,14 @@ def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
     A scheduled backup is also restored into a temporary database, and then replaces the oldest.
     """
     n_bytes = copies.backup(task.url, task.target, report)
-    if task.kept is not None:
+    if task.retained is not None:
         report(Progress(fraction=0.8, message="Restoring the copy"))
         try:
             copies.try_restore(task.target)
         except FlexsidError:
             task.target.unlink()
             raise
-        for old in list_scheduled(task.target.parent)[: -task.kept]:
+        for old in list_scheduled(task.target.parent)[: -task.retained]:
             old.unlink(missing_ok=True)
     return BackupFile(name=task.target.name, n_bytes=n_bytes)
 
