@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from flexsid.client.tables import table
 from flexsid.errors import BadInput
@@ -13,15 +13,25 @@ from flexsid.errors import BadInput
 if TYPE_CHECKING:
     import pandas
 
-    from flexsid.client.workbench import Workbench
-
 _FORMS = ("uff", "csv", "mat", "op4")
+
+
+class _Requests(Protocol):
+    """Requests of a workbench."""
+
+    def get(self, path: str, **query: Any) -> Any: ...
+    def post(self, path: str, body: Any, **query: Any) -> Any: ...
+    def get_bytes(self, path: str, **query: Any) -> bytes: ...
+    def send_files(
+        self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any
+    ) -> bytes: ...
+    def compute(self, path: str, **query: Any) -> dict[str, Any]: ...
 
 
 class ModalData:
     """Modal tables and ground vibration tests of a workbench: ``workbench.modal_data``."""
 
-    def __init__(self, workbench: Workbench) -> None:
+    def __init__(self, workbench: _Requests) -> None:
         self._workbench = workbench
 
     def upload(self, *files: str | Path) -> str:
