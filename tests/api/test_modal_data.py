@@ -301,10 +301,11 @@ def test_exported_modes_are_read_by_others(client: TestClient, table: Any, tmp_p
 
 def test_all_fuel_weights_are_one_archive(client: TestClient, table: Any) -> None:
     at = f"/api/v1/modal-tables/{table['id']}"
-    with ZipFile(io.BytesIO(client.get(f"{at}/archive?form=csv").content)) as archive:
-        names = [f"modes-{table['id']}-fuel-{fuel}.csv" for fuel in ("0", "0.5", "1")]
+    with ZipFile(io.BytesIO(client.get(f"{at}/archive?form=op4-binary").content)) as archive:
+        names = [f"modes-{table['id']}-fuel-{fuel}.op4" for fuel in ("0", "0.5", "1")]
         assert archive.namelist() == names
-        assert archive.read(names[2]) == client.get(f"{at}/file?form=csv&fuel=1").content
+        alone = client.get(f"{at}/file?form=op4-binary&fuel=1").content
+        assert archive.read(names[2]) == alone
     assert client.get("/api/v1/modal-tables/2/archive").json()["code"] == "no-nodes"
 
 

@@ -27,7 +27,11 @@ from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.aircraft_definition import set_mass_table
 from flexsid.workflow.modal_data.modal_import import store_modal_data
-from flexsid.workflow.modal_data.modal_tables import format_title, gather_modes
+from flexsid.workflow.modal_data.modal_tables import (
+    format_title,
+    gather_modes,
+    gather_modes_over_fuel,
+)
 from flexsid.workflow.modal_data.model_updating import update_modal_table
 from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, compute_orthogonality
 from flexsid.workflow.views.fuel import list_modes_at
@@ -213,10 +217,10 @@ def _encode(
         return write_modes(gather_modes(store, number, fuel), form)
     return write_archive(
         (
-            f"fuel-{one:g}.{form.partition('-')[0]}",
-            write_modes(gather_modes(store, number, one), form),
+            f"fuel-{modes.fuel:g}.{form.partition('-')[0]}",
+            write_modes(modes, form),
         )
-        for one in store.modal_tables.get(number).fuel
+        for modes in gather_modes_over_fuel(store, number, store.modal_tables.get(number).fuel)
     )
 
 

@@ -162,7 +162,8 @@ class ModalData:
         fuel
             Fuel fraction.
         form
-            ``uff-single`` or ``op4-binary``, or the form of the files in an archive.
+            ``uff-single`` or ``op4-binary``, or of the files in an archive ``mat`` (default) or
+            ``op4-binary``.
         **query
             Of a picture: ``number`` of the mode, ``moving``, ``scale``, ``azimuth``, ``elevation``.
         """
@@ -171,7 +172,7 @@ class ModalData:
         if suffix == "svg":
             content = self._workbench.get_bytes(f"{path}/picture", fuel=fuel, **query)
         elif suffix == "zip":
-            content = self._workbench.get_bytes(f"{path}/archive", form=form or "uff")
+            content = self._workbench.get_bytes(f"{path}/archive", form=form or "mat")
         elif suffix in _FORMS:
             content = self._workbench.get_bytes(f"{path}/file", form=form or suffix, fuel=fuel)
         else:

@@ -45,6 +45,7 @@ from flexsid.workflow.modal_data.modal_tables import (
     apply_corrections,
     compute_frequency_std,
     gather_modes,
+    gather_modes_over_fuel,
     open_modes,
     read_nodes,
 )
@@ -59,6 +60,7 @@ router = APIRouter(prefix="/modal-tables", tags=["modal-tables"], route_class=Js
 
 
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
+BinaryForm = Literal["mat", "op4-binary"]
 Form = Literal["uff", "uff-single", "csv", "mat", "op4", "op4-binary"]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
@@ -198,18 +200,23 @@ def download_modes(
     responses={200: {"content": {"application/zip": {}}}},
 )
 def download_archive(
-    store: TheStore, modal_table_id: Identity, form: Form = "uff"
+    store: TheStore, modal_table_id: Identity, form: BinaryForm = "mat"
 ) -> StreamingResponse:
-    """Return the modes at every fuel fraction of the table, one file each, in a ZIP archive."""
+    """Return the modes at every fuel fraction of the table, one file each, in a ZIP archive.
+
+    Text of all fuel fractions takes too long for a response: get those one at a time.
+    """
     table = store.modal_tables.get(modal_table_id)
     read_nodes(store, table)  # refused before the response begins
     suffix = form.partition("-")[0]
     files = (
         (
             f"modes-{modal_table_id}-fuel-{fuel:g}.{suffix}",
-            write_modes(gather_modes(store, modal_table_id, fuel), form),
+            write_modes(modes, form),
         )
-        for fuel in table.fuel
+        for fuel, modes in zip(
+            table.fuel, gather_modes_over_fuel(store, modal_table_id, table.fuel), strict=True
+        )
     )
     return _send(write_archive(files), "application/zip", f"modes-{modal_table_id}-{form}.zip")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -327,8 +328,12 @@ def _track_shapes(store: Store, table: ModalTable, omega: np.ndarray) -> Trackin
     return track_modes(shape[..., :3].reshape(*omega.shape, -1), omega)
 
 
-def interpolate_shape(store: Store, modes: Modes, mode: int, fuel: float) -> np.ndarray:
+def interpolate_shape(
+    store: Store, modes: Modes, mode: int, fuel: float, whole: np.ndarray | None = None
+) -> np.ndarray:
     """Interpolate the shape of a mode at all nodes, (n_nodes, 6) in body axes per unit eta.
+
+    ``whole`` is the array of all shapes, if the table has one and it has been read.
 
     Raises
     ------
@@ -340,7 +345,8 @@ def interpolate_shape(store: Store, modes: Modes, mode: int, fuel: float) -> np.
     weights = compute_fuel_weights(modes.fuel, fuel, modes.tracking.mixed[:, mode])
     order, sign = modes.tracking.order, modes.tracking.sign
     if "node_shape" in table.arrays:
-        whole = store.arrays.get(table.arrays["node_shape"])
+        if whole is None:
+            whole = store.arrays.get(table.arrays["node_shape"])
         parts = {row: whole[row, order[row, mode]] for row in weights}
     else:
         places = {row: (row, int(order[row, mode])) for row in weights}
@@ -369,8 +375,16 @@ def read_nodes(store: Store, table: ModalTable) -> np.ndarray:
 
 def interpolate_shapes(store: Store, modes: Modes, fuel: float) -> np.ndarray:
     """Interpolate the shapes of all modes, (n_modes, n_nodes, 6); see ``interpolate_shape``."""
+    (shapes,) = _interpolate_shapes(store, modes, (fuel,))
+    return shapes
+
+
+def _interpolate_shapes(store: Store, modes: Modes, fuels: Iterable[float]) -> Iterator[np.ndarray]:
+    name = modes.table.arrays.get("node_shape")
+    whole = None if name is None else store.arrays.get(name)
     places = range(len(modes.table.numbers))
-    return np.stack([interpolate_shape(store, modes, mode, fuel) for mode in places])
+    for fuel in fuels:
+        yield np.stack([interpolate_shape(store, modes, mode, fuel, whole) for mode in places])
 
 
 def interpolate_deviation(modes: Modes, name: str, fuel: float) -> np.ndarray:
@@ -389,27 +403,38 @@ def gather_modes(store: Store, modal_table_id: int, fuel: float) -> WrittenModes
     BadInput
         If the table has no shapes at nodes.
     """
+    (gathered,) = gather_modes_over_fuel(store, modal_table_id, (fuel,))
+    return gathered
+
+
+def gather_modes_over_fuel(
+    store: Store, modal_table_id: int, fuels: Sequence[float]
+) -> Iterator[WrittenModes]:
+    """Gather the modes of a table at each of several fuel fractions, as ``gather_modes``."""
     modes = open_modes(store, store.modal_tables.get(modal_table_id))
     table = modes.table
     nodes = read_nodes(store, table)
     ids, lines = table.arrays.get("node_ids"), table.arrays.get("lines")
+    node_ids = np.arange(1, nodes.shape[0] + 1) if ids is None else store.arrays.get(ids)
+    drawn = np.empty((0, 2), dtype=int) if lines is None else store.arrays.get(lines)
     unknown = np.full(len(table.numbers), np.nan)
-    return WrittenModes(
-        title=format_title(table),
-        fuel=fuel,
-        numbers=table.numbers,
-        names=table.names,
-        frequency_hz=sum_weighted_rows(compute_fuel_weights(modes.fuel, fuel), modes.omega)
-        / (2.0 * np.pi),
-        damping=unknown if modes.zeta is None else interpolate(modes.fuel, modes.zeta, fuel),
-        frequency_std_hz=interpolate_deviation(modes, "omega_std", fuel) / (2.0 * np.pi),
-        damping_std=interpolate_deviation(modes, "zeta_std", fuel),
-        mass=unknown if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel),
-        node_ids=np.arange(1, nodes.shape[0] + 1) if ids is None else store.arrays.get(ids),
-        nodes=nodes,
-        shapes=interpolate_shapes(store, modes, fuel) * TO_STRUCTURE,
-        lines=np.empty((0, 2), dtype=int) if lines is None else store.arrays.get(lines),
-    )
+    for fuel, shapes in zip(fuels, _interpolate_shapes(store, modes, fuels), strict=True):
+        yield WrittenModes(
+            title=format_title(table),
+            fuel=fuel,
+            numbers=table.numbers,
+            names=table.names,
+            frequency_hz=sum_weighted_rows(compute_fuel_weights(modes.fuel, fuel), modes.omega)
+            / (2.0 * np.pi),
+            damping=unknown if modes.zeta is None else interpolate(modes.fuel, modes.zeta, fuel),
+            frequency_std_hz=interpolate_deviation(modes, "omega_std", fuel) / (2.0 * np.pi),
+            damping_std=interpolate_deviation(modes, "zeta_std", fuel),
+            mass=unknown if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel),
+            node_ids=node_ids,
+            nodes=nodes,
+            shapes=shapes * TO_STRUCTURE,
+            lines=drawn,
+        )
 
 
 def _read_arrays(store: Store, table: ModalTable, names: tuple[str, ...]) -> dict[str, np.ndarray]:

@@ -49,9 +49,9 @@ export function FuelTab({ table, view }: TableProps) {
                 size="compact-sm"
                 variant="default"
                 component="a"
-                href={address(`modal-tables/${String(table.id)}/archive`, { form: "uff" })}
+                href={address(`modal-tables/${String(table.id)}/archive`, { form: "mat" })}
               >
-                All fuel weights (ZIP)
+                All fuel weights, MAT (ZIP)
               </Button>
             </Group>
           )
