@@ -115,7 +115,7 @@ export function PreflightPart({ design, level, run }: Props) {
   const law = known.find((one) => String(one.id) === selected);
   const inputs = design.specification.inputs.map((own) => own.name);
   // Inputs that are commands of the control law are no surfaces: its mixer moves those.
-  const isBeforeMixer = inputs.every((name) => law?.commands?.includes(name));
+  const isBeforeMixer = inputs.every((name) => law?.commands.includes(name));
   const surfaces = law !== undefined && isBeforeMixer ? law.drives : inputs;
   return (
     <>

@@ -213,16 +213,14 @@ export function ClosedLoopPage() {
                     params={params}
                   />
                 </div>
-                {controller !== undefined && (
-                  <div className="panel" style={{ padding: 12 }}>
-                    <Figure
-                      kind="control-loop"
-                      height={250}
-                      title="Control loop"
-                      params={{ controller_id: controller }}
-                    />
-                  </div>
-                )}
+                <div className="panel" style={{ padding: 12 }}>
+                  <Figure
+                    kind="control-loop"
+                    height={250}
+                    title="Control loop"
+                    params={{ controller_id: controller }}
+                  />
+                </div>
                 <Section
                   title="Margins"
                   note="Actuators and delays included; empty where the closed loop is unstable or has no crossover"
