@@ -169,7 +169,11 @@ export function ExcitationPage() {
       ),
     },
     { key: "axis", header: "Surfaces", render: (row) => `${row.surfaces} ${row.axis}` },
-    { key: "duration", header: "Duration", render: (row) => (row.periods === 1 ? "T" : "4T") },
+    {
+      key: "duration",
+      header: "Duration, fuel burnt",
+      render: (row) => describeDuration(row, targetsOf(row)),
+    },
     {
       key: "harmonics",
       header: "Harmonics per surface",
@@ -205,20 +209,6 @@ export function ExcitationPage() {
       header: "Harmonics per surface about targets",
       wraps: true,
       render: (row) => describeTargets(targetsOf(row)),
-    },
-    {
-      key: "fuel",
-      header: "Fuel burnt",
-      unit: "%",
-      numeric: true,
-      render: (row) => {
-        const found = targetsOf(row);
-        if (found?.fuel_burnt == null) return "";
-        const burnt = fixed(100 * found.fuel_burnt, 1);
-        // One linear model does not hold while more of the fuel burns.
-        const most = 100 * found.largest_fuel_burnt;
-        return found.fuel_burnt > found.largest_fuel_burnt ? `${burnt} (at most ${most})` : burnt;
-      },
     },
     {
       key: "least",
@@ -353,6 +343,15 @@ export function ExcitationPage() {
       </Stack>
     </>
   );
+}
+
+/** Duration, and the fuel that burns meanwhile; beyond a limit one linear model does not hold. */
+function describeDuration(row: CatalogueRow, found: RowTargets | undefined): string {
+  const duration = row.periods === 1 ? "T" : "4T";
+  if (found?.fuel_burnt == null) return duration;
+  const most = fixed(100 * found.largest_fuel_burnt, 0);
+  const excess = found.fuel_burnt > found.largest_fuel_burnt ? ` (more than ${most} %)` : "";
+  return `${duration}, ${fixed(100 * found.fuel_burnt, 1)} %${excess}`;
 }
 
 /** Harmonics about each target; targets without a predicted frequency are named. */
