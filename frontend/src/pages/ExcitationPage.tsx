@@ -171,7 +171,7 @@ export function ExcitationPage() {
     { key: "axis", header: "Surfaces", render: (row) => `${row.surfaces} ${row.axis}` },
     {
       key: "duration",
-      header: "Duration, fuel burnt",
+      header: "Duration, fuel",
       render: (row) => describeDuration(row, targetsOf(row)),
     },
     {
@@ -206,7 +206,7 @@ export function ExcitationPage() {
     },
     {
       key: "reached",
-      header: "Harmonics per surface about targets",
+      header: "Harmonics about targets",
       wraps: true,
       render: (row) => describeTargets(targetsOf(row)),
     },
