@@ -42,7 +42,7 @@ HELD = {
 # Further states of a page.
 STATES = {
     "campaign-nothing": "/campaign?search=no+such+maneuver",
-    "flight-uncut": "/flights/4",
+    "flight-uncut": "/flights/5",
     "run-cancelled": "/runs/{cancelled}",
     "run-frequency-response": "/runs/{fre}?tab=fit",
     "maneuver-windowed": "/maneuvers/2?tab=bode&windowed=true&plane=nyquist",

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.e2e
 
 
 def test_a_flight_is_cut_and_its_faults_are_corrected(page: Page):
-    page.goto("/flights/4")
+    page.goto("/flights/5")
     expect(page.get_by_test_id("maneuver-proposals").locator("tbody tr")).to_have_count(2)
     expect(page.get_by_test_id("figure-flight-history")).to_have_attribute("data-drawn", "true")
     page.get_by_role("button", name="Show").first.click()

@@ -104,7 +104,7 @@ PLAN = (
         ),
     ),
     Sortie(
-        4,
+        5,
         date(2025, 5, 27),
         "Amplitudes, repeated periods, and surfaces that do not follow",
         (

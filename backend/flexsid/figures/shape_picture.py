@@ -7,6 +7,7 @@ from html import escape
 
 import numpy as np
 
+from flexsid.figures import quantities
 from flexsid.records.modal_data import DrawnShape
 
 _WIDTH, _HEIGHT = 960.0, 560.0  # px
@@ -55,7 +56,9 @@ def draw_shape_picture(
             f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in places[shape.lines]
         )
 
-    title = escape(f"{shape.name}, {shape.frequency_hz:.3f} Hz, fuel {100.0 * shape.fuel:g} %")
+    hertz = quantities.of_unit("Frequency", "Hz")
+    frequency = f"{hertz.factor * shape.frequency_hz:.3f} {hertz.unit}"
+    title = escape(f"{shape.name}, {frequency}, fuel {100.0 * shape.fuel:g} %")
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}">'
         f'<title>{title}</title><rect width="100%" height="100%" fill="#ffffff"/>'

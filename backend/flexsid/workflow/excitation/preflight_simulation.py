@@ -63,6 +63,7 @@ _TRIM_S, _SETTLE_S = 2.0, 4.0
 _LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
 _GUST_SEED = 797  # separates the seed of the turbulence from that of the noise
 _DROPOUT_SEED = 811  # and that of dropouts from both
+_SURFACE_SEED = 821  # and that of the noise of measured surfaces from all
 _RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
 _NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
@@ -478,6 +479,8 @@ def _simulate_channels(
         aircraft.instruments.get(surfaces[n].instrument or "", Instrument()) for n in model.inputs
     ]
     seen = apply_instruments(true, rate, sensed)
+    rng = np.random.default_rng([at.run.id or 0, _SURFACE_SEED])
+    seen += rng.normal(size=seen.shape) * [surfaces[n].noise_std_rad or 0.0 for n in model.inputs]
     outputs = define_outputs(aircraft, model.outputs)
     read = apply_instruments(
         moved.outputs, rate, [get_output_instrument(aircraft, o) for o in outputs]
