@@ -27,12 +27,8 @@ from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.simulation.loop_margins import compute_loop_margins
-from flexsid.sysid.simulation.preflight_simulation import SimulatedFlight, simulate_flight
-from flexsid.sysid.simulation.recording import (
-    SensorErrors,
-    apply_instruments,
-    apply_sensor_errors,
-)
+from flexsid.sysid.simulation.preflight_simulation import simulate_flight
+from flexsid.sysid.simulation.recording import SensorErrors
 from flexsid.sysid.simulation.turbulence import (
     DiscreteGust,
     Turbulence,
@@ -40,21 +36,15 @@ from flexsid.sysid.simulation.turbulence import (
     compute_discrete_gust,
     generate_gust,
 )
-from flexsid.workflow.aircraft.aircraft_models import (
-    OutputDefinition,
-    define_outputs,
-    get_output_instrument,
-)
+from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, define_outputs
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
     PredictionModel,
     collect_errors,
     load_prediction_model,
 )
-from flexsid.workflow.flutter.controllers import (
-    enters_before_mixer,
-    interpolate_controller,
-)
+from flexsid.workflow.excitation.simulated_channels import simulate_channels
+from flexsid.workflow.flutter.controllers import enters_before_mixer, interpolate_controller
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, find_or_add_flight
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -62,8 +52,6 @@ from flexsid.workflow.runs.run_identity import add_hashes
 _TRIM_S, _SETTLE_S = 2.0, 4.0
 _LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
 _GUST_SEED = 797  # separates the seed of the turbulence from that of the noise
-_DROPOUT_SEED = 811  # and that of dropouts from both
-_SURFACE_SEED = 821  # and that of the noise of measured surfaces from all
 _RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
 _NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
@@ -228,7 +216,7 @@ def simulate_design(
     report(Progress(fraction=0.9, message="Recording"))
     channels = [
         (name, unit, role, samples[lead:])
-        for name, unit, role, samples in _simulate_channels(
+        for name, unit, role, samples in simulate_channels(
             at, aircraft, moved, injected.commands, rate, request.sensors
         )
     ]
@@ -456,102 +444,6 @@ def _find_columns(at: PredictionModel, inputs: tuple[str, ...]) -> list[int]:
             code="unknown-input",
         )
     return [at.model.inputs.index(name) for name in inputs]
-
-
-def _simulate_channels(
-    at: PredictionModel,
-    aircraft: Aircraft,
-    moved: SimulatedFlight,
-    excitation: np.ndarray,
-    rate: float,
-    errors: tuple[SensorErrors, ...],
-) -> list[tuple[str, str, Role, np.ndarray]]:
-    """Simulate the recorded channels: surfaces, noisy outputs, excitation; in SI."""
-    model, surfaces = at.model, {surface.name: surface for surface in aircraft.surfaces}
-    true = np.stack(
-        [
-            moved.commands[:, k] if surfaces[name].actuator is not None else moved.deflections[:, k]
-            for k, name in enumerate(model.inputs)
-        ],
-        axis=1,
-    )
-    sensed = [
-        aircraft.instruments.get(surfaces[n].instrument or "", Instrument()) for n in model.inputs
-    ]
-    seen = apply_instruments(true, rate, sensed)
-    rng = np.random.default_rng([at.run.id or 0, _SURFACE_SEED])
-    seen += rng.normal(size=seen.shape) * [surfaces[n].noise_std_rad or 0.0 for n in model.inputs]
-    outputs = define_outputs(aircraft, model.outputs)
-    read = apply_instruments(
-        moved.outputs, rate, [get_output_instrument(aircraft, o) for o in outputs]
-    )
-    read += _simulate_unmodelled(at, excitation, rate) + _draw_noise(at, read.shape[0], rate)
-    read = _disturb_outputs(at, read, rate, errors)
-    rows = [(name, "rad", Role.INPUT, seen[:, k]) for k, name in enumerate(model.inputs)]
-    rows += [(o.name, o.model.units[0], Role.OUTPUT, read[:, k]) for k, o in enumerate(outputs)]
-    rows += [
-        (f"{name}_command", "rad", Role.COMMAND, excitation[:, k])
-        for k, name in enumerate(model.inputs)
-    ]
-    return rows
-
-
-def _disturb_outputs(
-    at: PredictionModel, read: np.ndarray, rate: float, errors: tuple[SensorErrors, ...]
-) -> np.ndarray:
-    """Apply errors of recording to outputs, the last that names a channel.
-
-    Raises
-    ------
-    BadInput
-        If an error names a channel that is no output of the model.
-    """
-    outputs = at.model.outputs
-    of_channel: dict[str, SensorErrors] = {}
-    for one in errors:
-        for name in one.channels or outputs:
-            if name not in outputs:
-                raise BadInput(
-                    f"the model of run {at.run.id} has no output '{name}' for sensor errors; it has"
-                    f" {', '.join(outputs)}",
-                    code="unknown-channel",
-                    channel=name,
-                )
-            of_channel[name] = one
-    found = read.copy()
-    rng = np.random.default_rng([at.run.id or 0, _DROPOUT_SEED])
-    for name, one in of_channel.items():
-        column = [outputs.index(name)]
-        found[:, column] = apply_sensor_errors(read[:, column], rate, one, rng)
-    return found
-
-
-def _simulate_unmodelled(at: PredictionModel, excitation: np.ndarray, rate: float) -> np.ndarray:
-    """Simulate the response that the run's model does not explain, by command."""
-    n_samples = excitation.shape[0]
-    omega = 2.0 * np.pi * np.fft.rfftfreq(n_samples, 1.0 / rate)
-    inside = (omega >= at.band[0]) & (omega <= at.band[1])
-    commands = np.fft.rfft(excitation, axis=0)[inside]
-    spectrum = np.zeros((omega.size, len(at.model.outputs)), dtype=complex)
-    for name, missed in at.noise_model.unmodelled_responses.items():
-        own = commands[:, [at.model.inputs.index(name)]]
-        spectrum[inside] += missed(omega[inside]) * own
-    return np.fft.irfft(spectrum, n_samples, axis=0)
-
-
-def _draw_noise(at: PredictionModel, n_samples: int, rate: float) -> np.ndarray:
-    """Draw noise with the run's spectral density matrix from a fixed seed."""
-    rng = np.random.default_rng([at.run.id or 0, n_samples])
-    omega = 2.0 * np.pi * np.fft.rfftfreq(n_samples, 1.0 / rate)[1:-1]
-    density = at.noise_model.noise(omega)
-    n_y = density.shape[1]
-    values, vectors = np.linalg.eigh(density)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
-    white = rng.normal(size=(omega.size, n_y)) + 1j * rng.normal(size=(omega.size, n_y))
-    spectrum = np.zeros((n_samples // 2 + 1, n_y), dtype=complex)
-    # A sequence of density S has sums over T of variance S T; its rfft is rate times that.
-    spectrum[1:-1] = np.sqrt(0.5 * n_samples * rate) * np.einsum("kij,kj->ki", root, white)
-    return np.fft.irfft(spectrum, n_samples, axis=0)
 
 
 def _get_servo(aircraft: Aircraft, name: str) -> Instrument:
