@@ -232,19 +232,7 @@ function ModesForm({ id, found, aircraft, onChange }: FoundProps & { found: Stru
       ))}
       {results.length > 1 && (
         <Group>
-          {results.map((file) => (
-            <NumberInput
-              key={file.name}
-              label={`Fuel of ${file.name} [%]`}
-              min={0}
-              max={100}
-              value={100 * (fuel[file.name] ?? 0)}
-              onChange={(value) => {
-                if (typeof value === "number")
-                  setFuel((before) => ({ ...before, [file.name]: value / 100 }));
-              }}
-            />
-          ))}
+          <FuelInputs files={results} fuel={fuel} onChange={setFuel} />
         </Group>
       )}
       {save.isError && <ProblemAlert error={save.error} />}
@@ -313,19 +301,7 @@ function MassForm({
             setAxes(value ?? axes);
           }}
         />
-        {files.map((file) => (
-          <NumberInput
-            key={file.name}
-            label={`Fuel of ${file.name} [%]`}
-            min={0}
-            max={100}
-            value={100 * (fuel[file.name] ?? 0)}
-            onChange={(value) => {
-              if (typeof value === "number")
-                setFuel((before) => ({ ...before, [file.name]: value / 100 }));
-            }}
-          />
-        ))}
+        <FuelInputs files={files} fuel={fuel} onChange={setFuel} />
         <Button
           variant="default"
           disabled={mass === null || length === null}
@@ -490,4 +466,26 @@ function FlutterSummaryForm({ id, aircraft, onChange }: FoundProps) {
       {save.isError && <ProblemAlert error={save.error} />}
     </Group>
   );
+}
+
+interface FuelInputsProps {
+  files: { name: string }[];
+  fuel: Record<string, number>;
+  onChange: (fuel: Record<string, number>) => void;
+}
+
+/** Fuel fraction of each file, typed in percent. */
+function FuelInputs({ files, fuel, onChange }: FuelInputsProps) {
+  return files.map((file) => (
+    <NumberInput
+      key={file.name}
+      label={`Fuel of ${file.name} [%]`}
+      min={0}
+      max={100}
+      value={100 * (fuel[file.name] ?? 0)}
+      onChange={(value) => {
+        if (typeof value === "number") onChange({ ...fuel, [file.name]: value / 100 });
+      }}
+    />
+  ));
 }
