@@ -133,15 +133,18 @@ def create_app(
             queue_health=QueueHealth(store, lambda: dispatcher.is_starting),
             check_additional_part=check_additional_part,
         )
-        scheduled = asyncio.create_task(
-            schedule_backups(app.state.context, settings.backup_hours, settings.backups_retained)
-            if settings.backup_hours is not None
-            else asyncio.sleep(0)
-        )
+        scheduled = None
+        if settings.backup_hours is not None:
+            scheduled = asyncio.create_task(
+                schedule_backups(
+                    app.state.context, settings.backup_hours, settings.backups_retained
+                )
+            )
         try:
             yield
         finally:
-            scheduled.cancel()
+            if scheduled is not None:
+                scheduled.cancel()
             live.stop()
             streams.close()
             dispatcher.stop()

@@ -9,7 +9,6 @@ from datetime import UTC, datetime, timedelta
 import anyio.to_thread
 
 from flexsid.api.context import Context
-from flexsid.errors import FlexsidError
 from flexsid.jobs.kind import submit
 from flexsid.jobs.kinds import BACKUP
 from flexsid.storage.store import Store
@@ -25,8 +24,8 @@ async def schedule_backups(context: Context, hours: int, retained: int) -> None:
         try:
             if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, retained):
                 context.dispatcher.wake()
-        except FlexsidError as error:
-            _log.warning("no backup was requested: %s", error.message)
+        except Exception:  # such as a locked database; without this no backup would follow
+            _log.exception("no backup was requested; trying again")
         await asyncio.sleep(_CHECK_S)
 
 
