@@ -64,6 +64,14 @@ def test_controller_with_mixer_is_stored_and_its_law_mixed(client: TestClient):
         ({"drives": ["bfs"]}, "omit 'drives'"),
         ({"rate_limit_rad_s": -1.0}, "positive"),
         ({"mixer": {}}, "by surface and command"),
+        (
+            {
+                "commands": ["wf1s"],
+                "mixer": {"wf4s": {"wf1s": 1.0}},
+                "transfer": {"wf1s": TRANSFER["transfer"]["wf4s"]},
+            },
+            "name of a surface",
+        ),
     ):
         refused = posted(client, mixed | change)
         assert refused.status_code == 422

@@ -242,6 +242,11 @@ def compute_flown_bounds(
     -------
     ndarray, (n_theta,)
         Standard errors, before ``flight_noise.variance_ratio``.
+
+    Raises
+    ------
+    NotIdentifiable
+        If the record has no information on some parameters, or an output has no noise.
     """
     omega = inputs.omega
     line_model = _build_line_model(
@@ -249,8 +254,8 @@ def compute_flown_bounds(
     )
     response = line_model.respond(parameters.start)
     J = line_model.jacobian(line_model.sensitivity(parameters.start, response))
-    half = np.linalg.cholesky(record_s * flight_noise.noise(omega))
-    information = _products(np.linalg.solve(half, J)) + np.diag(_precision(parameters, priors))
+    J = _whiten(J, record_s * flight_noise.noise(omega))
+    information = _products(J) + np.diag(_precision(parameters, priors))
     return np.sqrt(np.diag(_invert(information)))
 
 
@@ -384,7 +389,7 @@ def _gather(
     )
     size = np.sqrt(level)
     density = noise / np.outer(size, size) + _smooth_by_frequency(omega, remaining / size)
-    J = np.linalg.solve(np.linalg.cholesky(density), J / size[:, None])
+    J = _whiten(J / size[:, None], density)
     deviation = size * np.sqrt(np.real(np.diagonal(density, axis1=1, axis2=2)))
     ends = np.cumsum([spectrum.omega.size for spectrum in spectra])[:-1]
     parts = [np.split(each, ends) for each in (J, deviation)]
@@ -402,6 +407,19 @@ def _gather(
         ),
         nuisance=nuisance,
     )
+
+
+def _whiten(
+    J: Complex[np.ndarray, "n_omega n_y n_theta"], noise: Complex[np.ndarray, "n_omega n_y n_y"]
+) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
+    """Return L^-1 J for noise L L^H."""
+    try:
+        return np.linalg.solve(np.linalg.cholesky(noise), J)
+    except np.linalg.LinAlgError:
+        raise NotIdentifiable(
+            "the residuals of an output of the run are zero: without noise there is no standard"
+            " error to predict; select a run of a recorded flight"
+        ) from None
 
 
 def _precision(parameters: Parameters, priors: Mapping[str, float] | None) -> np.ndarray:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign, ExpectedError
 from flexsid.records.run import EstimationRun, Method, Pole, Progress, ReportProgress
@@ -298,13 +299,13 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
     omega = data.measured.omega
     prior_std = {name: std for name, (_, std) in priors.items()}
     if len(task.maneuvers) == 1:
-        bounds = compute_flown_bounds(
-            *(task.model, parameters, data.measured.inputs),
-            *(noise_model, residuals[0].record_s, prior_std),
-        )
-        noise_model = replace(
-            noise_model, variance_ratio=_compare_variances(run, parameters.names, bounds)
-        )
+        with suppress(NotIdentifiable):  # such a run has no standard errors either
+            bounds = compute_flown_bounds(
+                *(task.model, parameters, data.measured.inputs),
+                *(noise_model, residuals[0].record_s, prior_std),
+            )
+            ratio = _compare_variances(run, parameters.names, bounds)
+            noise_model = replace(noise_model, variance_ratio=ratio)
     return PredictionModel(
         run=run,
         model=task.model,

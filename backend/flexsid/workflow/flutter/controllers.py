@@ -58,6 +58,14 @@ def add_controller(store: Store, controller: Controller) -> Controller:
                 code="unknown-input",
                 input=name,
             )
+    for name in controller.commands:
+        if name in surfaces:
+            raise BadInput(
+                f"the command '{name}' of the controller has the name of a surface; rename it, so"
+                " that it is known whether excitation enters before the mixer or behind it",
+                code="name-of-surface",
+                input=name,
+            )
     if not 0.0 <= controller.delay_s < 1.0:
         raise BadInput(
             f"the delay is {controller.delay_s:g} s; expected at least 0 and less than 1 s"
