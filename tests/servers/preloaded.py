@@ -10,17 +10,19 @@ from __future__ import annotations
 import multiprocessing
 import os
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from flexsid.jobs import child, dispatcher_process
 from flexsid.jobs.child import Program
-from flexsid.streams import live_streams
+from flexsid.streams import live_streams, stream_process
 
 _is_forked = False
 _FORKING = multiprocessing.get_context("forkserver")
@@ -39,8 +41,8 @@ class PreloadedProgram(Program):
         self.connection, child_connection = multiprocessing.Pipe()
         child_lifeline, lifeline = multiprocessing.Pipe(duplex=False)
         self._lifeline = os.dup(lifeline.fileno())
-        # A dispatcher that was forked forks its workers itself: it has the libraries loaded,
-        # and another fork server would import them again, for seconds.
+        # A forked process forks its programs itself: it has the libraries loaded, and another
+        # fork server would import them again, for seconds.
         context = multiprocessing.get_context("fork") if _is_forked else _FORKING
         self._forked = context.Process(
             target=_run, args=(module, child_connection, child_lifeline), daemon=False
@@ -93,19 +95,10 @@ def _serve(database: Path, port: int, log: Path) -> None:
         for stream in (1, 2):
             os.dup2(output.fileno(), stream)
     os.environ["FLEXSID_PORT"] = str(port)
-    # Forked while this process has one thread. A dispatcher that replaces it is started anew.
-    ready = [PreloadedProgram(dispatcher_process.__name__)]
-    setattr(  # noqa: B010
-        dispatcher_process, "Program", lambda module: ready.pop() if ready else Program(module)
-    )
     from flexsid.cli.main import main
 
-    try:
+    with _programs_of(dispatcher_process, dispatcher_process.__name__, count=1):
         code = main(["serve", "--database", f"sqlite:///{database}"])
-    finally:
-        for program in ready:
-            program.kill()
-            program.close()
     sys.exit(code)
 
 
@@ -114,10 +107,33 @@ def _run(module: str, connection: Connection, lifeline: Connection) -> None:
     if _is_forked:
         _close_others(connection.fileno(), lifeline.fileno())
     _is_forked = True
-    child.Program = PreloadedProgram  # of the workers that a dispatcher starts
-    program = import_module(module)
-    vars(program)["Program"] = PreloadedProgram  # of the estimates that a stream starts
-    program.main([str(connection.fileno()), str(lifeline.fileno())])
+    with ExitStack() as programs:
+        if module == dispatcher_process.__name__:
+            programs.enter_context(_programs_of(child, "flexsid.jobs.worker", count=3))
+        elif module == stream_process.__name__:
+            programs.enter_context(
+                _programs_of(stream_process, "flexsid.streams.estimate_process", count=2)
+            )
+        import_module(module).main([str(connection.fileno()), str(lifeline.fileno())])
+
+
+@contextmanager
+def _programs_of(user: ModuleType, module: str, count: int) -> Iterator[None]:
+    """Fork the first programs that a module will start, and start further ones as it does itself.
+
+    They are forked while this process has one thread: a process that is forked later would wait
+    for ever for a lock that another thread held at that moment.
+    """
+    ready = [PreloadedProgram(module) for _ in range(count)]
+    setattr(  # noqa: B010
+        user, "Program", lambda started: ready.pop() if ready else Program(started)
+    )
+    try:
+        yield
+    finally:
+        for program in ready:
+            program.kill()
+            program.close()
 
 
 def _close_others(*used: int) -> None:

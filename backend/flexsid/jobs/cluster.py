@@ -100,7 +100,7 @@ class ClusterWorkers(Workers[Any]):
         for key, future in list(self._tasks.items()):
             if future is not None and future.done():
                 del self._tasks[key]
-                messages.append((key, _fetch_result(future)))
+                messages += [(key, message) for message in _fetch_result(future)]
         return messages
 
     def close(self) -> None:
@@ -173,19 +173,19 @@ class ClusterWorkers(Workers[Any]):
         self._messages.put(((job_id, attempt), message))
 
 
-def _fetch_result(future: Any) -> WorkerMessage:
-    """Return the result of a task, or why it has none."""
+def _fetch_result(future: Any) -> list[WorkerMessage]:
+    """Return the last progress and the result of a task, or why it has none."""
     from distributed import KilledWorker
     from distributed.client import FutureCancelledError
 
     try:
         return future.result(timeout=_FETCH_S)
     except KilledWorker as error:
-        return WorkerDiedMessage(f"on {error.last_worker.address}")
+        return [WorkerDiedMessage(f"on {error.last_worker.address}")]
     except (FutureCancelledError, OSError, TimeoutError) as error:
-        return TaskLostMessage(f"the Dask cluster dropped the task ({type(error).__name__})")
+        return [TaskLostMessage(f"the Dask cluster dropped the task ({type(error).__name__})")]
     except Exception as error:
-        return describe_error(error)
+        return [describe_error(error)]
 
 
 _idle: list[Child] = []
@@ -193,18 +193,21 @@ _idle: list[Child] = []
 
 def execute_on_worker(
     load_kinds: LoadKinds, content: bytes, name: tuple[str, Key]
-) -> WorkerMessage:
+) -> list[WorkerMessage]:
     """Compute one task in a child process of this Dask worker.
 
-    Returns when the task has ended or was cancelled.
+    Returns when the task has ended or was cancelled: the last progress and the result.
     """
     from distributed import get_worker
 
     worker = get_worker()
     own = worker.get_current_task()
     topic, (job_id, attempt) = name
+    # Events have a connection of their own, on which the result of a short task overtakes them.
+    last: list[WorkerMessage] = []
 
     def publish(message: ProgressMessage) -> None:
+        last[:] = [message]
         progress = None if message.progress is None else asdict(message.progress)
         worker.log_event(topic, (job_id, attempt, progress))
 
@@ -214,4 +217,4 @@ def execute_on_worker(
 
     message = execute_in_child(load_kinds, content, _idle, publish, is_cancelled)
     is_end = isinstance(message, ComputedMessage | FailedMessage)
-    return replace(message, worker=worker.address) if is_end else message
+    return [*last, replace(message, worker=worker.address) if is_end else message]
