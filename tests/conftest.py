@@ -101,6 +101,7 @@ _BOTH = (
     *("api/test_model_structures.py", "workflow/test_ingest.py"),
     "api/test_hostile_input.py",
     *("api/test_searches.py::test_interrupted", "workflow/test_recordings.py"),
+    "workflow/test_integrity.py::test_every_change",
     *("cli/test_commands.py::test_a_run_is_executed", "cli/test_commands.py::test_files_are"),
     *("cli/test_commands.py::test_each_damage", "cli/test_commands.py::test_an_intact"),
 )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -14,7 +16,7 @@ from flexsid.storage import queue
 from flexsid.storage.arrays import DamagedData
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
-from flexsid.storage.tables import arrays, runs
+from flexsid.storage.tables import aircraft, arrays, channels, maneuvers, predictions, runs
 from flexsid.workflow.runs import estimation
 
 
@@ -85,6 +87,37 @@ def test_run_lists_data_corrected_since(flown: Store) -> None:
     assert step.id is not None
     flown.conditioning.delete(step.id)
     assert find_changes(flown.database, [run.rests_on]) == [()]
+
+
+_NEXT_UP = {"rate_hz": math.nextafter(50.0, 60.0), "start_s": 5e-324}
+
+
+@pytest.mark.parametrize(
+    ("table", "values"),
+    [
+        *((channels, {name: value}) for name, value in _NEXT_UP.items()),
+        (channels, {"unit": "it's\\n"}),
+        (channels, {"sensor": "other"}),
+        (maneuvers, {"condition": {"airspeed_m_s": 0.1 + 0.2}}),
+        (predictions, {"source": "other"}),
+        (aircraft, {"name": "other"}),
+    ],
+    ids=lambda value: "" if isinstance(value, dict) else value.name,
+)
+def test_every_change_of_an_input_is_found_and_its_reversal(
+    flown: Store, table: sa.Table, values: dict[str, Any]
+) -> None:
+    run = flown.runs.get(1)
+    first = sa.select(sa.func.min(table.c.id)).scalar_subquery()
+    columns = [table.c[name] for name in values]
+    with flown.database.reading() as connection:
+        before = connection.execute(sa.select(*columns).where(table.c.id == first)).one()
+    for after, is_changed in ((values, True), (dict(before._mapping), False), (values, True)):
+        with flown.database.transaction() as connection:
+            identity = connection.scalar(sa.select(first))
+            connection.execute(sa.update(table).where(table.c.id == identity).values(after))
+        (changed,) = find_changes(flown.database, [run.rests_on])
+        assert bool(changed) == is_changed
 
 
 def test_run_uses_data_corrected_before_computation(flown: Store) -> None:
