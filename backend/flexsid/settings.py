@@ -38,7 +38,8 @@ class Settings:
     ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
     unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
-    ``backups_retained`` of these backups are retained.
+    ``backups_retained`` of these backups are retained. An analyst may have ``analyst_jobs``
+    unfinished jobs, and the recordings of a campaign ``campaign_gigabytes`` (None: no limit).
     """
 
     database: str = DEFAULT_DATABASE
@@ -55,6 +56,8 @@ class Settings:
     site_key: Path | None = None
     backup_hours: int | None = None
     backups_retained: int = _BACKUPS_RETAINED
+    analyst_jobs: int | None = None
+    campaign_gigabytes: int | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -91,6 +94,10 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         site_key=Path(key) if (key := environment.get("FLEXSID_SITE_KEY")) else None,
         backup_hours=_number(environment, "FLEXSID_BACKUP_HOURS", "a number of hours", 8760),
         backups_retained=_BACKUPS_RETAINED if retained is None else retained,
+        analyst_jobs=_number(environment, "FLEXSID_ANALYST_JOBS", "a number of jobs", 10**6),
+        campaign_gigabytes=_number(
+            environment, "FLEXSID_CAMPAIGN_GIGABYTES", "a number of gigabytes", 10**6
+        ),
     )
     _check_access(settings)
     return settings

@@ -5,8 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from waiting import wait_until
+
+from flexsid.storage.quotas import Quotas
 
 API = "/api/v1"
 SETTINGS = {"max_iterations": 90, "out_of_band_modes": "omitted"}  # the existing run has other ones
@@ -39,6 +42,20 @@ def test_repeated_request_returns_existing_run(client: TestClient) -> None:
     assert other.status_code == 202
     assert other.json()["data_hash"] == first.json()["data_hash"]
     assert other.json()["input_hash"] != first.json()["input_hash"]
+
+
+def test_runs_beyond_the_quota_of_an_analyst_are_refused(
+    client: TestClient, app: FastAPI, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(app.state.context.store, "quotas", Quotas(unfinished_jobs=5))
+    before = client.get(f"{API}/jobs").json()
+    refused = client.post(f"{API}/batches", json=BATCH)
+    assert (refused.status_code, refused.json()["code"]) == (409, "queue-full")
+    assert "more than 5" in refused.json()["detail"]
+    assert client.get(f"{API}/jobs").json() == before, "none of the runs is queued"
+    assert client.get(f"{API}/batches").json()["items"] == []
+    fewer = BATCH | {"methods": ["EE", "OE"]}
+    assert client.post(f"{API}/batches", json=fewer).status_code == 202
 
 
 def test_cancelled_or_deleted_run_is_not_reused(client: TestClient) -> None:

@@ -19,6 +19,7 @@ from waiting import ended
 
 from flexsid.importers.proposal import REMEMBERED
 from flexsid.settings import Settings
+from flexsid.storage.quotas import Quotas, count_recorded_bytes
 
 TIME = np.arange(200) / 50.0
 
@@ -97,6 +98,27 @@ def test_proposed_mapping_is_imported(client: TestClient) -> None:
     assert again["request"] == {"upload_id": identity}
     known = client.get(f"/api/v1/uploads/{identity}/import").json()
     assert known == {"job": again}, "the page finds the job after a reload"
+
+
+def test_recordings_beyond_the_quota_of_a_campaign_are_refused(
+    client: TestClient, app: FastAPI, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = app.state.context.store
+    with store.database.reading() as connection:
+        present = count_recorded_bytes(connection, 1)
+    sizes = {c.array: c.n_samples * 4 for c in store.channels.find()}
+    assert 0.9 < present / sum(sizes.values()) < 2.1, "samples of four or eight bytes"
+    found = upload(client, ("flight 13.csv", text().replace(b"70,2000", b"71,2000")))
+    at, mapping = f"/api/v1/uploads/{found['upload']['id']}/import", found["proposal"]["text"]
+    body = {"mapping": mapping, "confirmed": True, "aircraft_id": 1}
+    size = 6 * 8 * len(TIME)
+    monkeypatch.setattr(store, "quotas", Quotas(recorded_bytes=present + size - 1))
+    before = client.get("/api/v1/jobs").json()
+    refused = client.post(at, json=body)
+    assert (refused.status_code, refused.json()["code"]) == (409, "campaign-full")
+    assert client.get("/api/v1/jobs").json() == before
+    monkeypatch.setattr(store, "quotas", Quotas(recorded_bytes=present + size))
+    assert client.post(at, json=body).status_code == 202
 
 
 def test_guesses_require_confirmation(client: TestClient) -> None:

@@ -76,6 +76,7 @@ from flexsid.reports import read_template
 from flexsid.settings import Settings
 from flexsid.storage.backup import find_file
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.quotas import GIGABYTE, Quotas
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
@@ -112,7 +113,7 @@ def create_app(
         if settings.backup_hours is not None:
             find_file(settings.database)  # only databases of SQLite are copied
         migration = upgrade(settings.database)
-        store = Store.open(settings.database, settings.site_key)
+        store = Store.open(settings.database, settings.site_key, _read_quotas(settings))
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)
@@ -223,6 +224,14 @@ def create_app(
     app.add_middleware(SecurityMiddleware)
     app.add_middleware(RequestLog, metrics=metrics)  # the last one added runs first
     return app
+
+
+def _read_quotas(settings: Settings) -> Quotas:
+    most = settings.campaign_gigabytes
+    return Quotas(
+        unfinished_jobs=settings.analyst_jobs,
+        recorded_bytes=None if most is None else most * GIGABYTE,
+    )
 
 
 def _make_operation_id(route: APIRoute) -> str:

@@ -112,6 +112,11 @@ def load(folder: Path) -> Sources:
     )
 
 
+def count_sample_bytes(folder: Path) -> int:
+    """Return the size of the samples that ``decode`` wrote. [bytes]"""
+    return (folder / SAMPLES).stat().st_size
+
+
 def _array(entry: dict[str, Any], raw: bytes | mmap.mmap) -> np.ndarray:
     shape = tuple(entry["shape"])
     if "texts" in entry:

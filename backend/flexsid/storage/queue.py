@@ -20,6 +20,7 @@ from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
 from flexsid.storage import job_log, leases, run_results
 from flexsid.storage.access import Access, storing_in_campaign, using_access
+from flexsid.storage.quotas import check_unfinished_jobs
 from flexsid.storage.run_summaries import store_summary
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
@@ -54,8 +55,9 @@ class StaleAttempt(Conflict):
 
 
 def add(store: Store, run: EstimationRun) -> EstimationRun:
-    """Queue a run."""
+    """Queue a run; raises QueueFull beyond the quota of its author."""
     with store.database.transaction() as connection:
+        check_unfinished_jobs(connection, run.author, store.quotas)
         added = store.runs.add(run)
         assert added.id is not None
         job_log.write(connection, [added.id], "queued", message=_describe_request(run.author))
@@ -63,8 +65,9 @@ def add(store: Store, run: EstimationRun) -> EstimationRun:
 
 
 def add_job(store: Store, job: Job) -> Job:
-    """Queue a job."""
+    """Queue a job; raises QueueFull beyond the quota of its author."""
     with store.database.transaction() as connection:
+        check_unfinished_jobs(connection, job.author, store.quotas)
         added = store.jobs.add(job)
         assert added.id is not None
         job_log.write(connection, [added.id], "queued", message=_describe_request(job.author))

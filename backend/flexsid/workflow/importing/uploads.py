@@ -27,6 +27,7 @@ from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
+from flexsid.storage.quotas import check_recorded_bytes
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
 from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, refuse_guesses
@@ -182,6 +183,8 @@ def check_import(
     ------
     BadInput
         If the mapping is invalid, or has guessed values that are not confirmed.
+    CampaignFull
+        If the samples would exceed the quota of the campaign.
     Forbidden
         If the account may not add an aircraft.
     UnknownRecord
@@ -194,9 +197,17 @@ def check_import(
     part = mapping.aircraft
     if part is not None and part.builtin and add_builtin_aircraft is not None:
         add_builtin_aircraft(store, part.name)
+    campaign = _find_campaign(store, request, None if part is None else part.name)
+    with store.database.reading() as connection:
+        size = sandbox.count_sample_bytes(find_folder(store, request.upload_id))
+        check_recorded_bytes(connection, campaign, size, store.quotas)
+    return campaign
+
+
+def _find_campaign(store: Store, request: ImportRequest, aircraft: str | None) -> int | None:
     if request.aircraft_id is not None:
         return store.aircraft.get(request.aircraft_id).id
-    known = [] if part is None else store.aircraft.find(name=part.name)
+    known = [] if aircraft is None else store.aircraft.find(name=aircraft)
     if known:
         return known[0].id
     access = get_access()
