@@ -11,6 +11,7 @@ import subprocess
 import sys
 import urllib.request
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -438,6 +439,17 @@ def test_each_damage_is_reported_with_advice(flown_url: str, capsys) -> None:
     if flown_url.startswith("sqlite"):
         assert "flexsid check" in refused(capsys, 1, "backup", "copy", "--database", flown_url)
         assert not Path("copy").exists()
+
+
+def test_a_record_that_changed_since_a_run_is_reported(flown_url: str, capsys) -> None:
+    store = Store.open(flown_url)
+    aircraft = store.aircraft.get(1)
+    store.aircraft.replace(replace(aircraft, name="FLEX-29"))
+    store.close()
+    assert main(["check", "--database", flown_url, "--json"]) == 0, "it may be a correction"
+    (found,) = json.loads(capsys.readouterr().out)["warnings"]
+    assert (found["code"], found["record"]) == ("inputs-changed", "aircraft 1")
+    assert "1 runs were estimated with (the first: run 1)" in found["text"]
 
 
 def test_a_deleted_run_of_a_baseline_is_detected(flown_url: str, capsys) -> None:

@@ -1,4 +1,4 @@
-"""Integrity check of a database: pages, references, arrays, results, decisions, clock."""
+"""Integrity check of a database: pages, references, arrays, results, inputs, decisions, clock."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.audit_log import read_events
+from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.event_chain import is_chain_intact
 from flexsid.storage.run_results import SEALED, is_altered
@@ -40,12 +41,13 @@ class DatabaseProblem:
 
 
 def check_database(store: Store) -> list[DatabaseProblem]:
-    """Check pages, references, samples, results, decisions, and the clock."""
+    """Check pages, references, samples, results, their inputs, decisions, and the clock."""
     return [
         *_check_pages(store.database),
         *_check_references(store.database),
         *_check_arrays(store.database),
         *_check_results(store.database),
+        *_check_inputs(store.database),
         *_check_decisions(store),
         *_check_audit_log(store),
         *_check_clock(store),
@@ -142,6 +144,25 @@ def _check_results(database: Database) -> Iterator[DatabaseProblem]:
                     " estimate again."
                 )
                 yield DatabaseProblem("result-not-sealed", f"run {number}", text)
+
+
+def _check_inputs(database: Database) -> Iterator[DatabaseProblem]:
+    """Compare the records that runs rest on with those of the time of the run."""
+    runs = tables.runs.c
+    query = sa.select(runs.id, runs.rests_on).where(runs.state == RunState.SUCCEEDED.value)
+    with database.reading() as connection:
+        found = connection.execute(query.order_by(runs.id)).all()
+        changes = find_changes(database, [rests_on for _, rests_on in found])
+    changed: dict[str, list[int]] = {}
+    for (number, _), names in zip(found, changes, strict=True):
+        for name in names:
+            changed.setdefault(name, []).append(number)
+    for name, numbers in changed.items():
+        text = (
+            f"{name.capitalize()} differs from what {len(numbers)} runs were estimated with (the"
+            f" first: run {numbers[0]}); unless it was corrected since, {_REPAIR}."
+        )
+        yield DatabaseProblem("inputs-changed", name, text, is_damage=False)
 
 
 def _check_decisions(store: Store) -> Iterator[DatabaseProblem]:
