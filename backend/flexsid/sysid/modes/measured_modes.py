@@ -40,6 +40,7 @@ def identify_modes(
     columns: tuple[PoleColumn, ...],
     quantity: str,
     driving: tuple[tuple[int, int], ...] = (),
+    line_correlation: float = 1.0,
 ) -> MeasuredModes:
     """Identify the modes in the band of frequency responses by maximum likelihood.
 
@@ -53,6 +54,8 @@ def identify_modes(
         Stable poles, the start values; modes that are missing there are added.
     driving
         Pairs (output, reference) at one point in one direction; they give the scale.
+    line_correlation
+        Of the noise over frequency, see ``fit_modal_model``.
 
     Raises
     ------
@@ -74,6 +77,7 @@ def identify_modes(
         quantity,
         np.array([column.value for column in columns], dtype=complex),
         np.array([column.participation for column in columns], dtype=complex).reshape(-1, n_in),
+        line_correlation,
     )
     std_omega, std_damping = model.compute_std()
     size = np.abs(model.poles)

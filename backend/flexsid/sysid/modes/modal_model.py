@@ -98,6 +98,7 @@ class _ModalProblem:
     s: np.ndarray
     lift: np.ndarray
     responses: np.ndarray
+    line_correlation: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,6 +125,7 @@ def fit_modal_model(
     quantity: str,
     poles: Complex[np.ndarray, " n"],
     participation: Complex[np.ndarray, "n n_in"],
+    line_correlation: float = 1.0,
 ) -> tuple[ModalModel, Float[np.ndarray, " n_left"]]:
     """Fit modes to frequency responses from start values; add and remove modes by significance.
 
@@ -135,6 +137,9 @@ def fit_modal_model(
         Displacement, velocity or acceleration, as ``quantity`` states, per force.
     poles, participation
         Start values. [rad/s], any scale
+    line_correlation
+        Sum of the squared correlations of the noise of a frequency with that of the others, by the
+        window of the spectra (``AveragedSpectra``); one of independent noise.
 
     Returns
     -------
@@ -155,7 +160,7 @@ def fit_modal_model(
     retained where it lowers the cost, by the chi-squared test with ``_FALSE_MODES``.
     """
     s = 1j * omega
-    problem = _ModalProblem(s, s ** POWERS[quantity], responses)
+    problem = _ModalProblem(s, s ** POWERS[quantity], responses, line_correlation)
     poles, part = poles.astype(complex), _scale(participation.astype(complex))
     weights = _start_weights(responses)
     poles, part, weights = _refine(problem, poles, part, weights)
@@ -400,7 +405,8 @@ def _estimate_weights(problem: _ModalProblem, fitted: np.ndarray, n: int) -> _We
     # The mean is the more accurate where no mode is missing.
     mean = np.mean(scaled, axis=0) / free
     variance = np.where(mean < 1.2 * variance, np.maximum(mean, least), variance)
-    return _Weights(np.sqrt(variance), np.sqrt(frequency))
+    # What varies slowly over frequency has the errors of that many fewer independent ones.
+    return _Weights(np.sqrt(problem.line_correlation * variance), np.sqrt(frequency))
 
 
 def _refine(

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import fft
+from scipy import fft, signal
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
+from flexsid.sysid.spectra.averaged_spectra import transform_block
 
 _OVERLAP = 0.5  # of neighbouring windows
 _INDEPENDENT = 0.947  # share of independent Hann windows at half overlap (Welch 1967)
@@ -93,6 +94,6 @@ def compute_windowed_responses(
 def _windows(
     samples: Float[np.ndarray, "n_samples n"], starts: range, length: int
 ) -> Complex[np.ndarray, "n_windows n_omega n"]:
-    window = np.sin(np.pi * np.arange(length) / length) ** 2
-    cut = np.stack([samples[first : first + length] for first in starts])
-    return fft.rfft((cut - cut.mean(axis=1, keepdims=True)) * window[:, None], axis=1)
+    weights = np.asarray(signal.get_window("hann", length))
+    cut = [transform_block(samples[first : first + length], weights) for first in starts]
+    return np.stack(cut)
