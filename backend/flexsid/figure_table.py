@@ -34,6 +34,7 @@ from flexsid.figures.live_history import draw_live_history
 from flexsid.figures.loops import draw_loops
 from flexsid.figures.modal_data import (
     draw_assurance,
+    draw_measured_response,
     draw_model_order,
     draw_modes_against_fuel,
     draw_reduced_responses,
@@ -107,7 +108,7 @@ from flexsid.workflow.importing.maneuver_cutting import read_flight_history
 from flexsid.workflow.live.sortie import read_live_history
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
-from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch, read_function
 from flexsid.workflow.quality.ground_records import read_ground_spectra
 from flexsid.workflow.review.audit import read_figure
 from flexsid.workflow.structure_determination.searches import get_group
@@ -609,6 +610,12 @@ class _Stabilisation(ModeSearchParameters):
     responses_id: _Id
 
 
+class _MeasuredResponse(FigureParameters):
+    responses_id: _Id
+    response_dof: str = Field(max_length=20, description="Degree of freedom, such as 12+z.")
+    reference_dof: str = Field(max_length=20, description="Degree of freedom, such as 61+z.")
+
+
 @dataclass(frozen=True, slots=True)
 class FigureKind:
     """A figure: its parameters, the numbers they select, and how these are drawn.
@@ -893,6 +900,8 @@ _KINDS = (
         "Draw one frequency response of full and reduced models, and with rigid-body sensors."),
     FigureKind("stabilisation", _Stabilisation, _get_diagram, draw_stabilisation,
         "Draw the stabilisation diagram: poles by model order, and the mean measured response."),
+    FigureKind("measured-response", _MeasuredResponse, read_function, draw_measured_response,
+        "Draw a measured frequency response: magnitude, phase, and coherence if estimated."),
 )
 # fmt: on
 

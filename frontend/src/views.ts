@@ -423,6 +423,9 @@ export const modalDataView = view((search) => ({
   from_hz: number(search.from_hz),
   to_hz: number(search.to_hz),
   order: integer(search.order),
+  /** Degrees of freedom of the response that is drawn, such as 12+z. */
+  response_dof: text(search.response_dof),
+  reference_dof: text(search.reference_dof),
   /** Flutter summary, the place of its analysis, damping g, and the prediction beside it. */
   summary: integer(search.summary),
   analysis: integer(search.analysis),

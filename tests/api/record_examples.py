@@ -108,6 +108,7 @@ class _Recorder:
             "inspect_modal_files": self._upload("modes.uff", modes),
             "import_modal_data": self._upload("modes.uff", modes),
             "import_responses": self._upload("gvt.uff", measured),
+            "estimate_responses": self._upload("run.csv", _write_vibration_record()),
             "check_orthogonality": self._upload("mass.npz", mass.getvalue()),
         }
         self.recording = self._upload("recording.csv", RECORDING.encode())
@@ -226,6 +227,16 @@ def _find_rank(operation: tuple[str, str, dict[str, Any]]) -> int:
     if method == "post" and path.endswith("/results"):
         return 2
     return {"post": 0, "put": 1, "get": 3, "delete": 4}[method]
+
+
+def _write_vibration_record() -> bytes:
+    """A force and two accelerations over 40 s."""
+    rng = np.random.default_rng(1)
+    force = rng.normal(size=4000)
+    columns = [np.arange(4000) / 100.0, force, 2.0 * force, rng.normal(size=4000) - force]
+    head = "time [s],force 61+z [N],61+z [m/s2],64+z [m/s2]"
+    rows = (",".join(f"{x:.6g}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join([head, *rows]).encode()
 
 
 def shorten(value: Any) -> Any:

@@ -155,3 +155,48 @@ def test_mode_shapes_are_mass_orthogonal(client: TestClient) -> None:
     assert result["worst"] < 1e-4
     refused = client.post(at, json={"modal_table_id": 1, "mass": "small"}).json()
     assert "399 or 798 rows and columns are expected" in refused["detail"]
+
+
+def test_responses_are_estimated_from_time_data(client: TestClient) -> None:
+    """Two forces; noise of a quarter of the variance of each response."""
+    rng = np.random.default_rng(3)
+    gain = np.array([[2.0, -1.0], [0.5, 3.0]])
+    forces = rng.normal(size=(4000, 2))
+    responses = forces @ gain.T
+    responses += 0.5 * responses.std(axis=0) * rng.normal(size=responses.shape)
+    head = "time [s],force 61+z [N],force 127+z [N],61+z [m/s2],64+z [m/s2]"
+    table = np.column_stack([np.arange(4000) / 100.0, forces, responses])
+    rows = "\n".join(",".join(f"{x:.9g}" for x in row) for row in table)
+    files = [("files", ("run.csv", f"{head}\n{rows}\n".encode()))]
+    identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
+    held = client.get(f"/api/v1/uploads/{identity}/modal-data").json()
+    assert held["files"][0]["has_records"]
+    payload = {"aircraft_id": 1, "name": "GVT, random"}
+    at = f"/api/v1/uploads/{identity}"
+    assert client.post(f"{at}/responses", json=payload).json()["code"] == "time-data"
+    payload |= {"averages": 40, "estimator": "H1", "overlap": 0.5, "window": "hann"}
+    response = client.post(f"{at}/response-estimates", json=payload)
+    assert response.status_code == 202, response.text
+    job = ended(client, response.headers["location"])
+    assert job["state"] == "succeeded"
+    number = job["result"]["responses_id"]
+    stored = client.get(f"/api/v1/measured-responses/{number}").json()
+    assert stored["averaging"]["averages"] == 40
+    assert stored["averaging"]["n_independent"] == pytest.approx(38.0, abs=0.2)
+    query = "response_dof=64%2Bz&reference_dof=127%2Bz"
+    found = client.get(f"/api/v1/measured-responses/{number}/function?{query}").json()
+    assert np.mean(found["real"]) == pytest.approx(3.0, abs=0.1)
+    assert np.mean(found["multiple_coherence"]) == pytest.approx(0.8, abs=0.02)
+    error = np.hypot(np.array(found["real"]) - 3.0, found["imaginary"])
+    assert np.mean(error**2) == pytest.approx(np.mean(np.square(found["std"])), rel=0.25)
+    drawn = client.get(f"/api/v1/figures/measured-response?responses_id={number}&{query}").json()
+    assert [trace["name"] for trace in drawn["data"]] == [
+        *("measured", "standard deviation", "phase", "multiple coherence", "ordinary coherence")
+    ]
+    refused = client.get(
+        f"/api/v1/measured-responses/{number}/function?response_dof=9%2Bz&reference_dof=61%2Bz"
+    ).json()
+    assert refused["code"] == "unknown-point"
+    payload["estimator"] = "H2"
+    failed = client.post(f"{at}/response-estimates", json=payload)
+    assert ended(client, failed.headers["location"])["error"]["code"] == "several-forces"

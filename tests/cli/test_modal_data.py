@@ -72,3 +72,37 @@ def test_incomplete_commands_are_refused(
 ) -> None:
     assert main(["modal-data", *arguments, "--database", flown_url]) == 2
     assert reason in capsys.readouterr().err
+
+
+def test_responses_are_estimated_and_identified(files: Path, flown_url: str, capsys: Any) -> None:
+    """Two records of one force, two periods each, of modes at 4 and 6.5 Hz."""
+    hertz = np.fft.rfftfreq(800, 1.0 / 32.0)
+    s = 2j * np.pi * hertz[:, None]
+    omega, zeta = 2.0 * np.pi * np.array([4.0, 6.5]), np.array([0.012, 0.01])
+    shapes = np.array([[1.0, 0.5, -0.6], [0.8, -1.0, 0.7]])
+    gain = s**2 / (s**2 + 2.0 * zeta * omega * s + omega**2)
+    H = np.einsum("wm,mo,m->wo", gain, shapes, shapes[:, 0])
+    for run in (1, 2):
+        rng = np.random.default_rng(run)
+        force = rng.normal(size=(401, 1)) + 1j * rng.normal(size=(401, 1))
+        table = np.tile(np.fft.irfft(np.hstack([force, H * force]), 800, axis=0), (2, 1))
+        table[:, 1:] += 0.02 * rng.normal(size=(1600, 3)) * table[:, 1:].std(axis=0)
+        head = "time [s],force 1+z [N],1+z [m/s2],2+z [m/s2],3+z [m/s2]"
+        rows = np.column_stack([np.arange(1600) / 32.0, table])
+        np.savetxt(f"run{run}.csv", rows, delimiter=",", header=head, comments="")
+    Path("nodes.csv").write_text("node,x [m],y [m],z [m]\n1,0,0,0\n2,0,1,0\n3,0,2,0\n")
+
+    def run_command(*arguments: str) -> Any:
+        assert main(["modal-data", *arguments, "--json", "--database", flown_url]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    periodic = ("--averages", "4", "--overlap", "0", "--window", "rectangular")
+    stored = run_command("responses", "run1.csv", "run2.csv", "nodes.csv", *periodic)
+    assert stored["averaging"]["estimator"] == "H1"
+    number = str(stored["id"])
+    band = ("--low", "2", "--high", "12", "--order", "16")
+    found = run_command("identify", number, *band)
+    assert [mode["frequency_hz"] for mode in found["items"]] == pytest.approx([4, 6.5], rel=1e-3)
+    assert [mode["damping"] for mode in found["items"]] == pytest.approx(zeta, rel=0.03)
+    table = run_command("identify", number, *band, "--name", "GVT of runs")
+    assert table["name"] == "GVT of runs"

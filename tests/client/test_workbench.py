@@ -311,3 +311,16 @@ def test_modal_data_are_imported_compared_and_saved(workbench: Workbench, tmp_pa
         assert (tmp_path / name).stat().st_size > 1000
     modal.save(number, tmp_path / "mode.svg", number=1, moving=True)
     assert "<animate" in (tmp_path / "mode.svg").read_text()
+
+
+def test_responses_are_estimated_from_time_data(workbench: Workbench, tmp_path: Path) -> None:
+    force = np.random.default_rng(1).normal(size=2000)
+    file = tmp_path / "run.csv"
+    columns = np.column_stack([np.arange(2000) / 100.0, force, 2.0 * force])
+    head = "time [s],force 61+z [N],61+z [m/s2]"
+    np.savetxt(file, columns, delimiter=",", header=head, comments="")
+    modal = workbench.modal_data
+    number = modal.estimate_responses(file, averages=20, aircraft_id=1, name="GVT", estimator="Hv")
+    found = modal.response(number, "61+z", "61+z")
+    assert found["real"].to_numpy() == pytest.approx(np.full(len(found), 2.0))
+    assert found["multiple_coherence"].min() == pytest.approx(1.0)

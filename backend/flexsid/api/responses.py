@@ -164,6 +164,22 @@ class ModeShape:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredFunction:
+    """One measured frequency response; see ``ResponseFunction``."""
+
+    title: str
+    quantity: str
+    output: str
+    reference: str
+    frequency_hz: list[float]
+    real: list[float]
+    imaginary: list[float]
+    std: list[float] | None
+    multiple_coherence: list[float] | None
+    ordinary_coherence: list[float] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StaleStructure(Problem):
     """Why an edit was refused: another version was stored in the meantime.
 

@@ -20,7 +20,7 @@ from flexsid.settings import DEFAULT_DATABASE, read_settings
 
 _MODAL_ACTIONS = (
     *("inspect", "import", "list", "modes", "correlate", "orthogonality", "update", "export"),
-    "mass",
+    *("mass", "responses", "identify"),
 )
 _METHODS = ("OE", "FRE", "EE")
 _ROLES = ("viewer", "analyst", "reviewer", "admin")
@@ -274,7 +274,8 @@ def _add_modal_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
     option("action", choices=_MODAL_ACTIONS)
     meaning = (
-        "files to inspect or import; ids of modal tables; for orthogonality the id, then files"
+        "files to inspect or import; ids of modal tables, or of measured responses to identify; for"
+        " orthogonality the id, then files"
     )
     option("items", nargs="*", metavar="ITEM", help=meaning)
     option("--aircraft", type=int, default=1, metavar="ID", help="aircraft; default: 1")
@@ -301,6 +302,20 @@ def _add_modal_options(command: argparse.ArgumentParser) -> None:
     option("--form", metavar="FORM", help=meaning)
     option("--mode", type=int, metavar="NUMBER", help="mode of a picture")
     option("--moving", action="store_true", help="animate the picture")
+    option("--response-unit", metavar="UNIT", help="unit of responses, where no file states it")
+    option("--force-unit", choices=("N", "lbf"), help="unit of forces, where no file states it")
+    option("--frequency-unit", choices=("Hz", "rad/s"))
+    option("--phase-unit", choices=("deg", "rad"))
+    option("--time-unit", choices=("s", "ms"))
+    meaning = "number of averages: estimate frequency responses from time data"
+    option("--averages", type=int, metavar="N", help=meaning)
+    option("--estimator", choices=("H1", "H2", "Hv"), default="H1")
+    meaning = "share of a block that the next one repeats; default: 0.5"
+    option("--overlap", type=float, default=0.5, metavar="SHARE", help=meaning)
+    option("--window", choices=("hann", "rectangular"), default="hann")
+    option("--low", type=float, metavar="HZ", help="begin of the band of identified modes")
+    option("--high", type=float, metavar="HZ", help="end of the band of identified modes")
+    option("--order", type=int, default=40, help="highest model order; default: 40")
 
 
 def _add_template_options(command: argparse.ArgumentParser) -> None:

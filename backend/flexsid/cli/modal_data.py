@@ -1,4 +1,4 @@
-"""Command ``flexsid modal-data``: import, correlation, updating and files of modal data."""
+"""Command ``flexsid modal-data``: import, identification, correlation and files of modal data."""
 
 from __future__ import annotations
 
@@ -20,12 +20,20 @@ from flexsid.importers.modal_data import (
     inspect_modal_data,
 )
 from flexsid.importers.modal_files import FORMS, write_archive, write_modes
+from flexsid.importers.responses import AveragingOptions, ResponseOptions, extract_responses
 from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import Sources
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.aircraft_definition import set_mass_table
+from flexsid.workflow.modal_data.ground_vibration_test import (
+    ModeSearch,
+    find_modes,
+    prepare_mode_search,
+    store_found_modes,
+    store_responses,
+)
 from flexsid.workflow.modal_data.modal_import import store_modal_data
 from flexsid.workflow.modal_data.modal_tables import (
     format_title,
@@ -243,6 +251,56 @@ def _set_mass(store: Store, arguments: argparse.Namespace) -> None:
     print_result(lines, mass, as_json=arguments.json)
 
 
+def _responses(store: Store, arguments: argparse.Namespace) -> None:
+    options = ResponseOptions(
+        name=arguments.name or Path(arguments.items[0] if arguments.items else "responses").stem,
+        response_unit=arguments.response_unit,
+        force_unit=arguments.force_unit,
+        frequency_unit=arguments.frequency_unit,
+        phase_unit=arguments.phase_unit,
+        time_unit=arguments.time_unit,
+        fuel=0.0 if arguments.fuel is None else _parse_one_fuel(arguments),
+        length_unit=arguments.length,
+        axes=arguments.axes,
+    )
+    averaging = None
+    if arguments.averages is not None:
+        averaging = AveragingOptions(
+            averages=arguments.averages,
+            estimator=arguments.estimator,
+            overlap=arguments.overlap,
+            window=arguments.window,
+        )
+    aircraft = store.aircraft.get(arguments.aircraft)
+    raw = extract_responses(_read(arguments.items), options, averaging)
+    stored = store_responses(store, aircraft, raw)
+    head = (
+        f"measured responses {stored.id}: {stored.name}, {len(stored.outputs)} points, "
+        f"{len(stored.references)} references"
+    )
+    print_result([head, *(f"  {note}" for note in stored.notes)], stored, as_json=arguments.json)
+
+
+def _identify(store: Store, arguments: argparse.Namespace) -> None:
+    search = ModeSearch(
+        responses_id=_parse_ids(arguments, 1)[0],
+        low_hz=arguments.low,
+        high_hz=arguments.high,
+        order=arguments.order,
+    )
+    identified = find_modes(prepare_mode_search(store, search))
+    if arguments.name:
+        _print_table(store_found_modes(store, identified, arguments.name), arguments)
+        return
+    found = identified.found
+    lines = [
+        f"{mode.frequency_hz:>10.4f} ± {mode.std_hz:.4f} Hz {100.0 * mode.damping:>8.3f} ± "
+        f"{100.0 * mode.std_damping:.3f} %"
+        for mode in found.items
+    ]
+    print_result(lines, found, as_json=arguments.json)
+
+
 ACTIONS: dict[str, Callable[[Store, argparse.Namespace], Any]] = {
     "inspect": _inspect,
     "import": _import,
@@ -253,4 +311,6 @@ ACTIONS: dict[str, Callable[[Store, argparse.Namespace], Any]] = {
     "update": _update,
     "export": _export,
     "mass": _set_mass,
+    "responses": _responses,
+    "identify": _identify,
 }

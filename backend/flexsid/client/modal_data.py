@@ -26,6 +26,7 @@ class _Requests(Protocol):
         self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any
     ) -> bytes: ...
     def compute(self, path: str, **query: Any) -> dict[str, Any]: ...
+    def wait(self, *run_ids: int) -> None: ...
 
 
 class ModalData:
@@ -186,12 +187,46 @@ class ModalData:
         Parameters
         ----------
         *files
-            Universal files, all of one test.
+            Universal, CSV, MATLAB or HDF5 files, all of one test; see ``docs/how-to/modes.md``.
         **options
-            ``aircraft_id``, ``name``, ``response_unit``, ``force_unit``, ``fuel``,
-            ``length_unit``, ``axes``, ``origin``.
+            ``aircraft_id``, ``name``, ``fuel``, ``length_unit``, ``axes``, ``origin``, and units
+            that the files do not state: ``response_unit``, ``force_unit``, ``frequency_unit``,
+            ``phase_unit``.
         """
         return self._post(files, "responses", **options)["id"]
+
+    def estimate_responses(self, *files: str | Path, averages: int, **options: Any) -> int:
+        """Estimate frequency responses from time data, wait, and return their id.
+
+        Parameters
+        ----------
+        *files
+            Forces and responses over time, all of one test.
+        averages
+            Number of blocks over which the spectra are averaged.
+        **options
+            ``estimator`` (H1, H2 or Hv), ``overlap``, ``window`` (hann or rectangular),
+            ``time_unit``, and those of ``add_responses``.
+        """
+        job = self._post(files, "response-estimates", averages=averages, **options)
+        self._workbench.wait(job["id"])
+        return self._workbench.get(f"jobs/{job['id']}")["result"]["responses_id"]
+
+    def response(self, responses_id: int, output: str, reference: str) -> pandas.DataFrame:
+        """Return one frequency response over frequency [Hz], in SI, with coherence if estimated.
+
+        Parameters
+        ----------
+        responses_id, output, reference
+            Measured responses, and the degrees of freedom, such as ``12+z``.
+        """
+        query = {"response_dof": output, "reference_dof": reference}
+        found = self._workbench.get(f"measured-responses/{responses_id}/function", **query)
+        columns = ("real", "imaginary", "std", "multiple_coherence", "ordinary_coherence")
+        import pandas  # takes a second to load
+
+        known = {name: found[name] for name in columns if found[name] is not None}
+        return pandas.DataFrame(known, pandas.Index(found["frequency_hz"], name="frequency_hz"))
 
     def identify(self, responses_id: int, **band: Any) -> pandas.DataFrame:
         """Identify modes from measured responses, and return them with standard deviations.

@@ -26,6 +26,7 @@ from flexsid.records.modal_data import (
     ModelOrder,
     ModesAgainstFuel,
     ReducedResponses,
+    ResponseFunction,
     Stabilisation,
 )
 
@@ -192,6 +193,42 @@ def draw_reduced_responses(value: ReducedResponses) -> Spec:
     layout = stack({**title(frequency.axis_title), "type": "log"}, list(map(title, titles)), [2, 1])
     del layout["meta"]  # the default height
     return {"data": data, "layout": layout}
+
+
+def draw_measured_response(value: ResponseFunction) -> Spec:
+    """Draw magnitude, phase and coherence of a measured response over frequency."""
+    frequency = of_unit("Frequency", "Hz")
+    x = column(frequency.factor * value.frequency_hz, exact=True)
+    response = value.real + 1j * value.imaginary
+    curves: list[tuple[int, str, np.ndarray | None, str]] = [
+        (1, "measured", _to_decibel(np.abs(response)), style.MEASURED),
+        (1, "standard deviation", _to_decibel(value.std), style.VERMILION),
+        (2, "phase", np.degrees(np.angle(response)), style.MEASURED),
+        (3, "multiple coherence", value.multiple_coherence, style.BLUE),
+        (3, "ordinary coherence", value.ordinary_coherence, style.OCHRE),
+    ]
+    data = [
+        scatter(
+            x,
+            numbers,
+            "lines",
+            row=row,
+            name=name,
+            line={"color": colour, "width": 1.2},
+            hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>%{{y:.4g}}<extra>{name}</extra>",
+        )
+        for row, name, numbers, colour in curves
+        if numbers is not None
+    ]
+    axes = [title(f"{value.quantity.capitalize()}/force [dB]"), title("Phase [deg]")]
+    if value.multiple_coherence is not None:
+        axes.append({**title("Coherence"), "range": [0.0, 1.05]})
+    layout = stack(title(frequency.axis_title), axes, [2.0, 1.0, 1.0][: len(axes)], showlegend=True)
+    return {"data": data, "layout": layout}
+
+
+def _to_decibel(magnitude: np.ndarray | None) -> np.ndarray | None:
+    return None if magnitude is None else 20.0 * np.log10(np.maximum(magnitude, 1e-30))
 
 
 def draw_stabilisation(value: Stabilisation) -> Spec:

@@ -9,9 +9,10 @@ import h5py
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import LARGEST_CONTENT, Field
+from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
+_COMPLEX_PARTS = (("r", "i"), ("real", "imag"))  # of h5py, of MATLAB
 _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "UNITS")
 
 
@@ -22,6 +23,8 @@ def recognises(head: bytes) -> bool:
 
 def read(path: Path, matlab: bool = False) -> Iterator[Field]:
     """Read every data set; groups become dotted paths, an attribute ``units`` is read.
+
+    A complex data set ``H`` becomes ``H real`` and ``H imaginary``.
 
     Parameters
     ----------
@@ -63,7 +66,9 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
             f"field '{path}' is external or virtual; only data in the file are read.", column=path
         )
     is_text = h5py.check_string_dtype(item.dtype) is not None
-    if item.shape is None or not (is_text or item.dtype.kind in "biuf"):
+    is_complex = item.dtype.kind == "c" or item.dtype.names in _COMPLEX_PARTS
+    is_cell = matlab and item.attrs.get("MATLAB_class") == b"cell"
+    if item.shape is None or not (is_text or is_complex or is_cell or item.dtype.kind in "biuf"):
         return
     if item.nbytes > LARGEST_CONTENT:
         raise UnreadableFile(f"field '{path}' claims shape {item.shape}.", column=path)
@@ -73,13 +78,40 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
         texts = np.atleast_1d(item.asstr(errors="replace")[()]).reshape(-1)
         yield Field(path, np.array([str(text) for text in texts]))
         return
+    if is_cell:
+        yield from _texts(item, path)
+        return
     values = np.asarray(item)
     if matlab:
         # MATLAB stores columns first, HDF5 rows first.
         values = values.T
         if item.attrs.get("MATLAB_class") == b"char":
-            values = np.array(["".join(chr(int(code)) for code in values.reshape(-1))])
+            values = _decode(values)
+    if is_complex:
+        one, other = item.dtype.names or ("real", "imag")
+        parts = (
+            (values.real, values.imag) if item.dtype.names is None else (values[one], values[other])
+        )
+        for name, part in zip(("real", "imaginary"), parts, strict=True):
+            yield Field(f"{path} {name}", np.ascontiguousarray(part), _unit(item))
+        return
     yield Field(path, values, _unit(item))
+
+
+def _decode(codes: np.ndarray) -> np.ndarray:
+    """Texts of a MATLAB character array, one for each row."""
+    rows = np.atleast_2d(codes)
+    return np.array(["".join(chr(int(code)) for code in row).rstrip() for row in rows])
+
+
+def _texts(item: h5py.Dataset, path: str) -> Iterator[Field]:
+    """Read a cell array whose cells are all texts."""
+    if h5py.check_ref_dtype(item.dtype) is not h5py.Reference or item.size > MOST_FIELDS:
+        return
+    cells = [item.file[reference] for reference in np.asarray(item).T.reshape(-1)]
+    if cells and all(cell.attrs.get("MATLAB_class") == b"char" for cell in cells):
+        texts = [str(_decode(np.asarray(cell).T)[0]) if cell.size else "" for cell in cells]
+        yield Field(path, np.array(texts))
 
 
 def _unit(item: h5py.Dataset) -> str:

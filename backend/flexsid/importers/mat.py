@@ -47,6 +47,8 @@ def _is_v4(head: bytes) -> bool:
 def read(path: Path) -> Iterator[Field]:
     """Read every plain array, also inside structs: ``coeffdata.CZ_eta_i``.
 
+    A complex array ``H`` becomes ``H real`` and ``H imaginary``.
+
     Raises
     ------
     UnreadableFile
@@ -98,5 +100,8 @@ def _leaves(path: str, value: object, depth: int) -> Iterator[tuple[str, np.ndar
         cells = value.reshape(-1).tolist()
         if cells and all(isinstance(c, np.ndarray) and c.dtype.kind == "U" for c in cells):
             yield path, np.array(["".join(cell.reshape(-1)) for cell in cells])
+    elif value.dtype.kind == "c":
+        yield f"{path} real", np.real(value).copy()
+        yield f"{path} imaginary", np.imag(value).copy()
     elif value.dtype.kind in "biufU":
         yield path, value

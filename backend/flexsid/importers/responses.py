@@ -1,9 +1,9 @@
-"""Frequency responses of a ground vibration test from universal files."""
+"""Frequency responses of a ground vibration test, from files or estimated from time data."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,13 @@ from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import join_frames
 from flexsid.importers.modal_data.options import parse_axes
 from flexsid.importers.modal_data.units import resolve_length_unit
+from flexsid.importers.node_table import convert_node_table
+from flexsid.importers.response_functions import convert_functions
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.importers.vibration_records import VibrationRecord, compute_rate, find_records
+from flexsid.records.modal_data import SpectralAveraging
+from flexsid.sysid.spectra.averaged_spectra import Window, average_spectra
+from flexsid.sysid.spectra.response_estimators import Estimator, estimate_responses
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
 _QUANTITY_CODES = {"length": (8,), "speed": (11,), "acceleration": (12,)}
@@ -30,22 +36,40 @@ _AXES = {1: "x", 2: "y", 3: "z"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResponseOptions:
-    """Options of measured frequency responses: units, axes of the geometry, fuel fraction."""
+    """Options of measured frequency responses: units, axes of the geometry, fuel fraction.
+
+    Units are required where the files state none: ``frequency_unit`` and ``phase_unit`` of
+    frequency responses in columns or arrays, ``time_unit`` of time data.
+    """
 
     name: str
-    response_unit: str
-    force_unit: str
+    response_unit: str | None = None
+    force_unit: str | None = None
+    frequency_unit: str | None = None
+    phase_unit: str | None = None
+    time_unit: str | None = None
     fuel: float = 0.0
     length_unit: str | None = None
     axes: str = "aft right up"
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AveragingOptions:
+    """Estimator of frequency responses, and averages, overlap and window of the spectra."""
+
+    averages: int
+    estimator: Estimator = "H1"
+    overlap: float = 0.5
+    window: Window = "hann"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawResponses:
     """Frequency responses per unit force in SI, (M, n_outputs, n_references).
 
-    ``nodes`` and ``directions`` are in structural axes.
+    ``nodes`` and ``directions`` are in structural axes. ``errors`` are the arrays of
+    ``MeasuredResponses`` that responses estimated from time data have.
     """
 
     name: str
@@ -59,17 +83,64 @@ class RawResponses:
     directions: np.ndarray | None
     notes: tuple[str, ...]
     origin: str
+    averaging: SpectralAveraging | None = None
+    errors: Mapping[str, np.ndarray]
 
 
-def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponses:
-    """Assemble the measured functions of files into a matrix of frequency responses.
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """A function of a file with the sign of its degrees of freedom."""
+
+    source: SourceFile
+    row: int
+    sign: int
+
+    def read(self, field: str) -> np.ndarray:
+        return self.source.arrays[f"frf/{field}"][self.row]
+
+    @property
+    def values(self) -> np.ndarray:
+        return self.sign * (self.read("real") + 1j * self.read("imaginary"))
+
+
+def extract_responses(
+    sources: Sources, options: ResponseOptions, averaging: AveragingOptions | None = None
+) -> RawResponses:
+    """Assemble the functions of files, or of their time data, into frequency responses.
+
+    Parameters
+    ----------
+    sources, options
+        Files, and units that they do not state.
+    averaging
+        Estimation from time data; None for files of frequency responses.
 
     Raises
     ------
     BadInput
         If the files hold no frequency responses, or too few for a full matrix, or a unit is not
-        one of displacement, velocity or acceleration per force.
+        one of displacement, velocity or acceleration per force; as ``find_functions`` and
+        ``find_records``, and as ``estimate_responses`` for time data.
     """
+    frequency_unit, phase_unit = options.frequency_unit or "", options.phase_unit or ""
+    sources = Sources(
+        tuple(
+            convert_node_table(convert_functions(source, frequency_unit, phase_unit))
+            for source in sources.items
+        )
+    )
+    records = find_records(sources)
+    used: SpectralAveraging | None = None
+    notes: list[str] = []
+    if averaging is None and records:
+        raise BadInput(
+            f"{records[0][0].name} holds forces and responses over time; select estimator and "
+            "averages, to estimate frequency responses from them",
+            code="time-data",
+        )
+    if averaging is not None:
+        estimated, used, notes = _estimate(records, options, averaging)
+        sources = Sources((*(s for s in sources.items if "grid/id" in s.arrays), *estimated))
     files = sources.list_holders("frf/frequency")
     if not files:
         raise BadInput("the files hold no frequency responses", code="no-responses")
@@ -82,24 +153,35 @@ def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponse
                 "them as two tests, or export them at the same frequencies",
                 code="unequal-lengths",
             )
-    dimension = units.lookup(options.response_unit).dimension
+    response_unit = _resolve_unit(files, options, "response_unit")
+    force_unit = _resolve_unit(files, options, "force_unit")
+    dimension = units.lookup(response_unit).dimension
     if dimension not in QUANTITIES:
         raise BadInput(
-            f"'{options.response_unit}' is a unit of {dimension}; expected a unit of displacement, "
+            f"'{response_unit}' is a unit of {dimension}; expected a unit of displacement, "
             "velocity or acceleration",
             code="bad-unit",
         )
-    factor = units.factor(options.response_unit, dimension)
-    factor /= units.factor(options.force_unit, "force")
+    factor = units.factor(response_unit, dimension)
+    factor /= units.factor(force_unit, "force")
     for source in files:
-        _check_quantities(source, dimension, options)
-    outputs, references, values, notes = _matrix(files)
+        _check_quantities(source, dimension, response_unit, force_unit)
+    outputs, references, known, excluded = _matrix(files)
+    values = factor * _stack([[known[o, r].values for r in references] for o in outputs])
     bad = np.flatnonzero(~(np.abs(values) < 1e50).all(axis=(0, 2)))
     if bad.size:
         raise BadInput(
             f"responses at {_format_point(outputs[bad[0]])} are not finite; the file is damaged",
             code="not-finite",
         )
+    errors = {}
+    if used is not None:
+        for name, size in (("std", factor), ("ordinary_coherence", 1.0)):
+            errors[name] = size * _stack(
+                [[known[o, r].read(name) for r in references] for o in outputs]
+            )
+        first = [known[o, references[0]].read("multiple_coherence") for o in outputs]
+        errors["multiple_coherence"] = np.stack(first, axis=1)
     nodes = directions = None
     if sources.has("grid/id"):
         nodes, directions = _geometry(sources, options, outputs)
@@ -110,28 +192,147 @@ def extract_responses(sources: Sources, options: ResponseOptions) -> RawResponse
         outputs=tuple(_format_point(one) for one in outputs),
         references=tuple(_format_point(one) for one in references),
         frequency_hz=frequency,
-        values=factor * values,
+        values=values,
         nodes=nodes,
         directions=directions,
         notes=(
-            *notes,
+            *excluded,
             *list_unused_content(sources),
-            f"Responses are in {options.response_unit}/{options.force_unit}.",
+            *notes,
+            f"Responses are in {response_unit}/{force_unit}.",
         ),
         origin=", ".join(source.name for source in files),
+        averaging=used,
+        errors=errors,
     )
+
+
+def _stack(functions: list[list[np.ndarray]]) -> np.ndarray:
+    """Stack functions (M,) by output and reference as (M, n_outputs, n_references)."""
+    return np.ascontiguousarray(np.moveaxis(np.array(functions), 2, 0))
+
+
+def _estimate(
+    records: Sequence[tuple[SourceFile, VibrationRecord]],
+    options: ResponseOptions,
+    averaging: AveragingOptions,
+) -> tuple[list[SourceFile], SpectralAveraging, list[str]]:
+    """Estimate frequency responses; records of the same channels are averaged together."""
+    if not records:
+        raise BadInput(
+            "the files hold no forces and responses over time; import frequency responses without "
+            "estimator and averages",
+            code="no-records",
+        )
+    groups: dict[object, list[tuple[SourceFile, VibrationRecord, float]]] = {}
+    for source, record in records:
+        rate = compute_rate(source, record, options.time_unit or "")
+        key = (
+            *(record.force_dofs, record.response_dofs, record.force_unit, record.response_unit),
+            round(rate, 6),
+        )
+        groups.setdefault(key, []).append((source, record, rate))
+    files, used = [], []
+    for group in groups.values():
+        source, record, rate = group[0]
+        spectra = average_spectra(
+            [(one.forces, one.responses) for _, one, _ in group],
+            rate,
+            averaging.window,
+            averaging.averages,
+            averaging.overlap,
+        )
+        found = estimate_responses(spectra, averaging.estimator)
+        used.append(
+            SpectralAveraging(
+                estimator=averaging.estimator,
+                window=averaging.window,
+                averages=spectra.n_blocks,
+                overlap=averaging.overlap,
+                block_s=float(2.0 * np.pi / (spectra.omega[1] - spectra.omega[0])),
+                n_independent=spectra.n_independent,
+                line_correlation=spectra.line_correlation,
+            )
+        )
+        ends = [(x, f) for x in record.response_dofs for f in record.force_dofs]
+        shape = (len(ends), found.omega.size)
+        zero = np.zeros(len(ends), dtype=np.int64)
+        multiple = np.repeat(found.multiple_coherence.T, len(record.force_dofs), axis=0)
+        fields: dict[str, np.ndarray] = {
+            "frequency": found.omega / (2.0 * np.pi),
+            "real": np.moveaxis(np.real(found.values), 0, 2).reshape(shape),
+            "imaginary": np.moveaxis(np.imag(found.values), 0, 2).reshape(shape),
+            "std": np.moveaxis(found.std, 0, 2).reshape(shape),
+            "ordinary_coherence": np.moveaxis(found.ordinary_coherence, 0, 2).reshape(shape),
+            "multiple_coherence": multiple,
+            "response_node": np.array([x.node for x, _ in ends]),
+            "response_direction": np.array([x.direction for x, _ in ends]),
+            "reference_node": np.array([f.node for _, f in ends]),
+            "reference_direction": np.array([f.direction for _, f in ends]),
+            "quantity": zero,
+            "reference_quantity": zero,
+            "unit": np.array([record.response_unit]),
+        }
+        for name in ("response_unit", "force_unit"):
+            if stated := getattr(record, name):
+                fields[name] = np.array([stated])
+        named = ", ".join(one.name for one, _, _ in group)
+        arrays = {f"frf/{name}": values for name, values in fields.items()}
+        files.append(replace(source, name=named, arrays=arrays))
+    notes = [_describe_averaging(one) for one in dict.fromkeys(used)]
+    return files, used[0], notes
+
+
+def _describe_averaging(used: SpectralAveraging) -> str:
+    return (
+        f"{used.estimator} from {used.averages} blocks of {used.block_s:.4g} s ({used.window} "
+        f"window, {100.0 * used.overlap:.3g} % overlap), statistically {used.n_independent:.3g} "
+        "independent ones."
+    )
+
+
+def _resolve_unit(files: Sequence[SourceFile], options: ResponseOptions, name: str) -> str:
+    """Return the unit of responses or forces: that of the option, which no file contradicts."""
+    given: str | None = getattr(options, name)
+    stated = {
+        source.name: str(source.arrays[f"frf/{name}"][0])
+        for source in files
+        if f"frf/{name}" in source.arrays
+    }
+    for source in files:
+        unit = given or stated.get(source.name)
+        if unit is None:
+            raise BadInput(
+                f"{source.name} does not state the {name.replace('_', ' ')}; expected it in the "
+                f"file or as {name}",
+                code="unit-needed",
+                field=name,
+            )
+        own = stated.get(source.name, unit)
+        first = given or stated[files[0].name]
+        dimension = units.lookup(first).dimension
+        if not np.isclose(units.factor(own, dimension), units.factor(first, dimension)):
+            raise BadInput(
+                f"{source.name} states the {name.replace('_', ' ')} {own}, {first} "
+                f"{'was given' if given else f'is that of {files[0].name}'}; correct the unit",
+                code="other-unit",
+                field=name,
+            )
+    return given or stated[files[0].name]
 
 
 def _format_point(point: tuple[int, int]) -> str:
     return f"{point[0]}+{_AXES[point[1]]}"
 
 
-def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptions) -> None:
+def _check_quantities(
+    source: SourceFile, dimension: str, response_unit: str, force_unit: str
+) -> None:
     """Reject responses that the file states to be of another quantity, or not per force."""
     expected = _QUANTITY_CODES[dimension]
     for name, allowed, what in (
-        ("quantity", expected, f"{QUANTITIES[dimension]}s ({options.response_unit})"),
-        ("reference_quantity", _FORCE_CODES, f"forces ({options.force_unit})"),
+        ("quantity", expected, f"{QUANTITIES[dimension]}s ({response_unit})"),
+        ("reference_quantity", _FORCE_CODES, f"forces ({force_unit})"),
     ):
         codes = source.arrays[f"frf/{name}"]
         wrong = np.flatnonzero((codes > _GENERAL) & ~np.isin(codes, allowed))
@@ -149,10 +350,10 @@ def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptio
         except BadInput:
             continue  # free text
         if known.dimension == dimension and not np.isclose(
-            units.factor(label, dimension), units.factor(options.response_unit, dimension)
+            units.factor(label, dimension), units.factor(response_unit, dimension)
         ):
             raise BadInput(
-                f"{source.name}: the file gives its responses in {label}, {options.response_unit} "
+                f"{source.name}: the file gives its responses in {label}, {response_unit} "
                 "was given; correct the unit",
                 code="other-unit",
                 field="response_unit",
@@ -161,20 +362,26 @@ def _check_quantities(source: SourceFile, dimension: str, options: ResponseOptio
 
 def _matrix(
     files: Sequence[SourceFile],
-) -> tuple[list[tuple[int, int]], list[tuple[int, int]], np.ndarray, list[str]]:
-    known: dict[tuple[tuple[int, int], tuple[int, int]], np.ndarray] = {}
+) -> tuple[
+    list[tuple[int, int]],
+    list[tuple[int, int]],
+    dict[tuple[tuple[int, int], tuple[int, int]], _Known],
+    list[str],
+]:
+    """Return outputs measured for every reference, references, their functions, and notes."""
+    known: dict[tuple[tuple[int, int], tuple[int, int]], _Known] = {}
     n_excluded = 0
     for source in files:
-        found = source.arrays
-        data = found["frf/real"] + 1j * found["frf/imaginary"]
-        ends = [found[f"frf/{name}"].tolist() for name in _ENDS]
+        ends = [source.arrays[f"frf/{name}"].tolist() for name in _ENDS]
         for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
             if abs(direction) not in _AXES or abs(towards) not in _AXES:
                 n_excluded += 1
                 continue
             sign = (1 if direction > 0 else -1) * (1 if towards > 0 else -1)
             pair = (node, abs(direction)), (at, abs(towards))
-            if not np.array_equal(known.setdefault(pair, sign * data[row]), sign * data[row]):
+            one = _Known(source, row, sign)
+            before = known.setdefault(pair, one)
+            if before is not one and not np.array_equal(before.values, one.values):
                 raise BadInput(
                     f"{source.name}: the response of {_format_point(pair[0])} to "
                     f"{_format_point(pair[1])} is repeated with other values; "
@@ -198,10 +405,7 @@ def _matrix(
             "reference; export the functions with their nodes",
             code="no-responses",
         )
-    values = np.stack(
-        [np.stack([known[o, r] for r in references], axis=-1) for o in complete], axis=1
-    )
-    return complete, references, values, notes
+    return complete, references, known, notes
 
 
 def _geometry(

@@ -39,7 +39,11 @@ from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import remembered_columns, uploads
 from flexsid.workflow.measurements import reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
-from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test
+from flexsid.workflow.modal_data import (
+    computed_predictions,
+    ground_vibration_test,
+    response_estimation,
+)
 from flexsid.workflow.quality import maneuver_quality
 from flexsid.workflow.review import database_backup, printed_reports
 from flexsid.workflow.runs import estimation
@@ -282,6 +286,14 @@ TRANSFER_FUNCTION = Kind(
     ),
     result=TransferFunctionResult,
     identify=_identify_transfer_function,
+)
+RESPONSES = Kind(
+    name="response-estimation",
+    label="Frequency responses",
+    request=response_estimation.ResponseEstimation,
+    prepare=lambda store, job, request: response_estimation.prepare_estimation(store, request),
+    compute=response_estimation.estimate_responses,
+    save=save_records(response_estimation.store_estimated_responses),
 )
 MODES = Kind(
     name="mode-identification",

@@ -72,6 +72,24 @@ class ModeCorrection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SpectralAveraging:
+    """Estimation of frequency responses from time data.
+
+    ``estimator`` is H1, H2 or Hv, ``overlap`` a share of the blocks of ``block_s`` seconds. As many
+    errors as ``averages`` blocks have ``n_independent`` ones that do not overlap;
+    ``line_correlation`` is the sum of the squared correlations of the noise over frequency.
+    """
+
+    estimator: str
+    window: str
+    averages: int
+    overlap: float
+    block_s: float
+    n_independent: float
+    line_correlation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredResponses:
     """Frequency responses of a ground vibration test.
 
@@ -79,6 +97,10 @@ class MeasuredResponses:
     ``frequency`` (M,) [Hz], ``values`` (M, n_outputs, n_references), and where the geometry
     is known ``nodes`` (n_outputs, 3) [m] and ``directions`` (n_outputs, 3), structural axes.
     ``quantity`` is what the response is: displacement, velocity or acceleration per force.
+
+    Responses estimated from time data (``averaging``) have ``std``, ``ordinary_coherence`` (M,
+    n_outputs, n_references) and ``multiple_coherence`` (M, n_outputs); ``std`` is that of the
+    complex error, the root of the mean of its squared magnitude.
     """
 
     aircraft_id: int
@@ -90,7 +112,27 @@ class MeasuredResponses:
     arrays: dict[str, str]
     notes: tuple[str, ...] = ()
     origin: str = ""
+    averaging: SpectralAveraging | None = None
     id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ResponseFunction:
+    """One measured frequency response in SI, (M,); errors of estimated ones only.
+
+    ``std`` is that of the complex error, the root of the mean of its squared magnitude.
+    """
+
+    title: str
+    quantity: str
+    output: str
+    reference: str
+    frequency_hz: np.ndarray
+    real: np.ndarray
+    imaginary: np.ndarray
+    std: np.ndarray | None
+    multiple_coherence: np.ndarray | None
+    ordinary_coherence: np.ndarray | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -354,7 +396,8 @@ class FoundMode:
 class FoundModes:
     """Modes found in measured responses; ``fit_error`` is relative, rms over all of them.
 
-    ``unmodelled_hz`` are frequencies where the residuals resemble a mode that is not listed.
+    ``unmodelled_hz`` are frequencies where the residuals resemble a mode that is not listed,
+    ``unresolved_hz`` those of modes whose damping is biased by the resolution of the spectra.
     """
 
     responses_id: int
@@ -362,6 +405,7 @@ class FoundModes:
     scaled: bool
     items: tuple[FoundMode, ...]
     unmodelled_hz: tuple[float, ...] = ()
+    unresolved_hz: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

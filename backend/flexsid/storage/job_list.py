@@ -20,7 +20,9 @@ from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 _RECENT = 300  # ended jobs from which typical times are computed
 _SLOWEST = 3.0  # typical times of the slowest kind of job, in which the rate of jobs is counted
 _DESIGN, _IMPORT = "excitation-design", "import"
-_STORING = (_DESIGN, _IMPORT, "preflight-simulation", "derivative-prediction")
+_STORING = (
+    *(_DESIGN, _IMPORT, "preflight-simulation", "derivative-prediction", "response-estimation"),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

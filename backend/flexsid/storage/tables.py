@@ -216,6 +216,7 @@ measured_responses = table(
     json("arrays"),
     json("notes"),
     text("origin"),
+    json("averaging", required=False),
 )
 
 predictions = table(

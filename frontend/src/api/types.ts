@@ -165,6 +165,7 @@ export type StructureFound = Received<"ModalFiles">;
 export type MeasuredResponses = Received<"MeasuredResponses">;
 export type FoundModes = Received<"FoundModes">;
 export type ResponsesRequest = Schemas["ResponsesRequest"];
+export type EstimatedResponsesRequest = Schemas["EstimatedResponsesRequest"];
 export type FlutterSummary = Received<"FlutterSummary">;
 export type SummaryRoots = Received<"SummaryRoots">;
 export type ModalDataRequest = Schemas["ModalDataRequest"];

@@ -111,6 +111,7 @@ const KINDS: Record<string, string> = {
   "optimal-design": "Optimal design",
   "motion-reconstruction": "Motion reconstruction",
   "mode-identification": "Mode identification",
+  "response-estimation": "Frequency responses",
   "quality-assessment": "Quality assessment",
   import: "Import",
   "derivative-prediction": "Derivative prediction",
@@ -304,6 +305,16 @@ function JobSubject({ job }: { job: Job }) {
         </Link>
       );
     }
+    case "response-estimation":
+      return (
+        <Link
+          to="/modal-data"
+          search={{ tab: "gvt", responses: readNumber(job.result ?? {}, "responses_id") }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
     case "mode-identification":
       return (
         <Link

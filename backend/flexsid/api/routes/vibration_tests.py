@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, status
 from pydantic import Field
 
-from flexsid.api.context import TheStore
+from flexsid.api.analyst import TheAnalyst
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Line, Request, Title
-from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
-from flexsid.api.submission import add_job_routes
+from flexsid.api.responses import MeasuredFunction
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
+from flexsid.api.submission import add_job_routes, submit_job
 from flexsid.figure_table import ModeSearchParameters
-from flexsid.importers.responses import ResponseOptions, extract_responses
+from flexsid.importers.responses import AveragingOptions, ResponseOptions, extract_responses
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import MODES
-from flexsid.records.modal_data import FoundModes, MeasuredResponses, ModalTable, Orthogonality
+from flexsid.jobs.kinds import MODES, RESPONSES
+from flexsid.records.modal_data import (
+    FoundModes,
+    MeasuredResponses,
+    ModalTable,
+    Orthogonality,
+)
+from flexsid.storage.access import storing_in_campaign
+from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
+from flexsid.sysid.spectra.averaged_spectra import Window
+from flexsid.sysid.spectra.response_estimators import Estimator
 from flexsid.text import LONGEST_FIELD
 from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data import ground_vibration_test
 from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, compute_orthogonality
+from flexsid.workflow.modal_data.response_estimation import ResponseEstimation, check_estimation
 
 router = APIRouter(tags=["vibration-tests"], route_class=JsonRoute)
 
@@ -29,19 +42,37 @@ _Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 _Hz = Annotated[float | None, Field(strict=True, gt=0.0, le=100_000.0)]
 _Index = Annotated[int, Field(strict=True, ge=0, le=1000)]
 _Order = Annotated[int, Field(strict=True, ge=4, le=80)]
+DofName = Annotated[str, Query(max_length=20, description="Node and direction, such as 12+z.")]
 
 
 class ResponsesRequest(Request):
-    """Units, axes and fuel fraction of measured frequency responses; see ``ResponseOptions``."""
+    """Units, axes and fuel fraction of measured frequency responses; see ``ResponseOptions``.
+
+    Units are required where the files do not state them.
+    """
 
     aircraft_id: Id
     name: Title
-    response_unit: Literal["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in", "ft"]
-    force_unit: Literal["N", "lbf"]
+    response_unit: (
+        Literal["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in", "ft"] | None
+    ) = None
+    force_unit: Literal["N", "lbf"] | None = None
+    frequency_unit: Literal["Hz", "rad/s"] | None = None
+    phase_unit: Literal["deg", "rad"] | None = None
+    time_unit: Literal["s", "ms"] | None = None
     fuel: _Fraction = 0.0
     length_unit: Literal["m", "mm", "in", "ft"] | None = None
     axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
     origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
+
+
+class EstimatedResponsesRequest(ResponsesRequest):
+    """Estimator of frequency responses from time data; see ``AveragingOptions``."""
+
+    averages: Annotated[int, Field(strict=True, ge=2, le=100_000)]
+    estimator: Estimator = "H1"
+    overlap: Annotated[float, Field(strict=True, ge=0.0, le=0.95)] = 0.5
+    window: Window = "hann"
 
 
 class IdentifiedModesRequest(Request):
@@ -86,9 +117,51 @@ def import_responses(
 ) -> MeasuredResponses:
     """Import the frequency responses of uploaded files."""
     aircraft = store.aircraft.get(body.aircraft_id)
-    options = body.make_record(ResponseOptions)
+    options = _make_options(body)
     raw = extract_responses(open_upload(store, upload_id), options)
     return ground_vibration_test.store_responses(store, aircraft, raw)
+
+
+def _make_options(body: ResponsesRequest) -> ResponseOptions:
+    return ResponseOptions(**{one.name: getattr(body, one.name) for one in fields(ResponseOptions)})
+
+
+@router.post(
+    "/uploads/{upload_id}/response-estimates",
+    response_model=JobItem,
+    status_code=status.HTTP_202_ACCEPTED,
+)
+def estimate_responses(
+    context: TheContext, upload_id: UploadId, body: EstimatedResponsesRequest, analyst: TheAnalyst
+) -> Json:
+    """Queue the estimation of frequency responses from uploaded time data.
+
+    The result of the job is the id of the measured responses.
+    """
+    request = ResponseEstimation(
+        upload_id=upload_id,
+        aircraft_id=body.aircraft_id,
+        options=_make_options(body),
+        averaging=AveragingOptions(
+            averages=body.averages,
+            estimator=body.estimator,
+            overlap=body.overlap,
+            window=body.window,
+        ),
+    )
+    check_estimation(context.store, request)
+    with storing_in_campaign(body.aircraft_id):
+        return submit_job(context, RESPONSES, request, analyst, body.name)
+
+
+@router.get("/measured-responses/{responses_id}/function", response_model=MeasuredFunction)
+def get_response_function(
+    store: TheStore, responses_id: Identity, response_dof: DofName, reference_dof: DofName
+) -> Json:
+    """Return one frequency response in SI, with coherence and standard deviation if estimated."""
+    return Json(
+        ground_vibration_test.read_function(store, responses_id, response_dof, reference_dof)
+    )
 
 
 @router.get("/measured-responses")

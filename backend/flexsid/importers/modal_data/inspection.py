@@ -7,15 +7,29 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
+from flexsid.errors import FlexsidError
 from flexsid.importers.matrices import describe_matrix, list_matrices
 from flexsid.importers.modal_data.analysis_selection import ModalAnalysis, list_analyses
 from flexsid.importers.modal_data.fuel_states import read_masses
 from flexsid.importers.modal_data.units import LENGTHS, MASSES
 from flexsid.importers.modal_files import convert_csv_modes
+from flexsid.importers.node_table import convert_node_table
+from flexsid.importers.response_functions import FREQUENCY_UNITS, PHASE_UNITS, find_functions
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.importers.vibration_records import FORCE_UNITS, TIME_UNITS, find_record
 
+RESPONSE_UNITS = ("m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in", "ft")
 _MOST = 12
 """Largest number of notes per file; a damaged file may give thousands."""
+
+
+_RESPONSE_QUERIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "response_unit": ("Response unit", RESPONSE_UNITS),
+    "force_unit": ("Force unit", FORCE_UNITS),
+    "frequency_unit": ("Frequency unit", tuple(FREQUENCY_UNITS)),
+    "phase_unit": ("Phase unit", tuple(PHASE_UNITS)),
+    "time_unit": ("Time unit", tuple(TIME_UNITS)),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,13 +46,16 @@ class ModalFile:
     """Content of one file, as text, and its data sets that are not used.
 
     ``analyses`` are the modal analyses of a file that has several, ``mass`` is that printed, in the
-    unit of the file, ``matrices`` are the names of its matrices.
+    unit of the file, ``matrices`` are the names of its matrices. ``has_responses`` of measured
+    frequency responses, ``has_records`` of forces and responses over time.
     """
 
     name: str
     holds: tuple[str, ...]
     refused: tuple[str, ...]
     has_modes: bool
+    has_responses: bool = False
+    has_records: bool = False
     analyses: tuple[ModalAnalysis, ...] = ()
     mass: float | None = None
     matrices: tuple[str, ...] = ()
@@ -46,18 +63,24 @@ class ModalFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModalFiles:
-    """Content of modal data files, and the options that they leave open."""
+    """Content of modal data files, and the options that they leave open.
+
+    ``response_queries`` are those of measured responses.
+    """
 
     files: tuple[ModalFile, ...]
     frequencies_hz: tuple[float, ...]
     n_nodes: int
     queries: tuple[ModalQuery, ...]
+    response_queries: tuple[ModalQuery, ...] = ()
 
 
 def inspect_modal_data(sources: Sources) -> ModalFiles:
     """Return the content of files and the options that they leave open."""
-    sources = Sources(tuple(convert_csv_modes(source) for source in sources.items))
-    files = tuple(_describe(source, sources) for source in sources.items)
+    sources = Sources(tuple(_convert(source) for source in sources.items))
+    described = [_describe(source, sources) for source in sources.items]
+    files = tuple(file for file, _ in described)
+    response_queries = dict.fromkeys(query for _, queries in described for query in queries)
     queries: list[ModalQuery] = []
     if not sources.has("unit/length"):
         queries += [
@@ -76,13 +99,33 @@ def inspect_modal_data(sources: Sources) -> ModalFiles:
     grids = [source.arrays["grid/id"] for source in sources.list_holders("grid/id")]
     n_nodes = np.unique(np.concatenate(grids)).size if grids else 0
     return ModalFiles(
-        files=files, frequencies_hz=tuple(hertz.tolist()), n_nodes=n_nodes, queries=tuple(queries)
+        files=files,
+        frequencies_hz=tuple(hertz.tolist()),
+        n_nodes=n_nodes,
+        queries=tuple(queries),
+        response_queries=tuple(response_queries),
     )
 
 
-def _describe(source: SourceFile, sources: Sources) -> ModalFile:
-    found = source.arrays
+def _convert(source: SourceFile) -> SourceFile:
+    """Convert the tables of a file; one that cannot be used remains, and is listed with reason."""
+    try:
+        return convert_node_table(convert_csv_modes(source))
+    except FlexsidError:
+        return source
+
+
+def _describe(source: SourceFile, sources: Sources) -> tuple[ModalFile, list[ModalQuery]]:
+    """Return the content of a file, and the queries of its measured responses."""
     holds: list[str] = []
+    refused: list[str] = []
+    what, queries = "", []
+    try:
+        what, queries = _describe_responses(source, holds)
+        convert_node_table(source)
+    except FlexsidError as error:
+        refused.append(error.message.removeprefix(f"{source.name}: "))
+    found = source.arrays
     if "shape/values" in found:
         n_modes, n_nodes, _ = found["shape/values"].shape
         holds.append(f"{n_modes} mode shapes at {n_nodes} nodes")
@@ -101,22 +144,57 @@ def _describe(source: SourceFile, sources: Sources) -> ModalFile:
         holds.append("mass properties")
     if "flutter/velocity" in found:
         holds.append("a flutter summary")
-    if "frf/frequency" in found:
-        holds.append(f"{found['frf/real'].shape[0]} frequency responses")
     holds += [describe_matrix(source, name) for name in list_matrices(source)][:_MOST]
     functions = [path for path in found if path.startswith("function/") and path[-2:] != " x"]
     if functions:
         holds.append(f"{len(functions)} measured functions")
-    return ModalFile(
+    file = ModalFile(
         name=source.name,
         holds=tuple(holds)
         or ("part of a deck without nodes" if "deck/n_grids" in found else "no modal data",),
-        refused=tuple(_list_unused(source, sources)),
+        refused=(*refused, *_list_unused(source, sources)),
         has_modes="shape/values" in found,
+        has_responses=what == "responses",
+        has_records=what == "records",
         analyses=list_analyses(source),
         mass=float(found["rigid/mass"][0, 0]) if "rigid/mass" in found else None,
         matrices=list_matrices(source),
     )
+    return file, queries
+
+
+def _describe_responses(source: SourceFile, holds: list[str]) -> tuple[str, list[ModalQuery]]:
+    """Return which measured responses a file holds, and the units that it does not state."""
+    if "frf/frequency" in source.arrays:
+        holds.append(f"{source.arrays['frf/real'].shape[0]} frequency responses")
+        return "responses", _ask(("response_unit", ""), ("force_unit", ""))
+    functions = find_functions(source)
+    if functions is not None:
+        holds.append(f"{len(functions.ends)} frequency responses")
+        phase = () if functions.phase_unit is None else (("phase_unit", functions.phase_unit),)
+        return "responses", _ask(
+            ("response_unit", functions.response_unit),
+            ("force_unit", functions.force_unit),
+            ("frequency_unit", functions.frequency_unit),
+            *phase,
+        )
+    record = find_record(source)
+    if record is None:
+        return "", []
+    n_samples, n_forces = record.forces.shape
+    holds.append(
+        f"{n_samples} samples of {n_forces} forces and {record.responses.shape[1]} responses"
+    )
+    return "records", _ask(
+        ("response_unit", record.response_unit),
+        ("force_unit", record.force_unit),
+        ("time_unit", record.time_unit),
+    )
+
+
+def _ask(*units: tuple[str, str]) -> list[ModalQuery]:
+    """Return the queries of units that are not stated."""
+    return [ModalQuery(name, *_RESPONSE_QUERIES[name]) for name, stated in units if not stated]
 
 
 def list_unused_content(sources: Sources) -> list[str]:

@@ -41,6 +41,7 @@ def identify_modes(
     quantity: str,
     driving: tuple[tuple[int, int], ...] = (),
     line_correlation: float = 1.0,
+    std: Float[np.ndarray, "n_omega n_outputs n_references"] | None = None,
 ) -> MeasuredModes:
     """Identify the modes in the band of frequency responses by maximum likelihood.
 
@@ -54,7 +55,7 @@ def identify_modes(
         Stable poles, the start values; modes that are missing there are added.
     driving
         Pairs (output, reference) at one point in one direction; they give the scale.
-    line_correlation
+    line_correlation, std
         Of the noise over frequency, see ``fit_modal_model``.
 
     Raises
@@ -78,6 +79,7 @@ def identify_modes(
         np.array([column.value for column in columns], dtype=complex),
         np.array([column.participation for column in columns], dtype=complex).reshape(-1, n_in),
         line_correlation,
+        std,
     )
     std_omega, std_damping = model.compute_std()
     size = np.abs(model.poles)

@@ -12,6 +12,7 @@ POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 MOST_DAMPED = 0.3  # damping ratio: larger ones are not structural modes
 _LARGEST_STEP = 0.5  # of the decay rate of a pole, in one step
 _LEAST_NOISE = 1e-3  # of the rms of a response
+_LEAST_PROFILE = 1e-3  # of the mean noise variance over frequency
 _SMOOTHED = 15  # frequencies at least on each side of a smoothed noise variance
 _LEAST_KNOWN = 0.5  # relative: largest standard deviation of a damping ratio
 _FALSE_MODES = 1e-4  # probability that noise alone is found to be a mode
@@ -99,6 +100,7 @@ class _ModalProblem:
     lift: np.ndarray
     responses: np.ndarray
     line_correlation: float
+    profile: np.ndarray  # (n_omega,) known noise variance over frequency, of mean one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +128,7 @@ def fit_modal_model(
     poles: Complex[np.ndarray, " n"],
     participation: Complex[np.ndarray, "n n_in"],
     line_correlation: float = 1.0,
+    std: Float[np.ndarray, "n_omega n_out n_in"] | None = None,
 ) -> tuple[ModalModel, Float[np.ndarray, " n_left"]]:
     """Fit modes to frequency responses from start values; add and remove modes by significance.
 
@@ -140,6 +143,9 @@ def fit_modal_model(
     line_correlation
         Sum of the squared correlations of the noise of a frequency with that of the others, by the
         window of the spectra (``AveragedSpectra``); one of independent noise.
+    std
+        Standard deviations of the responses in any scale, whose mean over outputs and references
+        gives the noise variance over frequency; None if they are not known.
 
     Returns
     -------
@@ -152,7 +158,8 @@ def fit_modal_model(
     -----
     Model: H_or = s^p (sum_k psi_ok L_kr / (s - lambda_k) + its conjugate + terms in s^-4 to s^4
     of modes outside of the band). Noise is independent over frequencies and responses; its
-    variance, one of each response times one of each frequency, comes from the residuals. The
+    variance, one of each response times one of each frequency, comes from the residuals, where
+    ``std`` is given as a slowly varying multiple of its shape over frequency. The
     weighted squares are minimised over poles and participation factors by Gauss-Newton with
     the shapes eliminated by orthogonal projection (Golub and Pereyra 1973); the covariance is the
     inverse of the projected information matrix. Source of the estimator: El-Kafafy, De Troyer,
@@ -160,7 +167,10 @@ def fit_modal_model(
     retained where it lowers the cost, by the chi-squared test with ``_FALSE_MODES``.
     """
     s = 1j * omega
-    problem = _ModalProblem(s, s ** POWERS[quantity], responses, line_correlation)
+    problem = _ModalProblem(
+        *(s, s ** POWERS[quantity], responses, line_correlation),
+        np.ones(omega.size) if std is None else _compute_profile(std),
+    )
     poles, part = poles.astype(complex), _scale(participation.astype(complex))
     weights = _start_weights(responses)
     poles, part, weights = _refine(problem, poles, part, weights)
@@ -187,6 +197,16 @@ def fit_modal_model(
     order = np.argsort(np.abs(poles))
     left = sorted(one for one in refused if omega[0] <= one <= omega[-1])
     return _finish(problem, poles[order], part[order], weights), np.array(left)
+
+
+def _compute_profile(std: np.ndarray) -> np.ndarray:
+    """Noise variance over frequency, of mean one: that of all responses relative to their mean."""
+    variance = std**2
+    mean = np.mean(variance, axis=0)
+    if not (mean > 0).any():
+        return np.ones(std.shape[0])
+    profile = np.mean(variance[:, mean > 0] / mean[mean > 0], axis=1)
+    return np.maximum(profile, _LEAST_PROFILE)
 
 
 def _scale(part: np.ndarray) -> np.ndarray:
@@ -388,7 +408,7 @@ def _estimate_weights(problem: _ModalProblem, fitted: np.ndarray, n: int) -> _We
     Medians over frequencies do not count a mode that is not in the model as noise.
     """
     n_omega, n_out, n_in = fitted.shape
-    squares = np.abs(problem.responses - fitted) ** 2
+    squares = np.abs(problem.responses - fitted) ** 2 / problem.profile[:, None, None]
     n_real = len(_OUTSIDE) + 2 * n / n_in + 2 * n / n_out
     free = max(1.0 - 0.5 * n_real / n_omega, 1.0 / n_omega)
     least = _LEAST_NOISE**2 * np.mean(np.abs(problem.responses) ** 2, axis=0)
@@ -406,7 +426,9 @@ def _estimate_weights(problem: _ModalProblem, fitted: np.ndarray, n: int) -> _We
     mean = np.mean(scaled, axis=0) / free
     variance = np.where(mean < 1.2 * variance, np.maximum(mean, least), variance)
     # What varies slowly over frequency has the errors of that many fewer independent ones.
-    return _Weights(np.sqrt(problem.line_correlation * variance), np.sqrt(frequency))
+    return _Weights(
+        np.sqrt(problem.line_correlation * variance), np.sqrt(problem.profile * frequency)
+    )
 
 
 def _refine(

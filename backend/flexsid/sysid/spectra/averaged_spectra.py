@@ -13,6 +13,10 @@ from scipy import fft, signal
 from flexsid.errors import BadInput
 
 Window = Literal["hann", "rectangular"]
+MOST_OVERLAP = 0.95
+"""Above, blocks add nothing but computing time."""
+
+_LEAST_SAMPLES = 8  # of a block
 _SCIPY_NAMES: dict[Window, str] = {"hann": "hann", "rectangular": "boxcar"}
 
 
@@ -56,12 +60,12 @@ def average_spectra(
     averages
         Number of blocks of all records together; the blocks are as long as it allows.
     overlap
-        Share of a block that the next one repeats, below one.
+        Share of a block that the next one repeats, at most ``MOST_OVERLAP``.
 
     Raises
     ------
     BadInput
-        If the blocks would have fewer than eight samples.
+        If the blocks would have fewer than eight samples, or the overlap is out of range.
 
     Notes
     -----
@@ -70,9 +74,15 @@ def average_spectra(
     with itself j steps later. Source: Welch (1967), IEEE Trans. Audio Electroacoustics 15. Over
     frequency the correlation of white noise is the transform of the squared window.
     """
+    if not (0.0 <= overlap <= MOST_OVERLAP and averages > 0):
+        raise BadInput(
+            f"{averages} averages with an overlap of {overlap:g} cannot be formed; expected at "
+            f"least one, and an overlap from 0 to {MOST_OVERLAP:g}",
+            code="bad-averages",
+        )
     sizes = [forces.shape[0] for forces, _ in records]
     length = _find_block_length(sizes, averages, overlap)
-    if length < 8:
+    if length < _LEAST_SAMPLES:
         raise BadInput(
             f"{averages} averages of {sum(sizes)} samples leave blocks of {length} samples; select "
             "fewer averages",

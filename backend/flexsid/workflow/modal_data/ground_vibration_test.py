@@ -18,6 +18,7 @@ from flexsid.records.modal_data import (
     ModalKind,
     ModalTable,
     ModeIdentification,
+    ResponseFunction,
     Stabilisation,
 )
 from flexsid.records.run import Progress, ReportProgress
@@ -34,6 +35,8 @@ from flexsid.workflow.modal_data.modal_import import store_modal_data
 from flexsid.workflow.modal_data.mode_matching import match_modes
 
 _SAME_POLE = 0.01  # relative difference in frequency of a pole and a mode
+_HANN_BANDWIDTH = 1.5  # equivalent noise bandwidth, times the length of the block
+_RESOLVED = 4.0  # least half-power bandwidth of a mode in resolution bandwidths
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,18 +51,22 @@ class ModeSearch:
 
 @dataclass(frozen=True, slots=True)
 class ModeTask:
-    """A mode search with the samples of its responses: (n_omega,) [Hz], and per reference."""
+    """A mode search with the samples of its responses: (n_omega,) [Hz], and per reference.
+
+    ``std`` is that of responses estimated from time data.
+    """
 
     search: ModeSearch
     record: MeasuredResponses
     frequency_hz: np.ndarray
     responses: np.ndarray
+    std: np.ndarray | None
 
 
 def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> MeasuredResponses:
     """Store measured responses."""
     assert aircraft.id is not None
-    arrays = {"frequency": raw.frequency_hz, "values": raw.values}
+    arrays = {"frequency": raw.frequency_hz, "values": raw.values, **raw.errors}
     if raw.nodes is not None and raw.directions is not None:
         arrays |= {"nodes": raw.nodes, "directions": raw.directions}
     with store.transaction():
@@ -74,8 +81,55 @@ def store_responses(store: Store, aircraft: Aircraft, raw: RawResponses) -> Meas
                 arrays={name: store.arrays.put(values) for name, values in arrays.items()},
                 notes=raw.notes,
                 origin=raw.origin,
+                averaging=raw.averaging,
             )
         )
+
+
+def read_function(
+    store: Store, responses_id: int, response_dof: str, reference_dof: str
+) -> ResponseFunction:
+    """Read one frequency response, with coherence and standard deviation if it is estimated.
+
+    Raises
+    ------
+    BadInput
+        If there is no such degree of freedom.
+    """
+    record = store.measured_responses.get(responses_id)
+    for name, known, what in (
+        (response_dof, record.outputs, "response_dof"),
+        (reference_dof, record.references, "reference_dof"),
+    ):
+        if name not in known:
+            raise BadInput(
+                f"'{record.name}' has no point '{name}'; expected one of {', '.join(known[:12])}",
+                code="unknown-point",
+                field=what,
+            )
+    column = record.outputs.index(response_dof), record.references.index(reference_dof)
+
+    def read(name: str) -> np.ndarray | None:
+        if name not in record.arrays:
+            return None
+        values = np.asarray(store.arrays.get(record.arrays[name]))
+        one = values[:, column[0]] if values.ndim == 2 else values[:, column[0], column[1]]
+        return np.ascontiguousarray(one)
+
+    values = read("values")
+    assert values is not None
+    return ResponseFunction(
+        title=record.name,
+        quantity=record.quantity,
+        output=response_dof,
+        reference=reference_dof,
+        frequency_hz=np.asarray(store.arrays.get(record.arrays["frequency"])),
+        real=np.ascontiguousarray(np.real(values)),
+        imaginary=np.ascontiguousarray(np.imag(values)),
+        std=read("std"),
+        multiple_coherence=read("multiple_coherence"),
+        ordinary_coherence=read("ordinary_coherence"),
+    )
 
 
 def identify_mode_search(store: Store, search: ModeSearch) -> tuple[object, ...]:
@@ -98,7 +152,10 @@ def prepare_mode_search(store: Store, search: ModeSearch) -> ModeTask:
     record = store.measured_responses.get(search.responses_id)
     hertz, inside = _select_band(store, record, search)
     responses = np.asarray(store.arrays.get(record.arrays["values"]))
-    return ModeTask(search, record, hertz[inside], responses[inside])
+    std = None
+    if "std" in record.arrays:
+        std = np.asarray(store.arrays.get(record.arrays["std"]))[inside]
+    return ModeTask(search, record, hertz[inside], responses[inside], std)
 
 
 def find_modes(
@@ -115,7 +172,11 @@ def find_modes(
     report(Progress(fraction=0.1, message="Computing the stabilisation diagram"))
     poles = compute_stabilisation(omega, responses, min(task.search.order, omega.size // 2 - 1))
     report(Progress(fraction=0.5, message="Fitting the modes"))
-    modes = identify_modes(omega, responses, find_columns(poles), record.quantity, driving)
+    modes = identify_modes(
+        *(omega, responses, find_columns(poles), record.quantity, driving),
+        1.0 if record.averaging is None else record.averaging.line_correlation,
+        task.std,
+    )
     shapes, collinearity = compute_real_shapes(modes.shapes)
     return ModeIdentification(
         diagram=_build_diagram(task, poles, modes),
@@ -135,9 +196,26 @@ def find_modes(
                 for k in range(modes.omega.size)
             ),
             unmodelled_hz=tuple(float(one) / (2.0 * np.pi) for one in modes.unmodelled),
+            unresolved_hz=_find_unresolved(record, modes),
         ),
         shapes=shapes,
     )
+
+
+def _find_unresolved(record: MeasuredResponses, modes: MeasuredModes) -> tuple[float, ...]:
+    """Return the modes whose damping is biased by the length of the blocks of the spectra [Hz].
+
+    Notes
+    -----
+    The resolution bandwidth of a Hann window is 1.5 over the length of the block. It should be at
+    most a quarter of the half-power bandwidth 2 zeta f of a mode (Bendat and Piersol 2010,
+    Random Data, chapter 8). Blocks of one period of a periodic force have no such bias.
+    """
+    if record.averaging is None or record.averaging.window != "hann":
+        return ()
+    least = _RESOLVED * _HANN_BANDWIDTH / record.averaging.block_s
+    hertz = modes.omega / (2.0 * np.pi)
+    return tuple(hertz[2.0 * modes.damping * hertz < least].tolist())
 
 
 def _build_diagram(

@@ -2,6 +2,7 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
 import type {
+  EstimatedResponsesRequest,
   MassRequest,
   ModalDataRequest,
   OrthogonalityRequest,
@@ -85,10 +86,7 @@ export function useImportFlutterSummary(upload: string, aircraftId: number) {
 export function useImportResponses(upload: string, aircraftId: number) {
   const cache = useQueryClient();
   return useMutation({
-    mutationFn: (
-      request: Pick<ResponsesRequest, "name" | "response_unit" | "force_unit"> &
-        Partial<ResponsesRequest>,
-    ) =>
+    mutationFn: (request: Pick<ResponsesRequest, "name"> & Partial<ResponsesRequest>) =>
       body(
         api.POST("/api/v1/uploads/{upload_id}/responses", {
           params: { path: { upload_id: upload } },
@@ -102,6 +100,30 @@ export function useImportResponses(upload: string, aircraftId: number) {
         }),
       ),
     onSuccess: () => cache.invalidateQueries({ queryKey: ["measured-responses"] }),
+  });
+}
+
+export function useEstimateResponses(upload: string, aircraftId: number) {
+  return useMutation({
+    mutationFn: (
+      request: Pick<
+        EstimatedResponsesRequest,
+        "name" | "averages" | "estimator" | "overlap" | "window"
+      > &
+        Partial<EstimatedResponsesRequest>,
+    ) =>
+      body(
+        api.POST("/api/v1/uploads/{upload_id}/response-estimates", {
+          params: { path: { upload_id: upload } },
+          body: {
+            fuel: 0,
+            axes: "aft right up",
+            origin: [0, 0, 0],
+            ...request,
+            aircraft_id: aircraftId,
+          },
+        }),
+      ),
   });
 }
 

@@ -4,7 +4,6 @@ import { useRef, useState } from "react";
 import {
   useImportFlutterSummary,
   useImportMassProperties,
-  useImportResponses,
   useImportStructure,
   useUploadFiles,
 } from "../../api/commands";
@@ -17,6 +16,7 @@ import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 import { OrthogonalityForm } from "./OrthogonalityForm";
+import { ResponsesForm } from "./ResponsesForm";
 
 interface Props {
   aircraft: Aircraft;
@@ -56,7 +56,7 @@ function Choose({ onChange }: Pick<Props, "onChange">) {
   return (
     <Section
       title="Import modal data"
-      note="Nastran .op2, .f06, .pch, .op4, .bdf with its includes; universal files .uff, .unv; one set per fuel weight"
+      note="Nastran .op2, .f06, .pch, .op4, .bdf with its includes; universal files .uff, .unv; one set per fuel weight. Frequency responses or time data of a ground vibration test: .uff, .csv, .mat, .h5, .npz"
     >
       <div
         className="drop-zone"
@@ -126,7 +126,7 @@ function Found({ id, aircraft, fuel, onChange }: FoundProps & { fuel: number }) 
             {data.files.some((file) => file.has_modes) && (
               <ModesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
-            {data.files.some((file) => file.holds.some((what) => what.endsWith("responses"))) && (
+            {data.files.some((file) => file.has_responses || file.has_records) && (
               <ResponsesForm id={id} found={data} aircraft={aircraft} onChange={onChange} />
             )}
             {data.files.some((file) => file.mass !== null) && (
@@ -326,94 +326,6 @@ function MassForm({
         </Text>
       )}
     </Stack>
-  );
-}
-
-const RESPONSES = ["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in"] as const;
-const FORCES = ["N", "lbf"] as const;
-
-function ResponsesForm({ id, found, aircraft, onChange }: FoundProps & { found: StructureFound }) {
-  const save = useImportResponses(id, aircraft.id);
-  const [name, setName] = useState("GVT");
-  const [fuel, setFuel] = useState(0);
-  const [response, setResponse] = useState<(typeof RESPONSES)[number] | null>(null);
-  const [force, setForce] = useState<(typeof FORCES)[number] | null>(null);
-  const [length, setLength] = useState<(typeof LENGTHS)[number] | null>(null);
-  const asked = found.n_nodes > 0 && found.queries.some((q) => q.field === "length_unit");
-  return (
-    <Group align="end">
-      <TextInput
-        label="Name of the test"
-        value={name}
-        onChange={(event) => {
-          setName(event.currentTarget.value);
-        }}
-      />
-      <NumberInput
-        label="Fuel [%]"
-        w={90}
-        min={0}
-        max={100}
-        value={fuel}
-        onChange={(value) => {
-          if (typeof value === "number") setFuel(value);
-        }}
-      />
-      <Select
-        label="Response unit"
-        w={120}
-        data={[...RESPONSES]}
-        value={response}
-        onChange={(value) => {
-          setResponse(RESPONSES.find((one) => one === value) ?? null);
-        }}
-      />
-      <Select
-        label="Force unit"
-        w={80}
-        data={[...FORCES]}
-        value={force}
-        onChange={(value) => {
-          setForce(FORCES.find((one) => one === value) ?? null);
-        }}
-      />
-      {asked && (
-        <Select
-          label="Length unit"
-          w={90}
-          data={[...LENGTHS]}
-          value={length}
-          onChange={(value) => {
-            setLength(LENGTHS.find((one) => one === value) ?? null);
-          }}
-        />
-      )}
-      <Button
-        variant="default"
-        loading={save.isPending}
-        disabled={response === null || force === null || (asked && length === null)}
-        onClick={() => {
-          if (response !== null && force !== null)
-            save.mutate(
-              {
-                name,
-                response_unit: response,
-                force_unit: force,
-                fuel: fuel / 100,
-                length_unit: length,
-              },
-              {
-                onSuccess: (stored) => {
-                  onChange({ tab: "gvt", responses: stored.id, upload: undefined });
-                },
-              },
-            );
-        }}
-      >
-        Save responses
-      </Button>
-      {save.isError && <ProblemAlert error={save.error} />}
-    </Group>
   );
 }
 

@@ -33,7 +33,8 @@ export function VibrationTab({ aircraft, usable, view, onChange }: TabProps) {
         const responses = known.find((one) => one.id === view.responses) ?? known.at(-1);
         return responses === undefined ? (
           <Empty title="No measured responses yet">
-            Import a universal file with frequency responses (data sets 58) and its geometry.
+            Import frequency responses, or forces and responses over time, with the coordinates of
+            the nodes.
           </Empty>
         ) : (
           <OneSet {...{ known, responses, usable, view, onChange }} />
@@ -60,7 +61,13 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
           data={known.map((one) => ({ value: String(one.id), label: one.name }))}
           value={String(responses.id)}
           onChange={(value) => {
-            onChange({ responses: Number(value), from_hz: undefined, to_hz: undefined });
+            onChange({
+              responses: Number(value),
+              from_hz: undefined,
+              to_hz: undefined,
+              response_dof: undefined,
+              reference_dof: undefined,
+            });
           }}
         />
         <NumberInput
@@ -113,8 +120,51 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
             </>
           )}
         </ComputedResult>
+        <OneResponse {...{ responses, view, onChange }} />
       </Stack>
     </div>
+  );
+}
+
+/** One frequency response, with coherence and standard deviation if it was estimated here. */
+function OneResponse({ responses, view, onChange }: Omit<OneProps, "known" | "usable">) {
+  const output = responses.outputs.find((one) => one === view.response_dof) ?? responses.outputs[0];
+  const reference =
+    responses.references.find((one) => one === view.reference_dof) ?? responses.references[0];
+  return (
+    <Section title="Measured response">
+      <Stack gap="md">
+        <Group>
+          <Select
+            label="Response"
+            searchable
+            allowDeselect={false}
+            data={responses.outputs}
+            value={output ?? null}
+            onChange={(value) => {
+              onChange({ response_dof: value ?? undefined });
+            }}
+          />
+          <Select
+            label="Force"
+            allowDeselect={false}
+            data={responses.references}
+            value={reference ?? null}
+            onChange={(value) => {
+              onChange({ reference_dof: value ?? undefined });
+            }}
+          />
+        </Group>
+        {output !== undefined && reference !== undefined && (
+          <Figure
+            kind="measured-response"
+            title={`Response of ${output} to a force at ${reference}`}
+            params={{ responses_id: responses.id, response_dof: output, reference_dof: reference }}
+            height={520}
+          />
+        )}
+      </Stack>
+    </Section>
   );
 }
 
@@ -143,6 +193,14 @@ function Found({ found, query, usable, onChange }: FoundProps) {
             The residuals resemble a mode that is not identified at{" "}
             {found.unmodelled_hz.map((hertz) => fixed(hertz, 2)).join(", ")} Hz; check the responses
             there, or take a narrower band.
+          </Text>
+        )}
+        {found.unresolved_hz.length > 0 && (
+          <Text size="sm" data-testid="unresolved-modes">
+            Damping is too high by leakage at{" "}
+            {found.unresolved_hz.map((hertz) => fixed(hertz, 2)).join(", ")} Hz: the half-power
+            bandwidth is less than four resolution bandwidths of the spectra. Estimate the responses
+            with fewer averages, or record for longer.
           </Text>
         )}
         <DataTable
