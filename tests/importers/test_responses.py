@@ -88,14 +88,17 @@ def tabulate(polar: bool = False, unit: str = " [(m/s2)/N]", angle: str = " [deg
                 parts[f"{name} magnitude{unit}"] = np.abs(one)
                 parts[f"{name} phase{angle}"] = np.degrees(np.angle(one))
             else:
-                parts[f"{name} real{unit}"], parts[f"{name} imag{unit}"] = one.real, one.imag
+                parts[f"{name} real{unit}"], parts[f"{name} imag{unit}"] = (
+                    np.real(one),
+                    np.imag(one),
+                )
     return write_columns(parts, "frequency [Hz]")
 
 
 DOFS = {"responses": np.array(OUTPUTS), "references": np.array(REFERENCES)}
 UNITS = {"response_unit": "m/s2", "force_unit": "N", "frequency_unit": "Hz"}
 MATLAB = {"f": HERTZ, "H": VALUES, **{k: v.astype(object) for k, v in DOFS.items()}, **UNITS}
-PAIR = {"H_real": VALUES.real.transpose(1, 2, 0), "H_imag": VALUES.imag.transpose(1, 2, 0)}
+PAIR = {"H_real": np.real(VALUES).transpose(1, 2, 0), "H_imag": np.imag(VALUES).transpose(1, 2, 0)}
 HDF5 = {
     "frequency": (HERTZ, "Hz"),
     "frf": (VALUES, "m/s2/N"),
@@ -125,9 +128,37 @@ def test_every_file_gives_the_same_responses(tmp_path: Path, name: str) -> None:
     assert found.nodes[1] == pytest.approx([0.2, 0.4, 0.0])
 
 
+def test_a_matlab_file_of_version_7_3_has_complex_arrays_and_cells(tmp_path: Path) -> None:
+    """Columns first, complex as a pair of parts, and texts as references to their characters."""
+    path = tmp_path / "gvt.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["f"] = HERTZ[None]
+        pair = np.empty(VALUES.T.shape, dtype=[("real", "f8"), ("imag", "f8")])
+        pair["real"], pair["imag"] = np.real(VALUES.T), np.imag(VALUES.T)
+        file["H"] = pair
+        for name, texts in (*DOFS.items(), *((k, [v]) for k, v in UNITS.items())):
+            cells = []
+            for number, text in enumerate(texts):
+                cell = file.create_dataset(
+                    f"#refs#/{name}{number}", data=np.array([[ord(c)] for c in text], dtype="u2")
+                )
+                cell.attrs["MATLAB_class"] = np.bytes_("char")
+                cells.append(cell.ref)
+            file[name] = np.array([cells], dtype=h5py.ref_dtype)
+            file[name].attrs["MATLAB_class"] = np.bytes_("cell")
+    fields = {field.path: field.samples for field in read_file(path, path.name)}
+    source = SourceFile(name=path.name, sha256="", arrays=fields)
+    found = extract_responses(Sources((source,)), ResponseOptions(name="GVT"))
+    assert (found.outputs, found.references) == (OUTPUTS, REFERENCES)
+    assert np.allclose(found.values, VALUES)
+
+
 def test_units_and_signs_of_the_file_are_converted(tmp_path: Path) -> None:
     text = write_columns(
-        {"1+z/1-z re [g/lbf]": VALUES[:, 0, 0].real, "1+z/1-z im [g/lbf]": VALUES[:, 0, 0].imag},
+        {
+            "1+z/1-z re [g/lbf]": np.real(VALUES[:, 0, 0]),
+            "1+z/1-z im [g/lbf]": np.imag(VALUES[:, 0, 0]),
+        },
         "omega [rad/s]",
         2.0 * np.pi * HERTZ,
     )
@@ -142,7 +173,12 @@ def test_units_that_no_file_states_are_asked_for(tmp_path: Path) -> None:
     queries = inspect_modal_data(sources).response_queries
     names = ["response_unit", "force_unit", "frequency_unit", "phase_unit"]
     assert [query.field for query in queries] == names
-    given = {"response_unit": "g", "force_unit": "N", "frequency_unit": "Hz", "phase_unit": "deg"}
+    given: dict[str, Any] = {
+        "response_unit": "g",
+        "force_unit": "N",
+        "frequency_unit": "Hz",
+        "phase_unit": "deg",
+    }
     for name in names:
         options = ResponseOptions(name="GVT", **{n: u for n, u in given.items() if n != name})
         with pytest.raises(BadInput) as caught:

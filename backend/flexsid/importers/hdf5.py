@@ -88,10 +88,8 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
         if item.attrs.get("MATLAB_class") == b"char":
             values = _decode(values)
     if is_complex:
-        one, other = item.dtype.names or ("real", "imag")
-        parts = (
-            (values.real, values.imag) if item.dtype.names is None else (values[one], values[other])
-        )
+        names = item.dtype.names
+        parts = (np.real(values), np.imag(values)) if names is None else [values[n] for n in names]
         for name, part in zip(("real", "imaginary"), parts, strict=True):
             yield Field(f"{path} {name}", np.ascontiguousarray(part), _unit(item))
         return
@@ -106,11 +104,16 @@ def _decode(codes: np.ndarray) -> np.ndarray:
 
 def _texts(item: h5py.Dataset, path: str) -> Iterator[Field]:
     """Read a cell array whose cells are all texts."""
-    if h5py.check_ref_dtype(item.dtype) is not h5py.Reference or item.size > MOST_FIELDS:
+    references = np.asarray(item)
+    if h5py.check_ref_dtype(item.dtype) is not h5py.Reference or references.size > MOST_FIELDS:
         return
-    cells = [item.file[reference] for reference in np.asarray(item).T.reshape(-1)]
-    if cells and all(cell.attrs.get("MATLAB_class") == b"char" for cell in cells):
-        texts = [str(_decode(np.asarray(cell).T)[0]) if cell.size else "" for cell in cells]
+    texts = []
+    for reference in references.T.reshape(-1):
+        cell = item.file[reference]
+        if not isinstance(cell, h5py.Dataset) or cell.attrs.get("MATLAB_class") != b"char":
+            return
+        texts.append(str(_decode(np.asarray(cell).T)[0]) if cell.size else "")
+    if texts:
         yield Field(path, np.array(texts))
 
 

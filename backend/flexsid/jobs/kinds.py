@@ -291,7 +291,9 @@ RESPONSES = Kind(
     name="response-estimation",
     label="Frequency responses",
     request=response_estimation.ResponseEstimation,
-    prepare=lambda store, job, request: response_estimation.prepare_estimation(store, request),
+    prepare=lambda store, job, request: response_estimation.ResponseTask(
+        uploads.open_upload(store, request.upload_id), request
+    ),
     compute=response_estimation.estimate_responses,
     save=save_records(response_estimation.store_estimated_responses),
 )

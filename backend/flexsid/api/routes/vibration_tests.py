@@ -149,7 +149,7 @@ def estimate_responses(
             window=body.window,
         ),
     )
-    check_estimation(context.store, request)
+    check_estimation(context.store, open_upload(context.store, upload_id), request)
     with storing_in_campaign(body.aircraft_id):
         return submit_job(context, RESPONSES, request, analyst, body.name)
 

@@ -16,7 +16,6 @@ from flexsid.importers.vibration_records import find_records
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data.ground_vibration_test import store_responses
 
 
@@ -45,21 +44,16 @@ class StoredResponses:
     responses_id: int
 
 
-def check_estimation(store: Store, request: ResponseEstimation) -> None:
-    """Reject a request whose aircraft, upload or time data do not exist.
+def check_estimation(store: Store, sources: Sources, request: ResponseEstimation) -> None:
+    """Reject a request whose aircraft does not exist, or whose files hold no time data.
 
     Raises
     ------
     BadInput, UnknownRecord
     """
     store.aircraft.get(request.aircraft_id)
-    if not find_records(open_upload(store, request.upload_id)):
+    if not find_records(sources):
         raise BadInput("the files hold no forces and responses over time", code="no-records")
-
-
-def prepare_estimation(store: Store, request: ResponseEstimation) -> ResponseTask:
-    """Return the contents of the files of a request."""
-    return ResponseTask(open_upload(store, request.upload_id), request)
 
 
 def estimate_responses(task: ResponseTask, report: ReportProgress) -> RawResponses:
