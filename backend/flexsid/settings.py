@@ -38,8 +38,9 @@ class Settings:
     ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
     unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
-    ``backups_retained`` of these backups are retained. An analyst may have ``analyst_jobs``
-    unfinished jobs, and the recordings of a campaign ``campaign_gigabytes`` (None: no limit).
+    ``backups_retained`` of these backups are retained. The file ``receiver_credentials`` has the
+    credentials of brokers of telemetry. An analyst may have ``analyst_jobs`` unfinished jobs, and
+    the recordings of a campaign ``campaign_gigabytes`` (None: no limit).
     """
 
     database: str = DEFAULT_DATABASE
@@ -58,6 +59,7 @@ class Settings:
     backups_retained: int = _BACKUPS_RETAINED
     analyst_jobs: int | None = None
     campaign_gigabytes: int | None = None
+    receiver_credentials: Path | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -98,6 +100,9 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         campaign_gigabytes=_number(
             environment, "FLEXSID_CAMPAIGN_GIGABYTES", "a number of gigabytes", 10**6
         ),
+        receiver_credentials=Path(file)
+        if (file := environment.get("FLEXSID_CREDENTIALS"))
+        else None,
     )
     _check_access(settings)
     return settings

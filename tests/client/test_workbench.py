@@ -16,6 +16,8 @@ from plotly.graph_objects import Figure
 from scipy.io import loadmat
 from waiting import PATIENCE_S
 
+from flexsid.cli.live import parse_options
+from flexsid.cli.main import main
 from flexsid.client import RequestRefused, RunFailed, Unreachable, Workbench
 from flexsid.client import workbench as client
 from flexsid.client.progress import ProgressLine
@@ -324,3 +326,40 @@ def test_responses_are_estimated_from_time_data(workbench: Workbench, tmp_path: 
     found = modal.response(number, "61+z", "61+z")
     assert found["real"].to_numpy() == pytest.approx(np.full(len(found), 2.0))
     assert found["multiple_coherence"].min() == pytest.approx(1.0)
+
+
+def test_streams_are_started_by_script_and_command(
+    workbench: Workbench, live_url: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = {one["name"]: one for one in workbench.live.receivers()}
+    assert {"replay", "push", "udp", "tcp", "nats", "mqtt", "mavlink"} <= names.keys()
+    assert names["nats"]["missing_extra"] is None
+    with pytest.raises(RequestRefused, match="name credentials by the option 'credentials'"):
+        workbench.live.start(1, "t", "nats", {"server": "nats://a:b@c", "subject": "s"})
+    address = ["live", "--url", live_url, "--json"]
+    started = [*address, "start", "--run", str(1), "--receiver", "push"]
+    assert main(started) == 0
+    number = json.loads(capsys.readouterr().out)["id"]
+    detail = workbench.live.stream(number)
+    assert detail["stream"]["receiver"] == {"name": "push", "options": {}}
+    packet = b"FXS1" + bytes(detail["packet_bytes"] - 4)
+    assert workbench.live.push(number, packet) == 1
+    assert number in workbench.live.streams().index
+    assert main([*address, "stop", str(number)]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "stopped"
+    assert workbench.live.history(number) == []
+    assert main([*address, "start", "--receiver", "push"]) == 2
+    assert "--run" in capsys.readouterr().err
+
+
+def test_options_of_a_receiver_are_parsed() -> None:
+    texts = ["port=14550", "address=0.0.0.0", "channels.q=ATTITUDE.pitchspeed", "speed=1.5"]
+    assert parse_options(texts) == {
+        "port": 14550,
+        "address": "0.0.0.0",
+        "channels": {"q": "ATTITUDE.pitchspeed"},
+        "speed": 1.5,
+    }
+    for text in ("port", "=5", "channels.=x"):
+        with pytest.raises(BadInput, match="expected NAME=VALUE"):
+            parse_options([text])

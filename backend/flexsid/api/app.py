@@ -121,7 +121,9 @@ def create_app(
         duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
-        streams = LiveStreams(store, on_change=live.publish_stream, on_queued=dispatcher.wake)
+        streams = LiveStreams(
+            store, live.publish_stream, dispatcher.wake, settings.receiver_credentials
+        )
         streams.resume()
         app.state.context = Context(
             store=store,

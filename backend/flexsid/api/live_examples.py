@@ -114,6 +114,7 @@ RESPONSES: dict[str, Any] = {
             {
                 "name": "replay",
                 "label": "Replay of a maneuver",
+                "missing_extra": None,
                 "options": [
                     {
                         "name": "maneuver_id",
@@ -144,6 +145,15 @@ RESPONSES: dict[str, Any] = {
             "silent_s": 0.02,
             "delay_s": 0.03,
             "estimate_age_s": 0.4,
+            "reception": {
+                "is_connected": None,
+                "connection_error": "",
+                "interruptions": 0,
+                "interrupted_s": 0.0,
+                "rejected": 2,
+                "rejection": "12 bytes are not whole packets of this stream, of 216 bytes each",
+                "lost_messages": 0,
+            },
         },
         "test_points": [_POINT],
         "alarms": _STATE["alarms"],

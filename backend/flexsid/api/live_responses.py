@@ -29,10 +29,11 @@ class ReceiverOption:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReceiverItem:
-    """A way to receive samples."""
+    """A way to receive samples; ``missing_extra`` is that of flexsid which it needs."""
 
     name: str
     label: str
+    missing_extra: str | None
     options: tuple[ReceiverOption, ...]
 
 

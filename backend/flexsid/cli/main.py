@@ -114,6 +114,9 @@ def build_parser() -> argparse.ArgumentParser:
     meaning = "name under which it proposes, where the workbench has no accounts"
     agents.add_argument("--analyst", default="", metavar="NAME", help=meaning)
 
+    summary = "start, show and stop streams of a running workbench while an aircraft flies"
+    _add_live_options(add("live", "live:run_action", summary))
+
     audit = add("audit", "audit:audit", "export the audit log: who changed what, and when")
     audit.add_argument("--output", required=True, metavar="FILE", help="JSON, one event per line")
 
@@ -268,6 +271,25 @@ def _add_run_options(command: argparse.ArgumentParser) -> None:
     option("--additional-maneuvers", default="", metavar="ID,ID", help=meaning)
     meaning = "execute the run now, instead of queueing it for a server"
     option("--wait", action="store_true", help=meaning)
+
+
+def _add_live_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument("action", choices=("receivers", "start", "list", "show", "stop"))
+    command.add_argument("stream", type=int, nargs="?", metavar="STREAM", help="id of a stream")
+    meaning = "address of the workbench; its token is that of FLEXSID_TOKEN"
+    command.add_argument("--url", default="http://127.0.0.1:8000", metavar="URL", help=meaning)
+    command.add_argument("--analyst", default="", metavar="NAME", help="name of the analyst")
+    meaning = "run whose model, channels and settings the stream has"
+    command.add_argument("--run", type=int, metavar="RUN", help=meaning)
+    command.add_argument("--receiver", metavar="NAME", help="where samples come from")
+    meaning = "option of the receiver, such as subject=flight5 or channels.q=ATTITUDE.pitchspeed"
+    command.add_argument(
+        "--option", action="append", default=[], metavar="NAME=VALUE", help=meaning
+    )
+    command.add_argument("--title", metavar="TITLE", help="title on the page")
+    command.add_argument("--flight", type=int, metavar="ID", help="flight to store maneuvers in")
+    meaning = "airspeed of the next test point [m/s]"
+    command.add_argument("--next", type=float, metavar="V", help=meaning)
 
 
 def _add_modal_options(command: argparse.ArgumentParser) -> None:

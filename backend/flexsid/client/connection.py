@@ -47,6 +47,11 @@ class Connection:
         """Return the response of a POST request with a JSON body and a query."""
         return self._send_json("POST", self._address(path, query), body)
 
+    def post_bytes(self, path: str, content: bytes) -> bytes:
+        """Return the response of a POST request with bytes."""
+        kind = {"Content-Type": "application/octet-stream"}
+        return self._send(Request(self._address(path), data=content, headers=kind, method="POST"))
+
     def put(self, path: str, body: Any) -> bytes:
         """Return the response of a PUT request with a JSON body."""
         return self._send_json("PUT", self._address(path, {}), body)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
+from flexsid.client.requests import Requests
 from flexsid.client.tables import table
 from flexsid.errors import BadInput
 
@@ -16,23 +17,10 @@ if TYPE_CHECKING:
 _FORMS = ("uff", "csv", "mat", "op4")
 
 
-class _Requests(Protocol):
-    """Requests of a workbench."""
-
-    def get(self, path: str, **query: Any) -> Any: ...
-    def post(self, path: str, body: Any, **query: Any) -> Any: ...
-    def get_bytes(self, path: str, **query: Any) -> bytes: ...
-    def send_files(
-        self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any
-    ) -> bytes: ...
-    def compute(self, path: str, **query: Any) -> dict[str, Any]: ...
-    def wait(self, *run_ids: int) -> None: ...
-
-
 class ModalData:
     """Modal tables and ground vibration tests of a workbench: ``workbench.modal_data``."""
 
-    def __init__(self, workbench: _Requests) -> None:
+    def __init__(self, workbench: Requests) -> None:
         self._workbench = workbench
 
     def upload(self, *files: str | Path) -> str:

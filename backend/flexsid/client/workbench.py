@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexsid.client.connection import Connection
+from flexsid.client.live import Live
 from flexsid.client.modal_data import ModalData
 from flexsid.client.polling import RunFailed, describe_failure, poll_until_ended
 from flexsid.client.progress import ProgressLine
@@ -80,6 +81,11 @@ class Workbench:
         """Import, correlation, updating and files of modal data."""
         return ModalData(self)
 
+    @property
+    def live(self) -> Live:
+        """Streams of samples while an aircraft flies."""
+        return Live(self)
+
     # --- plain responses ---
 
     def get(self, path: str, **query: Any) -> Any:
@@ -108,6 +114,10 @@ class Workbench:
     def get_bytes(self, path: str, **query: Any) -> bytes:
         """Return the content of a file of the workbench."""
         return self._connection.get(path, query)
+
+    def send_bytes(self, path: str, content: bytes) -> Any:
+        """Return the response of a route to the content of a file."""
+        return json.loads(self._connection.post_bytes(path, content))
 
     def send_files(self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any) -> bytes:
         """Return the response of a route to files and fields of a form."""

@@ -192,6 +192,25 @@ class ReceiverSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Reception:
+    """What a receiver reports besides frames, since its process started.
+
+    ``is_connected`` is None for receivers without a connection; ``connection_error`` states why
+    there is none. ``interruptions`` of the connection had a total of ``interrupted_s`` [s].
+    ``rejected`` messages had no samples of the stream; ``rejection`` states why of the newest.
+    ``lost_messages`` are missing by their numbers.
+    """
+
+    is_connected: bool | None = None
+    connection_error: str = ""
+    interruptions: int = 0
+    interrupted_s: float = 0.0
+    rejected: int = 0
+    rejection: str = ""
+    lost_messages: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LiveStream:
     """A stream of samples and how it is processed.
 
@@ -281,7 +300,8 @@ class LiveSnapshot:
     ``newest_s`` is the end of the newest samples on the clock of the recorder; ``silent_s`` the
     time since they arrived, by the clock of the server. ``delay_s`` is the time from the arrival
     of samples to the server, 95th percentile of the last minute. ``estimate_age_s`` is the
-    time of the recorder since the end of the record of the estimate.
+    time of the recorder since the end of the record of the estimate. ``reception`` is None before
+    its first report.
     """
 
     stream_id: int
@@ -290,6 +310,7 @@ class LiveSnapshot:
     silent_s: float | None
     delay_s: float | None
     estimate_age_s: float | None
+    reception: Reception | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

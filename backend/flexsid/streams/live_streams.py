@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import sqlalchemy as sa
@@ -22,6 +23,7 @@ from flexsid.records.live import (
     LiveSnapshot,
     LiveState,
     LiveStream,
+    Reception,
     StreamHeader,
     StreamStatus,
     StripChart,
@@ -29,10 +31,12 @@ from flexsid.records.live import (
 from flexsid.storage.access import using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import live_streams
+from flexsid.streams.credentials import read_credentials
 from flexsid.streams.frame_log import has_sealed, locate_frames
 from flexsid.streams.messages import (
     EndMessage,
     FrameMessage,
+    ReceptionMessage,
     StateMessage,
     StoredMessage,
     StreamOrder,
@@ -64,6 +68,7 @@ class _Running:
     states: int = 0
     delays: deque[float] = field(default_factory=lambda: deque(maxlen=_DELAYS))
     arrived: float | None = None
+    reception: Reception | None = None
 
     @property
     def header(self) -> StreamHeader:
@@ -82,6 +87,8 @@ class LiveStreams:
         Called on a separate thread with the id of a stream that has a new frame or state.
     on_queued
         Called on a separate thread after a run was queued.
+    credentials
+        File with the credentials of brokers (see ``read_credentials``).
     """
 
     def __init__(
@@ -89,10 +96,12 @@ class LiveStreams:
         store: Store,
         on_change: Callable[[int], None] = lambda stream_id: None,
         on_queued: Callable[[], None] = lambda: None,
+        credentials: Path | None = None,
     ) -> None:
         self._store = store
         self._on_change = on_change
         self._on_queued = on_queued
+        self._credentials = credentials
         self._holder = get_process_id()
         self._running: dict[int, _Running] = {}
         self._lock = threading.Lock()
@@ -217,6 +226,7 @@ class LiveStreams:
             silent_s=silent_s,
             delay_s=float(np.percentile(delays, 95)) if delays else None,
             estimate_age_s=age_s,
+            reception=running.reception,
         )
 
     def count_states(self, stream_id: int) -> int:
@@ -249,7 +259,8 @@ class LiveStreams:
         return running
 
     def _prepare(self, stream: LiveStream) -> StreamOrder:
-        receiver, options = find_receiver(stream.receiver)
+        credentials = read_credentials(self._credentials)
+        receiver, options = find_receiver(stream.receiver, credentials)
         run = self._store.runs.get(stream.run_id)
         task = prepare_live_task(self._store, run, stream.next_airspeed_m_s, stream.limits)
         source = receiver.open(self._store, options, task.header)
@@ -333,6 +344,9 @@ class LiveStreams:
                 running.arrived = message.arrived
                 running.delays.append(now - message.arrived)
                 running.chart.append(message.number, message.time_s, message.extremes)
+            case ReceptionMessage():
+                running.reception = message.reception
+                running.states += 1
             case StateMessage():
                 running.state = message.state
                 running.states += 1

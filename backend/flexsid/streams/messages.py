@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from flexsid.records.live import LiveState, LiveStream
-from flexsid.streams.receivers import Source
+from flexsid.records.live import LiveState, LiveStream, Reception
+from flexsid.streams.receiver import Source
 from flexsid.workflow.live.live_task import LiveTask
 from flexsid.workflow.live.stream_processor import StreamUpdate
 
@@ -40,6 +40,13 @@ class FrameMessage:
     time_s: float
     extremes: np.ndarray
     arrived: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceptionMessage:
+    """What the receiver reports besides frames."""
+
+    reception: Reception
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,5 +88,5 @@ class EndMessage:
     failure: str = ""
 
 
-Message = FrameMessage | StateMessage | StoredMessage | EndMessage
+Message = FrameMessage | ReceptionMessage | StateMessage | StoredMessage | EndMessage
 """What the process of a stream sends to the server."""

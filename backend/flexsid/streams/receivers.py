@@ -5,74 +5,29 @@ Packages may add receivers by the entry point ``flexsid.receivers``.
 
 from __future__ import annotations
 
-import socket
+import importlib.util
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from flexsid.errors import BadInput
 from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
-from flexsid.workflow.live.packets import compute_packet_size, decode_frames
+from flexsid.streams.credentials import Credentials
+from flexsid.streams.mavlink_messages import MavlinkOptions, open_mavlink
+from flexsid.streams.mqtt_messages import MqttMessages, MqttOptions
+from flexsid.streams.nats_messages import NatsMessages, NatsOptions
+from flexsid.streams.network_packets import PortOptions, TcpPackets, UdpPackets
+from flexsid.streams.receiver import Options, Receiver, Source
 from flexsid.workflow.live.replay import Replay, pace, read_replay
 
-_LARGEST_DATAGRAM = 65_507  # bytes of UDP over IPv4
-_BUFFERED_BYTES = 4 * 1024**2  # in the system, while a process starts again
-
-
-class Options(BaseModel):
-    """Options of a receiver; unknown ones are refused."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class Source(Protocol):
-    """Frames as they arrive, in the process of a stream; it is pickled to get there."""
-
-    def receive(self, after: int | None) -> Iterator[Frame]:
-        """Yield frames until the source ends; those up to number ``after`` are stored already."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Receiver:
-    """A way to receive frames.
-
-    Parameters
-    ----------
-    name
-        Name in the request and in the table of streams.
-    label
-        Label on the page.
-    options
-        Type of its options, from which requests are checked and described.
-    open
-        Makes the source of a stream with these options and channels.
-    waits
-        Whether the source waits for the processing, so that nothing is ever skipped.
-    """
-
-    name: str
-    label: str
-    options: type[Options]
-    open: Callable[[Store, Any, StreamHeader], Source]
-    waits: bool = False
-
-
-_Port = Annotated[int, Field(ge=1024, le=65535, description="Port that packets are sent to.")]
-_Address = Annotated[
-    str,
-    Field(
-        pattern=r"^[0-9a-fA-F:.]{2,45}$",
-        description="Address of this computer at which packets arrive; 0.0.0.0 for all.",
-    ),
-]
+_PREFIX = "Value error, "  # of pydantic, before the message of a validator
 
 
 class ReplayOptions(Options):
@@ -84,13 +39,6 @@ class ReplayOptions(Options):
 
 class PushOptions(Options):
     """Frames are posted to the server; there are no options."""
-
-
-class PortOptions(Options):
-    """Address and port of packets."""
-
-    port: _Port
-    address: _Address = "127.0.0.1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,55 +62,6 @@ class Pushed:
         """Yield nothing, and do not end."""
         threading.Event().wait()
         yield from ()
-
-
-@dataclass(frozen=True, slots=True)
-class UdpPackets:
-    """Frames in datagrams of one or several whole packets; others are ignored."""
-
-    header: StreamHeader
-    options: PortOptions
-
-    def receive(self, after: int | None) -> Iterator[Frame]:
-        """Yield frames as they arrive."""
-        with _bind(self.options, socket.SOCK_DGRAM) as receiver:
-            while True:
-                data = receiver.recv(_LARGEST_DATAGRAM)
-                try:
-                    yield from decode_frames(data, self.header)
-                except BadInput:
-                    continue
-
-
-@dataclass(frozen=True, slots=True)
-class TcpPackets:
-    """Frames in packets, one after the other, over one connection at a time."""
-
-    header: StreamHeader
-    options: PortOptions
-
-    def receive(self, after: int | None) -> Iterator[Frame]:
-        """Yield frames as they arrive; a connection with other bytes is closed."""
-        size = compute_packet_size(self.header)
-        with _bind(self.options, socket.SOCK_STREAM) as receiver:
-            receiver.listen(1)
-            while True:
-                connection, _ = receiver.accept()
-                with connection, connection.makefile("rb") as stream:
-                    while len(packet := stream.read(size)) == size:
-                        try:
-                            yield from decode_frames(packet, self.header)
-                        except BadInput:
-                            break
-
-
-def _bind(options: PortOptions, kind: socket.SocketKind) -> socket.socket:
-    family = socket.AF_INET6 if ":" in options.address else socket.AF_INET
-    receiver = socket.socket(family, kind)
-    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFERED_BYTES)
-    receiver.bind((options.address, options.port))
-    return receiver
 
 
 def _open_replay(store: Store, options: ReplayOptions, header: StreamHeader) -> Source:
@@ -195,6 +94,30 @@ _BUILT_IN = (
         options=PortOptions,
         open=lambda store, options, header: TcpPackets(header, options),
     ),
+    Receiver(
+        name="nats",
+        label="NATS messages",
+        options=NatsOptions,
+        open=lambda store, options, header: NatsMessages(header, options),
+        needs="nats",
+        extra="nats",
+    ),
+    Receiver(
+        name="mqtt",
+        label="MQTT messages",
+        options=MqttOptions,
+        open=lambda store, options, header: MqttMessages(header, options),
+        needs="paho",
+        extra="mqtt",
+    ),
+    Receiver(
+        name="mavlink",
+        label="MAVLink messages by UDP",
+        options=MavlinkOptions,
+        open=open_mavlink,
+        needs="pymavlink",
+        extra="mavlink",
+    ),
 )
 
 
@@ -212,13 +135,28 @@ def load_receivers() -> dict[str, Receiver]:
     return found
 
 
-def find_receiver(settings: ReceiverSettings) -> tuple[Receiver, Any]:
+def is_installed(receiver: Receiver) -> bool:
+    """Whether the package that a receiver needs is installed."""
+    return not receiver.needs or importlib.util.find_spec(receiver.needs) is not None
+
+
+def find_receiver(
+    settings: ReceiverSettings, credentials: Mapping[str, Credentials] | None = None
+) -> tuple[Receiver, Any]:
     """Return a receiver and its checked options.
+
+    Parameters
+    ----------
+    settings
+        Name and options.
+    credentials
+        Those that the server has, by name.
 
     Raises
     ------
     BadInput
-        If there is no such receiver, or an option is missing, unknown or out of range.
+        If there is no such receiver or its extra is not installed, or an option is missing,
+        unknown or out of range.
     """
     known = load_receivers()
     receiver = known.get(settings.name)
@@ -228,13 +166,20 @@ def find_receiver(settings: ReceiverSettings) -> tuple[Receiver, Any]:
             code="unknown-receiver",
             field="receiver.name",
         )
+    if not is_installed(receiver):
+        raise BadInput(
+            f"receiver {receiver.name} needs a package that is not installed; run "
+            f"pip install 'flexsid[{receiver.extra}]' on the server",
+            code="extra-needed",
+            field="receiver.name",
+        )
     try:
-        return receiver, receiver.options.model_validate(settings.options)
+        return receiver, receiver.options.model_validate(settings.options, context=credentials)
     except ValidationError as error:
-        first = error.errors()[0]
+        first = error.errors(include_input=False)[0]
         name = ".".join(map(str, first["loc"]))
         raise BadInput(
-            f"receiver {receiver.name}: option '{name}': {first['msg']}",
+            f"receiver {receiver.name}: option '{name}': {first['msg'].removeprefix(_PREFIX)}",
             code="bad-receiver-option",
             field=f"receiver.options.{name}",
-        ) from error
+        ) from None

@@ -26,12 +26,13 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.jobs.child import Program
 from flexsid.jobs.interpreter import configure_interpreter
-from flexsid.records.live import Frame, LivePhase, LiveState
+from flexsid.records.live import Frame, LivePhase, LiveState, Reception
 from flexsid.streams.frame_log import LONGEST_TRIM_S, FrameLog
 from flexsid.streams.messages import (
     EndMessage,
     FrameMessage,
     Message,
+    ReceptionMessage,
     SegmentMessage,
     StateMessage,
     StreamOrder,
@@ -274,7 +275,9 @@ def main(arguments: list[str]) -> None:
     threading.Thread(
         target=_receive_requests, args=(order, connection, lifeline, arrivals), daemon=True
     ).start()
-    threading.Thread(target=_receive_frames, args=(order, after, arrivals), daemon=True).start()
+    threading.Thread(
+        target=_receive_frames, args=(order, after, arrivals, stream), daemon=True
+    ).start()
     configure_interpreter()
     while True:
         arrival = arrivals.get()
@@ -285,13 +288,20 @@ def main(arguments: list[str]) -> None:
 
 
 def _receive_frames(
-    order: StreamOrder, after: int | None, arrivals: queue.Queue[_Arrival | EndMessage]
+    order: StreamOrder,
+    after: int | None,
+    arrivals: queue.Queue[_Arrival | EndMessage],
+    stream: _Stream,
 ) -> None:
-    """Pass on the frames of the source."""
+    """Pass on the frames of the source, and what it reports besides them."""
     try:
-        for frame in order.source.receive(after):
-            arrivals.put((frame, time.monotonic()))
-    except (OSError, BadInput) as error:
+        for received in order.source.receive(after):
+            if isinstance(received, Reception):
+                stream.publish(ReceptionMessage(reception=received))
+            else:
+                arrivals.put((received, time.monotonic()))
+    except Exception as error:
+        # Of any library or package: the stream ends with a reason, not without one.
         arrivals.put(EndMessage(failure=f"receiver {order.stream.receiver.name}: {error}"))
     else:
         arrivals.put(EndMessage())

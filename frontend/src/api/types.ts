@@ -148,6 +148,7 @@ export type Acknowledgement = Received<"Acknowledgement">;
 export type StreamChannel = Received<"StreamChannel">;
 export type StreamRequest = Schemas["StreamRequest"];
 export type Receiver = Received<"ReceiverItem">;
+export type Reception = Received<"Reception">;
 export type StripColumns = Received<"StripChart">;
 export type ComparisonRow = Received<"Row">;
 export type Source = Received<"ComparedSource">;

@@ -38,7 +38,7 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
   const navigate = route.useNavigate();
   const channels = useMemo(() => header?.channels ?? [], [header]);
   const shown = view.channels ?? firstLook(channels);
-  const { samples, states, alarms, reception } = useLiveStream(detail, shown);
+  const { samples, states, alarms, reception, receiver } = useLiveStream(detail, shown);
   const stop = useStopStream(stream.id);
   const hasEnded = stream.status !== "running";
   const state = states.at(-1) ?? null;
@@ -97,6 +97,7 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
         expected={detail.expected_std_errors}
         samples={samples}
         states={states}
+        receiver={hasEnded ? null : receiver}
         hasEnded={hasEnded}
       >
         {test_points.length > 0 && (

@@ -33,7 +33,8 @@ from flexsid.records.live import (
 from flexsid.storage.live_history import list_alarms, list_states
 from flexsid.storage.paging import Items
 from flexsid.storage.repository import LARGEST_ID
-from flexsid.streams.receivers import Receiver, load_receivers
+from flexsid.streams.receiver import Receiver
+from flexsid.streams.receivers import is_installed, load_receivers
 from flexsid.workflow.live.packets import compute_packet_size
 
 router = APIRouter(prefix="/live", tags=["live"])
@@ -249,6 +250,7 @@ def _describe_receiver(receiver: Receiver) -> ReceiverItem:
     return ReceiverItem(
         name=receiver.name,
         label=receiver.label,
+        missing_extra=None if is_installed(receiver) else receiver.extra,
         options=tuple(
             ReceiverOption(
                 name=name,

@@ -1,6 +1,6 @@
 import { Button, Popover } from "@mantine/core";
 import type { ReactNode } from "react";
-import type { LiveState, StreamChannel } from "../../api/types";
+import type { LiveState, Reception, StreamChannel } from "../../api/types";
 import { byRole } from "../../lib/channels";
 import type { Samples } from "../../lib/live/samples";
 import { ChannelPicker } from "../ChannelPicker";
@@ -23,6 +23,7 @@ interface Props {
   samples: Samples;
   /** States of the present maneuver, oldest first. */
   states: readonly LiveState[];
+  receiver: Reception | null;
   hasEnded: boolean;
   /** Below the strip charts. */
   children: ReactNode;
@@ -78,7 +79,7 @@ export function ControlRoom({
             />
           )}
         </Section>
-        <DataHealth state={state} />
+        <DataHealth state={state} receiver={props.receiver} />
         {props.children}
       </div>
       <div className="stack">

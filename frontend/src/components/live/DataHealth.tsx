@@ -1,14 +1,27 @@
 import { Text } from "@mantine/core";
-import type { LiveState } from "../../api/types";
+import type { LiveState, Reception } from "../../api/types";
 import { count } from "../../lib/format";
-import { describeHealth } from "../../lib/live/health";
+import { describeHealth, describeReception } from "../../lib/live/health";
 import { Section } from "../Section";
 
-/** Lost and late frames, and channels with defects, in the present maneuver. */
-export function DataHealth({ state }: { state: LiveState | null }) {
+interface Props {
+  state: LiveState | null;
+  /** Connection and messages of the receiver. */
+  receiver: Reception | null;
+}
+
+/** The receiver, lost and late frames, and channels with defects, in the present maneuver. */
+export function DataHealth({ state, receiver }: Props) {
   const defects = state?.health ?? [];
   return (
     <Section title="Data">
+      {receiver !== null && (
+        <ul className="links" data-testid="live-receiver">
+          {describeReception(receiver).map((part) => (
+            <li key={part}>{receiver.is_connected === false ? <strong>{part}</strong> : part}</li>
+          ))}
+        </ul>
+      )}
       <Text size="md" className="numbers" data-testid="live-frames">
         {state === null
           ? "No data yet."

@@ -1,4 +1,13 @@
-import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
+import {
+  Button,
+  Group,
+  NumberInput,
+  Select,
+  Stack,
+  Text,
+  Textarea,
+  TextInput,
+} from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { Link, useNavigate } from "@tanstack/react-router";
 import { useState } from "react";
@@ -6,6 +15,7 @@ import { useStartStream } from "../../api/commands";
 import { flightsQuery, maneuverQuery, receiversQuery, runListQuery } from "../../api/queries";
 import type { Receiver, RunItem } from "../../api/types";
 import { flightName } from "../../lib/format";
+import { parseTable } from "../../lib/live/table";
 import { integer } from "../../lib/urlState";
 import { Empty } from "../Empty";
 import { Loaded } from "../Loaded";
@@ -90,9 +100,12 @@ function Form({ receivers, runs, first }: FormProps) {
               name,
               options: Object.fromEntries(
                 (receiver?.options ?? [])
-                  .map((option) => [option.name, valueOf(option)])
-                  .filter(([, value]) => value !== ""),
-              ) as Record<string, string | number>,
+                  .filter((option) => valueOf(option) !== "")
+                  .map((option) => {
+                    const value = valueOf(option);
+                    return [option.name, option.type === "object" ? parseTable(value) : value];
+                  }),
+              ),
             },
             flight_id: integer(flightId) ?? null,
             next_airspeed_m_s: typeof next === "number" ? next : null,
@@ -127,7 +140,11 @@ function Form({ receivers, runs, first }: FormProps) {
       <Select
         label="Receiver"
         allowDeselect={false}
-        data={receivers.map((one) => ({ value: one.name, label: one.label }))}
+        data={receivers.map(({ name, label, missing_extra: extra }) => ({
+          value: name,
+          label: extra === null ? label : `${label} (needs flexsid[${extra}] on the server)`,
+          disabled: extra !== null,
+        }))}
         value={name}
         onChange={(value) => {
           setName(value ?? name);
@@ -150,6 +167,21 @@ function Form({ receivers, runs, first }: FormProps) {
             min={0}
             value={valueOf(option)}
             onChange={set}
+            data-testid={`option-${option.name}`}
+          />
+        ) : option.type === "object" ? (
+          <Textarea
+            key={option.name}
+            label={label}
+            description={`${option.description} One in each row.`}
+            required={option.is_required}
+            autosize
+            minRows={3}
+            maxRows={12}
+            value={String(valueOf(option))}
+            onChange={(event) => {
+              set(event.currentTarget.value);
+            }}
             data-testid={`option-${option.name}`}
           />
         ) : (

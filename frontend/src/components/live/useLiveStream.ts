@@ -24,6 +24,7 @@ export function useLiveStream(detail: LiveStreamDetail, channels: readonly strin
   const [samples] = useState(() => new Samples());
   const [received, setReceived] = useState<readonly LiveState[]>([]);
   const [raised, setRaised] = useState<readonly LiveAlarm[]>([]);
+  const [reported, setReported] = useState<LiveSnapshot["reception"]>(null);
   const reception = useRef<Reception>({ received_ms: null, newest_s: null });
   const names = channels.join(",");
 
@@ -64,6 +65,7 @@ export function useLiveStream(detail: LiveStreamDetail, channels: readonly strin
       },
       onSnapshot: (news) => {
         note(reception, news);
+        setReported(news.reception);
         const { state } = news;
         if (state !== null) {
           setReceived((known) => addStates(known, [state]));
@@ -90,7 +92,7 @@ export function useLiveStream(detail: LiveStreamDetail, channels: readonly strin
     () => addAlarms(addAlarms(detail.alarms, raised), states.at(-1)?.alarms ?? []),
     [detail.alarms, raised, states],
   );
-  return { samples, states, alarms, reception };
+  return { samples, states, alarms, reception, receiver: reported ?? snapshot?.reception ?? null };
 }
 
 function note(reception: RefObject<Reception>, { newest_s, silent_s }: LiveSnapshot) {
