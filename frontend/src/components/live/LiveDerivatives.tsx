@@ -1,5 +1,6 @@
 import type { LiveEstimate } from "../../api/types";
-import { count, percent, withError } from "../../lib/format";
+import { percent, withError } from "../../lib/format";
+import { adviseDuration } from "../../lib/live/information";
 import { DataTable, type Column } from "../DataTable";
 import { DerivativeName } from "../DerivativeName";
 import { Empty } from "../Empty";
@@ -69,16 +70,8 @@ export function LiveDerivatives({ estimate, expected }: Props) {
     expected: expected[name] ?? null,
   }));
   const compared = rows.map(gathered).filter((part) => part !== null);
-  const enough = compared.filter((part) => part >= 1).length;
   return (
-    <Section
-      title="Derivatives"
-      note={
-        compared.length > 0
-          ? `${enough} of ${count(compared.length, "derivative")} with the expected information`
-          : undefined
-      }
-    >
+    <Section title="Derivatives" note={adviseDuration(compared)}>
       {rows.length === 0 ? (
         <Empty title="No estimate yet" />
       ) : (
