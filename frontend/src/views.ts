@@ -184,7 +184,12 @@ export const liveView = view((search) => ({
   run: integer(search.run),
 }));
 
-export const liveStreamView = view((search) => ({ channels: words(search.channels) }));
+export const liveStreamView = view((search) => ({
+  channels: words(search.channels),
+  /** Of the frequency response. */
+  output: text(search.output),
+  input: text(search.input),
+}));
 
 export const VERDICTS = ["bad", "questionable", "unchecked", "good", "missing"] as const;
 

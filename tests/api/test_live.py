@@ -49,6 +49,16 @@ def test_a_stream_is_read_while_it_runs(client: TestClient) -> None:
     assert len(chart["low"][0]) == len(chart["time_s"]) == 10
     assert all(a <= b for a, b in zip(chart["low"][0], chart["high"][0], strict=True))
 
+    assert detail["outputs"][0] == "alpha"
+    number = stream.rpartition("/")[2]
+    pair = {"stream_id": number, "output": "alpha", "input": detail["inputs"][0]}
+    drawn = client.get("/api/v1/figures/live-bode", params=pair)
+    assert drawn.status_code == 200
+    assert "No estimate yet" in drawn.text
+    assert (
+        client.get("/api/v1/figures/live-bode", params=pair | {"stream_id": 99}).status_code == 404
+    )
+
     named = {key: alarm[key] for key in ("kind", "subject", "time_s")}
     nobody = client.post(f"{stream}/acknowledgements", json=named)
     assert nobody.json()["code"] == "invalid-request"
@@ -73,7 +83,6 @@ def test_a_stream_is_read_while_it_runs(client: TestClient) -> None:
     assert client.get(stream).json()["alarms"] == [alarm]
     late = client.post(f"{stream}/frames", content=packets, headers=binary)
     assert late.json()["code"] == "not-running"
-    number = stream.rpartition("/")[2]
     report = client.get(f"/api/v1/reports/sortie/{number}")
     assert f"flexsid-sortie-{number}.html" in report.headers["content-disposition"]
     assert alarm["evidence"] in report.text

@@ -193,7 +193,8 @@ def start(streams: LiveStreams, store: Store, stream: LiveStream) -> tuple[LiveS
     """Start a stream and wait until its process takes frames; return its frames."""
     stored = streams.start(stream)
     assert stored.id is not None
-    header = streams.find_header(stored.id)
+    task = streams.find_task(stored.id)
+    header = None if task is None else task.header
     assert header is not None
     frames = [
         replace(frame, samples=tuple(x.copy() for x in frame.samples))

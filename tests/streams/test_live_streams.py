@@ -282,7 +282,7 @@ def test_the_next_server_resumes_the_streams_of_a_killed_one(store, streams):
     store.live_streams.replace(replace(store.live_streams.get(stream.id), holder=gone))
     following = LiveStreams(store)
     following.resume()
-    wait_until(lambda: following.find_header(stream.id))
+    wait_until(lambda: following.find_task(stream.id))
     wait_for_time(following, stream.id, 2.0)  # from the frames on disk
     push(following, stream.id, frames[40:])
     wait_for_time(following, stream.id, 3.0)

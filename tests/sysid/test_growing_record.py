@@ -16,6 +16,7 @@ from flexsid.sysid.estimation.growing_record import (
     select_resolved_frequencies,
 )
 from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.estimation.partial_response import estimate_partial_responses
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
@@ -172,6 +173,32 @@ def test_standard_errors_of_growing_records_hold(make_case):
             poles.append((own.damping - true.damping) / own.damping_std)
     assert 0.8 < np.sqrt(np.mean(np.square(deviations))) < 1.2
     assert np.mean(np.abs(poles) < 2.0) > 0.85
+
+
+def test_partial_responses_hold_their_standard_errors(make_case):
+    """Also where the harmonics of the inputs are not resolved; 6 flights."""
+    case = make_case(1)
+    delays = np.full(len(case.model.outputs), 0.01)
+    clean = sample_flight(case, delays, 12.0)
+    noise = 0.05 * clean.std(axis=0)
+    noise[: len(case.model.inputs)] = 0.0
+    scores: dict[float, list[np.ndarray]] = {6.0: [], 12.0: []}
+    counts: dict[float, int] = {}
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        stream = Stream(case, delays, clean + noise * rng.normal(size=clean.shape))
+        for seconds, own in scores.items():
+            stream.fly(seconds)
+            fit = stream.fit(off=0.05)[0]
+            table = case.free().table(fit.estimate.values)
+            found = estimate_partial_responses(fit.experiment, table, fit.estimate.values.size)
+            assert found.std is not None
+            counts[seconds] = found.omega.size
+            true = case.model.response(case.truth, found.omega)
+            own.append(np.abs(found.values - true) / found.std)
+    for own in scores.values():
+        assert 0.8 < np.sqrt(np.mean(np.square(own))) < 1.2
+    assert counts[12.0] == pytest.approx(2 * counts[6.0], rel=0.1)  # they fill in
 
 
 def named_poles(case, theta: np.ndarray, covariance: np.ndarray):

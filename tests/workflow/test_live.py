@@ -24,6 +24,7 @@ from flexsid.sysid.estimation import growing_record
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.sysid.stability.root_tracking import track_roots
 from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.workflow.live.live_bode import build_live_bode
 from flexsid.workflow.live.live_estimator import Adjust, LiveProcessor
 from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.packets import decode_frames, encode_frame
@@ -125,6 +126,36 @@ def test_the_flutter_speed_is_known_within_its_interval_after_a_few_seconds(stre
     assert compute_deviation(stream, clean[-1]) < 1.7
     assert not clean[-1].alarms
     assert not clean[-1].health
+
+
+def test_frequency_responses_fill_in_with_their_standard_errors(stream):
+    processor = LiveProcessor(stream.task)
+    assert processor.compute_responses() is None
+    found = []
+    for frame in stream.frames[:180]:
+        processor.push(frame)
+        if frame.number in (120, 179):
+            found.append(processor.compute_responses())
+    first, last = found
+    assert (last.outputs, last.inputs) == (OUTPUTS, stream.task.inputs)
+    assert last.frequency_hz.size > 1.3 * first.frequency_hz.size
+    # Of the two modes that fly; the model of the estimate is nearer to them.
+    model, omega = stream.task.model, 2.0 * np.pi * last.frequency_hz
+    true = model.response(stream.flown.truth, omega)
+    score = np.abs(last.measured / true - 1.0) / last.relative_std
+    score = score[last.relative_std < 0.3]
+    assert score.size > 200
+    assert np.mean(score < 2.0) > 0.9
+
+    bode = build_live_bode(last, "q", stream.task.inputs[0])
+    (measured,), (drawn,) = bode.measured, bode.models
+    assert (measured.output_unit, measured.input_unit) == ("rad/s", "rad")
+    assert measured.relative_std is not None
+    assert (measured.relative_std < 0.3).all()
+    expected = np.interp(measured.frequency_hz, drawn.frequency_hz, drawn.phase_rad)
+    assert np.abs(expected - measured.phase_rad).max() < np.pi
+    with pytest.raises(BadInput, match="no output 'flux'; it has alpha"):
+        build_live_bode(last, "flux", stream.task.inputs[0])
 
 
 @pytest.mark.parametrize("can_fit", [True, False])
@@ -256,7 +287,7 @@ def test_a_recorder_that_restarts_ends_the_maneuver(stream):
 
 def test_memory_does_not_grow_with_the_record(stream):
     processor, sizes = LiveProcessor(stream.task), []
-    for frame in stream.frames[:240]:
+    for frame in stream.frames[:180]:
         processor.push(frame)
         if frame.number in (119, 239):
             sizes.append(len(pickle.dumps(processor)))

@@ -105,6 +105,10 @@ BODIES: dict[str, Any] = {
 }
 
 RESPONSES: dict[str, Any] = {
+    "draw_live_bode": {
+        "data": [{"type": "scatter", "mode": "markers", "x": [2.97], "y": [-12.4]}],
+        "layout": {},
+    },
     "draw_live_history": {
         "data": [{"type": "scatter", "mode": "markers", "x": [3605.0], "y": [61.2]}],
         "layout": {},
@@ -138,6 +142,8 @@ RESPONSES: dict[str, Any] = {
             "frame_s": 0.05,
         },
         "packet_bytes": 216,
+        "outputs": ["q"],
+        "inputs": ["wf4s"],
         "snapshot": {
             "stream_id": 1,
             "state": _STATE,

@@ -42,13 +42,16 @@ class StreamDetail:
     """A stream: its channels, what is known at present, test points and alarms.
 
     ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of
-    a frame. ``alarms`` are those of all maneuvers. ``expected_std_errors`` are those of the run
+    a frame. ``outputs`` and ``inputs`` are those of the estimates; empty where the stream does not
+    run here. ``alarms`` are those of all maneuvers. ``expected_std_errors`` are those of the run
     whose settings the stream has.
     """
 
     stream: LiveStream
     header: StreamHeader | None
     packet_bytes: int | None
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
     snapshot: LiveSnapshot | None
     test_points: tuple[LiveTestPoint, ...]
     alarms: tuple[LiveAlarm, ...]

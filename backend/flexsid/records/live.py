@@ -175,6 +175,26 @@ class LiveState:
     alarms: tuple[LiveAlarm, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiveResponses:
+    """Frequency responses of the bare airframe from the record so far, and those of the estimate.
+
+    ``measured`` (n_frequencies, n_outputs, n_inputs) has the relative standard deviation of its
+    complex error beside it; ``model`` is on a grid of its own. ``units`` are SI units by channel,
+    ``time_s`` is the end of the record by the recorder. [s]
+    """
+
+    time_s: float
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    units: dict[str, str]
+    frequency_hz: np.ndarray
+    measured: np.ndarray
+    relative_std: np.ndarray
+    model_frequency_hz: np.ndarray
+    model: np.ndarray
+
+
 class StreamStatus(StrEnum):
     """Status of a stream; a running one is resumed by the next server."""
 

@@ -10,12 +10,13 @@ from functools import partial
 from multiprocessing.connection import Connection, wait
 
 from flexsid.errors import FlexsidError
-from flexsid.records.live import LivePhase, LiveState, RecordedState
+from flexsid.records.live import LivePhase, LiveResponses, LiveState, RecordedState
 from flexsid.storage.live_history import find_newest_state
 from flexsid.storage.store import Store
 from flexsid.streams.frame_log import read_frames
 from flexsid.streams.messages import (
     EndMessage,
+    ResponsesMessage,
     SegmentMessage,
     StateMessage,
     StoredMessage,
@@ -59,6 +60,10 @@ class _Recorder:
             self._record(state, time.monotonic() - message.arrived)
         return StateMessage(state=state, has_estimate=has_estimate)
 
+    def compute_responses(self) -> LiveResponses | None:
+        """Compute the frequency responses of the latest estimate; they are not stored."""
+        return self._estimator.compute_responses()
+
     def _is_recorded(self, state: LiveState, *, ends: bool) -> bool:
         if state.phase is LivePhase.EXCITED or ends:
             return True
@@ -92,6 +97,10 @@ def main(arguments: list[str]) -> None:
             match connection.recv():
                 case UpdateMessage() as message:
                     connection.send(recorder.complete(message))
+                    if message.update.request is not None:
+                        responses = recorder.compute_responses()
+                        if responses is not None:
+                            connection.send(ResponsesMessage(responses=responses))
                 case SegmentMessage() as message:
                     connection.send(_store_segment(store, order, message))
                 case _:

@@ -20,6 +20,7 @@ from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.process_id import get_process_id, is_gone
 from flexsid.records.live import (
+    LiveResponses,
     LiveSnapshot,
     LiveState,
     LiveStream,
@@ -37,13 +38,14 @@ from flexsid.streams.messages import (
     EndMessage,
     FrameMessage,
     ReceptionMessage,
+    ResponsesMessage,
     StateMessage,
     StoredMessage,
     StreamOrder,
 )
 from flexsid.streams.receivers import find_receiver
 from flexsid.streams.strip_chart import StripChartMemory
-from flexsid.workflow.live.live_task import prepare_live_task
+from flexsid.workflow.live.live_task import LiveTask, prepare_live_task
 from flexsid.workflow.live.packets import decode_frames
 
 _log = logging.getLogger(__name__)
@@ -69,6 +71,7 @@ class _Running:
     delays: deque[float] = field(default_factory=lambda: deque(maxlen=_DELAYS))
     arrived: float | None = None
     reception: Reception | None = None
+    responses: LiveResponses | None = None
 
     @property
     def header(self) -> StreamHeader:
@@ -193,10 +196,10 @@ class LiveStreams:
         self._send(running, packets)
         return len(frames)
 
-    def find_header(self, stream_id: int) -> StreamHeader | None:
-        """Return the channels of a running stream; None if it does not run here."""
+    def find_task(self, stream_id: int) -> LiveTask | None:
+        """Return the model and channels of a running stream; None if it does not run here."""
         running = self._running.get(stream_id)
-        return None if running is None else running.header
+        return None if running is None else running.order.task
 
     def find_process(self, stream_id: int) -> int | None:
         """Return the number of the process of a stream; None while there is none."""
@@ -228,6 +231,11 @@ class LiveStreams:
             estimate_age_s=age_s,
             reception=running.reception,
         )
+
+    def find_responses(self, stream_id: int) -> LiveResponses | None:
+        """Return the frequency responses of the newest estimate of a running stream, if any."""
+        running = self._running.get(stream_id)
+        return None if running is None else running.responses
 
     def count_states(self, stream_id: int) -> int:
         """Return the number of states that a stream had so far; readers see new ones by it."""
@@ -347,6 +355,8 @@ class LiveStreams:
             case ReceptionMessage():
                 running.reception = message.reception
                 running.states += 1
+            case ResponsesMessage():
+                running.responses = message.responses
             case StateMessage():
                 running.state = message.state
                 running.states += 1

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexsid.records.live import LiveState, LiveStream, Reception
+from flexsid.records.live import LiveResponses, LiveState, LiveStream, Reception
 from flexsid.streams.receiver import Source
 from flexsid.workflow.live.live_task import LiveTask
 from flexsid.workflow.live.stream_processor import StreamUpdate
@@ -66,6 +66,13 @@ class StateMessage:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ResponsesMessage:
+    """Frequency responses of the newest estimate."""
+
+    responses: LiveResponses
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SegmentMessage:
     """Frames of a maneuver that has ended, to be stored; its interval by the recorder. [s]"""
 
@@ -88,5 +95,7 @@ class EndMessage:
     failure: str = ""
 
 
-Message = FrameMessage | ReceptionMessage | StateMessage | StoredMessage | EndMessage
+Message = (
+    FrameMessage | ReceptionMessage | ResponsesMessage | StateMessage | StoredMessage | EndMessage
+)
 """What the process of a stream sends to the server."""

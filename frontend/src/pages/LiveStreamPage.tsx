@@ -6,6 +6,7 @@ import { useStopStream } from "../api/commands";
 import { streamQuery } from "../api/queries";
 import type { LiveStreamDetail } from "../api/types";
 import { ControlRoom } from "../components/live/ControlRoom";
+import { LiveBode } from "../components/live/LiveBode";
 import { LiveAlarms } from "../components/live/LiveAlarms";
 import { ReceptionStatus } from "../components/live/ReceptionStatus";
 import { TestPoints, TestPointStrip } from "../components/live/TestPointStrip";
@@ -36,6 +37,8 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
   const { stream, header, test_points } = detail;
   const view = route.useSearch();
   const navigate = route.useNavigate();
+  const change = (next: Partial<typeof view>) =>
+    void navigate({ search: { ...view, ...next }, replace: true });
   const channels = useMemo(() => header?.channels ?? [], [header]);
   const shown = view.channels ?? firstLook(channels);
   const { samples, states, alarms, reception, receiver } = useLiveStream(detail, shown);
@@ -91,7 +94,9 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
       <ControlRoom
         channels={channels}
         shown={shown}
-        onShown={(names) => void navigate({ search: { channels: names }, replace: true })}
+        onShown={(names) => {
+          change({ channels: names });
+        }}
         limits={stream.limits}
         next_m_s={stream.next_airspeed_m_s}
         expected={detail.expected_std_errors}
@@ -99,6 +104,18 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
         states={states}
         receiver={hasEnded ? null : receiver}
         hasEnded={hasEnded}
+        bode={
+          <LiveBode
+            streamId={stream.id}
+            outputs={detail.outputs}
+            inputs={detail.inputs}
+            output={view.output}
+            input={view.input}
+            onChange={change}
+            time_s={state?.estimate?.time_s ?? null}
+            hasEnded={hasEnded}
+          />
+        }
       >
         {test_points.length > 0 && (
           <Section title="Test points">

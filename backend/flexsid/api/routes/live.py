@@ -133,13 +133,16 @@ def get_stream(context: TheContext, stream_id: Identity) -> Json:
     """
     store = context.store
     stream = store.live_streams.get(stream_id)
-    header = context.streams.find_header(stream_id)
+    task = context.streams.find_task(stream_id)
+    header = None if task is None else task.header
     run = store.runs.get(stream.run_id)
     return Json(
         StreamDetail(
             stream=stream,
             header=header,
             packet_bytes=None if header is None else compute_packet_size(header),
+            outputs=() if task is None else tuple(output.name for output in task.outputs),
+            inputs=() if task is None else task.inputs,
             snapshot=context.streams.find_snapshot(stream_id),
             test_points=tuple(store.live_test_points.find(stream_id=stream_id)),
             alarms=list_alarms(store, stream_id),

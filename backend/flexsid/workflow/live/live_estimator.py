@@ -8,7 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import FlexsidError
-from flexsid.records.live import AlarmKind, Frame, LiveAlarm, LiveEstimate, LiveState
+from flexsid.records.live import (
+    AlarmKind,
+    Frame,
+    LiveAlarm,
+    LiveEstimate,
+    LiveResponses,
+    LiveState,
+)
+from flexsid.workflow.live.live_bode import compute_live_responses
 from flexsid.workflow.live.live_fit import LiveFit
 from flexsid.workflow.live.live_task import LiveTask
 from flexsid.workflow.live.stream_processor import EstimateRequest, StreamProcessor, StreamUpdate
@@ -63,6 +71,12 @@ class LiveEstimator:
             reason=update.state.reason or self._reason,
             alarms=join_alarms(update.state.alarms, self._alarms),
         )
+
+    def compute_responses(self) -> LiveResponses | None:
+        """Compute the frequency responses of the latest estimate of the maneuver, if any."""
+        if self._estimate is None:
+            return None
+        return compute_live_responses(self._fit, self._estimate.time_s)
 
     def resume(self, maneuver: int, state: LiveState) -> None:
         """Continue after a stored state of this maneuver, in another process."""
@@ -159,6 +173,10 @@ class LiveProcessor:
     def push(self, frame: Frame) -> list[LiveState]:
         """Process the next frame that arrived; return the states that it completes."""
         return [self._estimator.complete(update) for update in self._stream.push(frame)]
+
+    def compute_responses(self) -> LiveResponses | None:
+        """Compute the frequency responses of the latest estimate of the maneuver, if any."""
+        return self._estimator.compute_responses()
 
     def finish(self) -> list[LiveState]:
         """Process what still waits at the end of the stream; return the last states."""

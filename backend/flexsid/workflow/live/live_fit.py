@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr
@@ -11,6 +11,7 @@ from scipy.special import ndtr
 from flexsid.errors import NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.live import LiveEstimate, LiveMode
+from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.growing_record import (
     GrowingFit,
     GrowingStart,
@@ -18,6 +19,7 @@ from flexsid.sysid.estimation.growing_record import (
     select_resolved_frequencies,
 )
 from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.growing_record import GrowingSpectra
@@ -38,6 +40,16 @@ from flexsid.workflow.live.live_task import LiveTask
 _BAND = (0.35, 2.0)  # of the airspeed: range of the flutter search, as of stored runs
 
 
+@dataclass(frozen=True, slots=True)
+class LiveResult:
+    """Spectra and derivatives of the latest fit; ``n_free`` real parameters were fitted."""
+
+    task: LiveTask
+    experiment: Experiment
+    derivatives: DerivativeTable
+    n_free: int
+
+
 class LiveFit:
     """Fits of one maneuver in sequence, each from the values of the one before.
 
@@ -50,6 +62,7 @@ class LiveFit:
     def __init__(self, task: LiveTask) -> None:
         self._task = task
         self._before: GrowingStart | None = None
+        self.result: LiveResult | None = None
         self._prepare(task)
 
     def change(self, task: LiveTask) -> None:
@@ -127,6 +140,9 @@ class LiveFit:
         self._before = fit.next_start
         change = self._compute_change(fit)
         found = fit.estimate if change is None else fit.widen(change)
+        self.result = LiveResult(
+            task, fit.experiment, task.parameters.table(found.values), found.values.size
+        )
         poles = compute_named_poles(
             task.model,
             task.parameters,

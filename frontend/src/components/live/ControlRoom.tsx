@@ -25,6 +25,8 @@ interface Props {
   states: readonly LiveState[];
   receiver: Reception | null;
   hasEnded: boolean;
+  /** Frequency response, below the data. */
+  bode: ReactNode;
   /** Below the strip charts. */
   children: ReactNode;
 }
@@ -37,6 +39,7 @@ export function ControlRoom({
   samples,
   states,
   hasEnded,
+  bode,
   ...props
 }: Props) {
   const state = states.at(-1) ?? null;
@@ -80,6 +83,7 @@ export function ControlRoom({
           )}
         </Section>
         <DataHealth state={state} receiver={props.receiver} />
+        {bode}
         {props.children}
       </div>
       <div className="stack">
