@@ -1,12 +1,16 @@
-"""A sensor type and a file format for flexsid; see "Extend flexsid" in its documentation."""
+"""A sensor type, a file format and a receiver; see "Extend flexsid" in its documentation."""
 
+import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from flexsid.importers.file_format import FileFormat
 from flexsid.importers.source import Field
+from flexsid.records.live import Frame, StreamHeader
+from flexsid.streams.receiver import Options, Receiver
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.sensor_models import SensorModel
 from flexsid.sysid.model.sensors import ACCELERATION, RATE, Mounting
@@ -40,4 +44,35 @@ def _read(path: Path) -> Iterator[Field]:
 
 RAW = FileFormat(
     name="raw", suffixes=(".raw",), recognises=lambda head: head.startswith(b"RAW "), read=_read
+)
+
+
+class NoiseOptions(Options):
+    """Standard deviation of the samples, in the unit of each channel."""
+
+    std: float = 0.01
+
+
+@dataclass(frozen=True)
+class Noise:
+    """White noise in all channels: a control room is tried out without an aircraft."""
+
+    header: StreamHeader
+    options: NoiseOptions
+
+    def receive(self, after: int | None) -> Iterator[Frame]:
+        """Yield a frame as often as a recorder does; the next number after a restart."""
+        number, draw = 0 if after is None else after + 1, np.random.default_rng().normal
+        while True:
+            samples = tuple(draw(0.0, self.options.std, s) for s in self.header.frame_shapes)
+            yield Frame(number=number, time_s=number * self.header.frame_s, samples=samples)
+            number += 1
+            time.sleep(self.header.frame_s)
+
+
+NOISE = Receiver(
+    name="noise",
+    label="White noise",
+    options=NoiseOptions,
+    open=lambda store, options, header: Noise(header, options),
 )

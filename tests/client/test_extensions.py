@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import pickle
 import signal
 import socket
 import subprocess
@@ -11,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,8 @@ from flexsid.extensions import ExtensionFailed
 from flexsid.importers.readers import load_formats, read_file
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.live import StreamChannel, StreamHeader
+from flexsid.records.maneuver import Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
@@ -128,8 +132,23 @@ def server(database_url: str, tmp_path: Path) -> Iterator[str]:
     process.stdout.close()
 
 
+def test_the_template_has_a_receiver(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(TEMPLATE)
+    example = importlib.import_module("flexsid_example")
+    channel = StreamChannel(name="q", unit="rad/s", role=Role.OUTPUT, rate_hz=100.0)
+    header = StreamHeader(channels=(channel,), frame_s=0.05)
+    options = example.NOISE.options(std=0.2)
+    source = pickle.loads(pickle.dumps(example.NOISE.open(None, options, header)))
+    frames = list(islice(source.receive(6), 2))
+    assert [frame.number for frame in frames] == [7, 8]
+    assert frames[1].time_s == pytest.approx(0.4)
+    assert frames[0].samples[0].shape == (5, 1)
+
+
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_the_template_adds_a_sensor_and_a_file_format(server: str, tmp_path: Path) -> None:
+    receivers = {one["name"]: one for one in Workbench(server).live.receivers()}
+    assert receivers["noise"]["options"][0]["default"] == 0.01
     columns = fly()
     file, mapping = tmp_path / "flight.raw", tmp_path / "mapping.toml"
     content = np.stack(list(columns.values()), axis=1).astype("<f8").tobytes()
