@@ -13,6 +13,7 @@ import sqlalchemy as sa
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.vibration_test import build_measured_responses
 from flexsid.errors import Conflict
+from flexsid.importers.responses import AveragingOptions, ResponseOptions
 from flexsid.jobs import kinds
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kind import submit
@@ -42,6 +43,7 @@ from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.modal_data.response_estimation import ResponseEstimation
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 from flexsid.workflow.review.database_backup import BackupRequest
 from flexsid.workflow.review.printed_reports import ReportRequest, describe_document
@@ -53,7 +55,7 @@ from flexsid.workflow.validation.posterior_check import PosteriorQuery
 _STRUCTURE = Structure(modes=(7, 9), fixed={})
 # The attempts, log and lease of a job change whether its result is stored or not.
 _OF_THE_QUEUE = {"jobs", "job_events", "leases"}
-_SHORT = ("import", "quality-assessment", "mode-identification")
+_SHORT = ("import", "quality-assessment", "mode-identification", "response-estimation")
 MAPPING = """
 [aircraft]
 name = "FLEX-28"
@@ -151,6 +153,20 @@ def _identify_modes(store: Store) -> Job:
     return submit(store, kinds.MODES, request)
 
 
+def _estimate_responses(store: Store, folder: Path) -> Job:
+    file = folder / "run.csv"
+    force = np.random.default_rng(1).normal(size=400)
+    rows = (f"{k / 50:.2f},{f:.6f},{2 * f:.6f}\n" for k, f in enumerate(force))
+    file.write_text("time [s],force 1+z [N],1+z [m/s2]\n" + "".join(rows))
+    request = ResponseEstimation(
+        upload_id=add_upload(store, [file], [file.name]).id,
+        aircraft_id=1,
+        options=ResponseOptions(name="GVT"),
+        averaging=AveragingOptions(averages=8),
+    )
+    return submit(store, kinds.RESPONSES, request)
+
+
 def _predict_derivatives(store: Store) -> Job:
     panel = PlanformPanel(
         left=(0.0, 0.0, 0.0),
@@ -221,6 +237,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     kinds.RECONSTRUCTION.name: lambda store, folder: submit(
         store, kinds.RECONSTRUCTION, ReconstructionQuery(maneuver_id=1, modes=(7, 9))
     ),
+    kinds.RESPONSES.name: _estimate_responses,
     kinds.MODES.name: lambda store, folder: _identify_modes(store),
     kinds.QUALITY.name: lambda store, folder: submit(
         store, kinds.QUALITY, QualityRequest(maneuver_id=1)
