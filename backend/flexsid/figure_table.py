@@ -365,6 +365,11 @@ class ModeSearchParameters(FigureParameters):
     low_hz: float | None = Field(None, gt=0.0, le=100_000.0)
     high_hz: float | None = Field(None, gt=0.0, le=100_000.0)
     order: int = Field(40, ge=4, le=80, description="Highest model order.")
+    poles: Annotated[str, AfterValidator(lambda text: split_ids(text, "poles"))] = Field(
+        "",
+        max_length=2000,
+        description="Poles of the diagram selected by hand; default: automatic.",
+    )
 
 
 _FILTERS: dict[str, Any] = {

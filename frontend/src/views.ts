@@ -428,6 +428,8 @@ export const modalDataView = view((search) => ({
   from_hz: number(search.from_hz),
   to_hz: number(search.to_hz),
   order: integer(search.order),
+  /** Poles of the stabilisation diagram that are selected by hand. */
+  poles: integers(search.poles),
   /** Degrees of freedom of the response that is drawn, such as 12+z. */
   response_dof: text(search.response_dof),
   reference_dof: text(search.reference_dof),

@@ -200,3 +200,34 @@ def test_responses_are_estimated_from_time_data(client: TestClient) -> None:
     payload["estimator"] = "H2"
     failed = client.post(f"{at}/response-estimates", json=payload)
     assert ended(client, failed.headers["location"])["error"]["code"] == "several-forces"
+
+
+def test_poles_are_selected_by_hand(client: TestClient, responses: Any) -> None:
+    """Only the modes of the selected poles are fitted and stored, with their provenance."""
+    band = "low_hz=2&high_hz=17&order=24"
+    automatic = identify(client, responses, band)
+    assert not automatic["selected"]
+    modes = [automatic["items"][k]["frequency_hz"] for k in (0, 2, 4)]
+    picked = [
+        next(
+            pole["number"]
+            for pole in reversed(automatic["poles"])
+            if abs(pole["frequency_hz"] / hertz - 1.0) < 0.005
+        )
+        for hertz in modes
+    ]
+    listed = ",".join(map(str, picked))
+    found = identify(client, responses, f"{band}&poles={listed}")
+    assert [one["number"] for one in found["selected"]] == picked
+    assert [mode["frequency_hz"] for mode in found["items"]] == pytest.approx(modes, rel=5e-3)
+    at = f"/api/v1/measured-responses/{responses['id']}/modes"
+    payload = {"name": "by hand", "low_hz": 2, "high_hz": 17, "order": 24, "poles": picked}
+    table = client.post(at, json=payload).json()
+    assert len(table["numbers"]) == 3
+    assert any("selected by hand in the stabilisation diagram" in note for note in table["notes"])
+    drawn = client.get(
+        f"/api/v1/figures/stabilisation?responses_id={responses['id']}&{band}&poles={listed}"
+    ).json()
+    assert drawn["data"][-1]["name"] == "selected by hand"
+    job = client.post(f"{at}/results?{band}&poles=99999")
+    assert ended(client, job.headers["location"])["error"]["code"] == "unknown-pole"

@@ -338,6 +338,8 @@ def _add_modal_options(command: argparse.ArgumentParser) -> None:
     option("--low", type=float, metavar="HZ", help="begin of the band of identified modes")
     option("--high", type=float, metavar="HZ", help="end of the band of identified modes")
     option("--order", type=int, default=40, help="highest model order; default: 40")
+    meaning = "numbers of poles of the stabilisation diagram that are fitted; default: automatic"
+    option("--poles", default="", metavar="N,N", help=meaning)
 
 
 def _add_template_options(command: argparse.ArgumentParser) -> None:

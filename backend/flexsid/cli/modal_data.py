@@ -287,6 +287,7 @@ def _identify(store: Store, arguments: argparse.Namespace) -> None:
         low_hz=arguments.low,
         high_hz=arguments.high,
         order=arguments.order,
+        poles=parse_list(arguments.poles, int, "--poles"),
     )
     identified = find_modes(prepare_mode_search(store, search))
     if arguments.name:

@@ -224,7 +224,8 @@ class ModalData:
         responses_id
             Measured responses.
         **band
-            ``low_hz``, ``high_hz`` and ``order``.
+            ``low_hz``, ``high_hz``, ``order``, and ``poles``: numbers of poles of the stabilisation
+            diagram that are fitted, as ``"12,57"``; by default the selection is automatic.
         """
         found = self._workbench.compute(f"measured-responses/{responses_id}/modes", **band)
         return table(found["items"], index=None)

@@ -265,11 +265,25 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
                 column(frequency.factor * value.pole_hz[selected], exact=True),
                 value.pole_order[selected],
                 name=name,
-                customdata=(100.0 * value.pole_damping[selected]).tolist(),
+                customdata=[
+                    [int(at) + 1, 100.0 * float(value.pole_damping[at])]
+                    for at in np.flatnonzero(selected)
+                ],
                 marker={"color": colour, "symbol": symbol, "size": size},
-                hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>damping %{{customdata:.2f}} %<br>"
+                hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>damping %{{customdata[1]:.2f}} %<br>"
                 "order %{y}"
                 "<extra></extra>",
+            )
+        )
+    if value.selected:
+        at = np.array(value.selected) - 1
+        data.append(
+            scatter(
+                column(frequency.factor * value.pole_hz[at], exact=True),
+                value.pole_order[at],
+                name="selected by hand",
+                marker={"color": style.VERMILION, "symbol": "circle-open", "size": 12},
+                hoverinfo="skip",
             )
         )
     layout = {

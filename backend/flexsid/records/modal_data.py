@@ -375,6 +375,7 @@ class Stabilisation:
     stable_frequency: np.ndarray
     mode_hz: np.ndarray
     unmodelled_hz: np.ndarray
+    selected: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -393,11 +394,23 @@ class FoundMode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DiagramPole:
+    """A stable pole of the stabilisation diagram, by its number from 1."""
+
+    number: int
+    order: int
+    frequency_hz: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FoundModes:
     """Modes found in measured responses; ``fit_error`` is relative, rms over all of them.
 
     ``unmodelled_hz`` are frequencies where the residuals resemble a mode that is not listed,
     ``unresolved_hz`` those of modes whose damping is biased by the resolution of the spectra.
+    ``poles`` are the stable ones of the diagram, ``selected`` those selected by hand, from which
+    the modes are fitted; without these the selection is automatic.
     """
 
     responses_id: int
@@ -406,6 +419,8 @@ class FoundModes:
     items: tuple[FoundMode, ...]
     unmodelled_hz: tuple[float, ...] = ()
     unresolved_hz: tuple[float, ...] = ()
+    poles: tuple[DiagramPole, ...] = ()
+    selected: tuple[DiagramPole, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -325,6 +325,7 @@ function JobSubject({ job }: { job: Job }) {
             from_hz: readNumber(request, "low_hz"),
             to_hz: readNumber(request, "high_hz"),
             order: id("order"),
+            poles: readNumbers(request, "poles"),
           }}
           className="link"
         >
@@ -345,6 +346,11 @@ function JobSubject({ job }: { job: Job }) {
     default:
       return label;
   }
+}
+
+function readNumbers(query: Record<string, unknown>, key: string): number[] | undefined {
+  const value = query[key];
+  return Array.isArray(value) && value.length > 0 ? (value as number[]) : undefined;
 }
 
 function readNumber(query: Record<string, unknown>, key: string): number | undefined {

@@ -82,6 +82,7 @@ class IdentifiedModesRequest(Request):
     low_hz: _Hz = None
     high_hz: _Hz = None
     order: _Order = 40
+    poles: Annotated[tuple[Id, ...], Field(max_length=200)] = ()
     selected: Annotated[tuple[_Index, ...], Field(max_length=500)] | None = None
     template_id: Id | None = None
 

@@ -42,6 +42,8 @@ def identify_modes(
     driving: tuple[tuple[int, int], ...] = (),
     line_correlation: float = 1.0,
     std: Float[np.ndarray, "n_omega n_outputs n_references"] | None = None,
+    *,
+    is_fixed: bool = False,
 ) -> MeasuredModes:
     """Identify the modes in the band of frequency responses by maximum likelihood.
 
@@ -57,6 +59,8 @@ def identify_modes(
         Pairs (output, reference) at one point in one direction; they give the scale.
     line_correlation, std
         Of the noise over frequency, see ``fit_modal_model``.
+    is_fixed
+        Whether the modes are those of ``columns``; none is added or removed.
 
     Raises
     ------
@@ -80,6 +84,7 @@ def identify_modes(
         np.array([column.participation for column in columns], dtype=complex).reshape(-1, n_in),
         line_correlation,
         std,
+        is_fixed=is_fixed,
     )
     std_omega, std_damping = model.compute_std()
     size = np.abs(model.poles)

@@ -129,6 +129,8 @@ def fit_modal_model(
     participation: Complex[np.ndarray, "n n_in"],
     line_correlation: float = 1.0,
     std: Float[np.ndarray, "n_omega n_out n_in"] | None = None,
+    *,
+    is_fixed: bool = False,
 ) -> tuple[ModalModel, Float[np.ndarray, " n_left"]]:
     """Fit modes to frequency responses from start values; add and remove modes by significance.
 
@@ -146,6 +148,8 @@ def fit_modal_model(
     std
         Standard deviations of the responses in any scale, whose mean over outputs and references
         gives the noise variance over frequency; None if they are not known.
+    is_fixed
+        Whether the modes are those of the start values; none is added or removed.
 
     Returns
     -------
@@ -174,6 +178,13 @@ def fit_modal_model(
     poles, part = poles.astype(complex), _scale(participation.astype(complex))
     weights = _start_weights(responses)
     poles, part, weights = _refine(problem, poles, part, weights)
+    if is_fixed:
+        poles, part, weights = _refine(problem, poles, part, weights, _FINAL)
+        order = np.argsort(np.abs(poles))
+        left, _ = _scan_residuals(problem, poles, part, weights, [])
+        model = _finish(problem, poles[order], part[order], weights)
+        inside = (np.abs(left) >= omega[0]) & (np.abs(left) <= omega[-1])
+        return model, np.sort(np.abs(left[inside]))
     refused: list[float] = []
     vain = 0
     for _ in range(_MOST_ROUNDS):

@@ -12,6 +12,7 @@ from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.responses import RawResponses
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.modal_data import (
+    DiagramPole,
     FoundMode,
     FoundModes,
     MeasuredResponses,
@@ -26,6 +27,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_real_shapes
 from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
 from flexsid.sysid.modes.polyreference import (
+    PoleColumn,
     StabilizationPole,
     compute_mode_indicator,
     compute_stabilisation,
@@ -41,12 +43,17 @@ _RESOLVED = 4.0  # least half-power bandwidth of a mode in resolution bandwidths
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeSearch:
-    """Responses, frequency band of the mode search, and the highest model order."""
+    """Responses, frequency band of the mode search, and the highest model order.
+
+    ``poles`` are numbers of poles in the stabilisation diagram, from 1, that are selected by hand:
+    the modes are fitted from these alone. By default the selection is automatic.
+    """
 
     responses_id: int
     low_hz: float | None = None
     high_hz: float | None = None
     order: int = 40
+    poles: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,10 +179,13 @@ def find_modes(
     report(Progress(fraction=0.1, message="Computing the stabilisation diagram"))
     poles = compute_stabilisation(omega, responses, min(task.search.order, omega.size // 2 - 1))
     report(Progress(fraction=0.5, message="Fitting the modes"))
+    selected = _select_poles(poles, task.search.poles)
+    columns = tuple(PoleColumn(pole.value, pole.participation) for pole in selected)
     modes = identify_modes(
-        *(omega, responses, find_columns(poles), record.quantity, driving),
+        *(omega, responses, columns or find_columns(poles), record.quantity, driving),
         1.0 if record.averaging is None else record.averaging.line_correlation,
         task.std,
+        is_fixed=bool(selected),
     )
     shapes, collinearity = compute_real_shapes(modes.shapes)
     return ModeIdentification(
@@ -197,8 +207,35 @@ def find_modes(
             ),
             unmodelled_hz=tuple(float(one) / (2.0 * np.pi) for one in modes.unmodelled),
             unresolved_hz=_find_unresolved(record, modes),
+            poles=tuple(
+                _describe_pole(number, pole)
+                for number, pole in enumerate(poles, start=1)
+                if pole.stable
+            ),
+            selected=tuple(map(_describe_pole, task.search.poles, selected)),
         ),
         shapes=shapes,
+    )
+
+
+def _select_poles(
+    poles: tuple[StabilizationPole, ...], numbers: tuple[int, ...]
+) -> list[StabilizationPole]:
+    if len(set(numbers)) < len(numbers) or not all(0 < one <= len(poles) for one in numbers):
+        raise BadInput(
+            f"poles {', '.join(map(str, numbers))} are selected; expected different numbers from 1 "
+            f"to {len(poles)}, those of the stabilisation diagram of this band and order",
+            code="unknown-pole",
+        )
+    return [poles[number - 1] for number in numbers]
+
+
+def _describe_pole(number: int, pole: StabilizationPole) -> DiagramPole:
+    return DiagramPole(
+        number=number,
+        order=pole.order,
+        frequency_hz=pole.omega / (2.0 * np.pi),
+        damping=pole.damping,
     )
 
 
@@ -235,6 +272,7 @@ def _build_diagram(
         stable_frequency=np.array([pole.stable_frequency for pole in poles], dtype=bool),
         mode_hz=modes.omega / (2.0 * np.pi),
         unmodelled_hz=modes.unmodelled / (2.0 * np.pi),
+        selected=task.search.poles,
     )
 
 
@@ -312,12 +350,20 @@ def store_found_modes(
         origin=f"identified from {record.name}",
         notes=(
             *record.notes,
+            _describe_selection(found),
             "Shapes are scaled by the driving points to one kg m2."
             if found.scaled
             else "Shapes are scaled to one, as no driving point was measured.",
         ),
     )
     return store_modal_data(store, aircraft, raw, named)
+
+
+def _describe_selection(found: FoundModes) -> str:
+    if not found.selected:
+        return "Poles were selected automatically."
+    listed = ", ".join(f"{one.frequency_hz:.2f} Hz (order {one.order})" for one in found.selected)
+    return f"Poles were selected by hand in the stabilisation diagram: {listed}."
 
 
 def _select_band(

@@ -135,6 +135,7 @@ export function useSaveFoundModes(responsesId: number) {
       low_hz?: number;
       high_hz?: number;
       order: number;
+      poles: number[];
       selected: number[];
       template_id: number | null;
     }) =>

@@ -19,7 +19,7 @@ export const measuredResponsesQuery = (aircraftId: number) =>
 /** The modes of a band; an equal request is the same job. */
 export const foundModesResult = (
   id: number,
-  query: { low_hz?: number; high_hz?: number; order: number },
+  query: { low_hz?: number; high_hz?: number; order: number; poles?: string },
 ): StoredResultOptions<FoundModes> => {
   const params = { path: { responses_id: id }, query };
   const path = "/api/v1/measured-responses/{responses_id}/modes/results";

@@ -2,6 +2,7 @@ import {
   Button,
   Checkbox,
   Group,
+  MultiSelect,
   NumberInput,
   Select,
   Stack,
@@ -50,7 +51,9 @@ interface OneProps extends Pick<TabProps, "usable" | "view" | "onChange"> {
 }
 
 function OneSet({ known, responses, usable, view, onChange }: OneProps) {
-  const query = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 40 };
+  const band = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 40 };
+  const poles = view.poles ?? [];
+  const query = poles.length > 0 ? { ...band, poles: poles.join(",") } : band;
   const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <div className="split split-early">
@@ -65,6 +68,7 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
               responses: Number(value),
               from_hz: undefined,
               to_hz: undefined,
+              poles: undefined,
               response_dof: undefined,
               reference_dof: undefined,
             });
@@ -75,7 +79,7 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
           min={0.01}
           value={view.from_hz ?? ""}
           onChange={(value) => {
-            onChange({ from_hz: typed(value) });
+            onChange({ from_hz: typed(value), poles: undefined });
           }}
         />
         <NumberInput
@@ -83,7 +87,7 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
           min={0.01}
           value={view.to_hz ?? ""}
           onChange={(value) => {
-            onChange({ to_hz: typed(value) });
+            onChange({ to_hz: typed(value), poles: undefined });
           }}
         />
         <NumberInput
@@ -92,7 +96,7 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
           max={80}
           value={view.order ?? 40}
           onChange={(value) => {
-            onChange({ order: typed(value) });
+            onChange({ order: typed(value), poles: undefined });
           }}
         />
         <Text size="xs" className="quiet">
@@ -105,23 +109,81 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
         <ComputedResult options={foundModesResult(responses.id, query)} rows={6}>
           {(found) => (
             <>
-              <div className="panel" style={{ padding: 12 }}>
-                <Figure
-                  kind="stabilisation"
-                  title="Stabilisation diagram over the mean response"
-                  params={{ responses_id: responses.id, ...query }}
-                  height={560}
-                />
-              </div>
+              <Diagram
+                key={`diagram ${String(responses.id)} ${JSON.stringify(query)}`}
+                {...{ found, query, onChange }}
+              />
               <Found
                 key={`${String(responses.id)} ${JSON.stringify(query)}`}
-                {...{ found, query, usable, onChange }}
+                {...{ found, query: band, poles, usable, onChange }}
               />
             </>
           )}
         </ComputedResult>
         <OneResponse {...{ responses, view, onChange }} />
       </Stack>
+    </div>
+  );
+}
+
+interface DiagramProps extends Pick<TabProps, "onChange"> {
+  found: FoundModes;
+  query: Record<string, string | number | undefined>;
+}
+
+/** Stabilisation diagram; poles are selected by a click or in the list, then fitted. */
+function Diagram({ found, query, onChange }: DiagramProps) {
+  const [picked, setPicked] = useState(found.selected.map((pole) => String(pole.number)));
+  const stable = new Set(found.poles.map((pole) => String(pole.number)));
+  return (
+    <div className="panel" style={{ padding: 12 }}>
+      <Figure
+        kind="stabilisation"
+        title="Stabilisation diagram over the mean response"
+        params={{ responses_id: found.responses_id, ...query }}
+        height={560}
+        onPick={(number) => {
+          const pole = String(number);
+          if (!stable.has(pole)) return;
+          setPicked((before) =>
+            before.includes(pole) ? before.filter((one) => one !== pole) : [...before, pole],
+          );
+        }}
+      />
+      <Group align="end">
+        <MultiSelect
+          label="Poles selected by hand"
+          description="Click stable poles in the diagram, or search by frequency"
+          searchable
+          limit={50}
+          style={{ flex: 1, minWidth: 300 }}
+          data={found.poles.map((pole) => ({
+            value: String(pole.number),
+            label: `${fixed(pole.frequency_hz, 3)} Hz, ${percent(pole.damping, 2)} %, order ${String(pole.order)}`,
+          }))}
+          value={picked}
+          onChange={setPicked}
+        />
+        <Button
+          variant="default"
+          disabled={picked.length === 0}
+          onClick={() => {
+            onChange({ poles: picked.map(Number) });
+          }}
+        >
+          Fit selected poles
+        </Button>
+        {found.selected.length > 0 && (
+          <Button
+            variant="default"
+            onClick={() => {
+              onChange({ poles: undefined });
+            }}
+          >
+            Select automatically
+          </Button>
+        )}
+      </Group>
     </div>
   );
 }
@@ -171,10 +233,11 @@ function OneResponse({ responses, view, onChange }: Omit<OneProps, "known" | "us
 interface FoundProps extends Pick<TabProps, "onChange"> {
   found: FoundModes;
   query: { low_hz?: number; high_hz?: number; order: number };
+  poles: number[];
   usable: ModalTable[];
 }
 
-function Found({ found, query, usable, onChange }: FoundProps) {
+function Found({ found, query, poles, usable, onChange }: FoundProps) {
   const save = useSaveFoundModes(found.responses_id);
   const templates = usable.filter((table) => hasShapes(table) && table.kind === "FEM");
   const [left, setLeft] = useState<number[]>([]);
@@ -276,7 +339,7 @@ function Found({ found, query, usable, onChange }: FoundProps) {
             disabled={selected.length === 0 || name.trim() === ""}
             onClick={() => {
               save.mutate(
-                { name: name.trim(), ...query, selected, template_id: template },
+                { name: name.trim(), ...query, poles, selected, template_id: template },
                 {
                   onSuccess: (table) => {
                     onChange({
