@@ -325,7 +325,7 @@ def test_responses_are_estimated_from_time_data(workbench: Workbench, tmp_path: 
     number = modal.estimate_responses(file, averages=20, aircraft_id=1, name="GVT", estimator="Hv")
     found = modal.response(number, "61+z", "61+z")
     assert found["real"].to_numpy() == pytest.approx(np.full(len(found), 2.0))
-    assert found["multiple_coherence"].min() == pytest.approx(1.0)
+    assert found["multiple_coherence"].to_numpy().min() == pytest.approx(1.0)
 
 
 def test_streams_are_started_by_script_and_command(
