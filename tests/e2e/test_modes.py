@@ -63,6 +63,16 @@ def test_correlation_observability_order_and_vibration_test_are_shown(page: Page
     page.get_by_role("tab", name="Ground vibration test").click()
     _drawn(page, "stabilisation")
     expect(page.get_by_test_id("found-modes").locator("tbody tr").nth(5)).to_be_visible()
+    poles = page.get_by_role("combobox", name="Poles selected by hand")
+    poles.fill("4.0")
+    poles.press("ArrowDown")
+    poles.press("Enter")
+    page.get_by_role("button", name="Fit selected poles").click()
+    expect(page.get_by_role("button", name="Select automatically")).to_be_visible(
+        timeout=PATIENCE_MS
+    )
+    expect(page.get_by_test_id("found-modes").locator("tbody tr")).to_have_count(1)
+    expect(page).to_have_url(re.compile("poles="))
 
 
 def test_a_structure_is_imported_with_what_is_asked(page: Page, tmp_path: Path):

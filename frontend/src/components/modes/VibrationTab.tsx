@@ -106,7 +106,12 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
         </Text>
       </Stack>
       <Stack gap="md">
-        <ComputedResult options={foundModesResult(responses.id, query)} rows={6}>
+        {/* By its key requested at once: the analyst asks for the fit of poles by a button. */}
+        <ComputedResult
+          key={poles.join(",")}
+          options={foundModesResult(responses.id, query)}
+          rows={6}
+        >
           {(found) => (
             <>
               <Diagram
