@@ -89,7 +89,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("get_closed_loop_job", "get_closed_loop", "get_cross_predictions_job"),
         *("get_cross_predictions", "get_cross_validation_job", "get_cross_validation"),
         *("list_receivers", "list_streams", "get_stream", "get_stream_samples"),
-        "get_stream_history",
+        *("get_stream_history", "draw_live_bode"),
         *("get_global_model_job", "get_global_model", "get_global_model_dave_ml"),
         *("list_global_model_versions", "get_global_model_version", "compare_global_models"),
         "get_global_model_fmu",
