@@ -26,7 +26,7 @@ NAMES = (
     *("quality-assessment", "predicted-accuracy", "input-comparison", "amplitude-optimisation"),
     *("derivative-prediction", "predicted-flutter", "aerodynamics-comparison", "global-model"),
     *("motion-reconstruction", "mode-identification", "import", "optimal-design"),
-    *("posterior-check", "report", "backup", "transfer-function"),
+    *("posterior-check", "report", "backup", "transfer-function", "response-estimation"),
 )
 
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -102,7 +103,9 @@ class NatsServer(Broker):
                 await client.publish(place, message)
             await client.drain()
 
-        asyncio.run(send())
+        # In a thread of its own: that of a browser test has a loop already.
+        with ThreadPoolExecutor(1) as executor:
+            executor.submit(asyncio.run, send()).result()
 
 
 class MqttBroker(Broker):
