@@ -15,16 +15,20 @@ PACKAGE = ROOT / "backend" / "flexsid"
 
 HEAVY = {"fastapi", "sqlalchemy", "plotly", "pydantic", "pandas", "alembic", "uvicorn"}
 
+SLOW = {"scipy.stats", "scipy.signal"}
+"""A second each, of the start of a server."""
+
 
 @pytest.mark.parametrize(
     ("layer", "excluded"),
     [
-        ("sysid", HEAVY),
+        ("sysid", HEAVY | SLOW),
         ("nomenclature", HEAVY | {"numpy", "scipy"}),
         ("units", HEAVY | {"scipy"}),
         ("records", HEAVY),
         ("figures", HEAVY | {"control"}),
-        ("workflow", {"fastapi", "plotly", "pandas", "uvicorn"}),
+        ("workflow", {"fastapi", "plotly", "pandas", "uvicorn"} | SLOW),
+        ("demo", SLOW),
     ],
 )
 def test_a_layer_imports_no_heavy_library_that_it_does_not_need(layer, excluded):

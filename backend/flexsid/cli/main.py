@@ -10,13 +10,14 @@ import logging
 import os
 import pkgutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
 import flexsid
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.settings import DEFAULT_DATABASE, read_settings
+from flexsid.jobs.interpreter import loading
+from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
 
 _MODAL_ACTIONS = (
     *("inspect", "import", "list", "modes", "correlate", "orthogonality", "update", "export"),
@@ -41,7 +42,7 @@ def main(command_line: Sequence[str] | None = None) -> int:
         settings = read_settings()
         if arguments.database is not None:
             settings = replace(settings, database=arguments.database)
-        return pkgutil.resolve_name(f"flexsid.cli.{arguments.command}")(settings, arguments)
+        return _load_command(arguments.command)(settings, arguments)
     except FlexsidError as error:
         from flexsid.cli.output import print_error
 
@@ -52,6 +53,13 @@ def main(command_line: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader has closed the pipe, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
+
+
+def _load_command(name: str) -> Callable[[Settings, argparse.Namespace], int]:
+    with loading():
+        command: Callable[[Settings, argparse.Namespace], int]
+        command = pkgutil.resolve_name(f"flexsid.cli.{name}")
+        return command
 
 
 class _Parser(argparse.ArgumentParser):

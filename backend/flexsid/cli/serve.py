@@ -23,7 +23,7 @@ from flexsid.demo.transport import add_transport
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
 from flexsid.jobs.health import PartHealth
-from flexsid.jobs.interpreter import configure_interpreter
+from flexsid.jobs.interpreter import configure_interpreter, loading
 from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -107,9 +107,12 @@ def _serve_on(
     def check_campaign() -> PartHealth | None:
         return None if campaign_process is None else campaign_process.check_health()
 
-    app = create_app(
-        settings, add_builtin_aircraft=add_builtin_aircraft, check_additional_part=check_campaign
-    )
+    with loading():
+        app = create_app(
+            settings,
+            add_builtin_aircraft=add_builtin_aircraft,
+            check_additional_part=check_campaign,
+        )
     config = uvicorn.Config(
         app,
         host=settings.address,

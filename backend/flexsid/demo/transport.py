@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from datetime import date
 
 import numpy as np
-from scipy import signal
 
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import FlownManeuver, describe_excitation
@@ -151,6 +150,8 @@ def add_transport(store: Store) -> Aircraft:
 
 def fly_transport() -> tuple[FlownManeuver, ...]:
     """Simulate the three maneuvers: elevator, ailerons and rudder, independent ailerons."""
+    from scipy import signal  # takes a second to import, of the start of a server
+
     time = np.arange(0.0, _DURATION_S, 1.0 / _RATE_HZ)
     servo = signal.butter(2, _SERVO_HZ, fs=_RATE_HZ)
     flown = []
@@ -180,6 +181,8 @@ def _record(
     excitation: Excitation | None = None,
 ) -> FlownManeuver:
     """Simulate the motion of both axes and record surfaces and noisy sensors."""
+    from scipy import signal
+
     aircraft, rng = describe_transport(), np.random.default_rng((_SEED, number))
     still = np.zeros(round(_DURATION_S * _RATE_HZ))
     left, right = (surfaces.get(name, still) for name in _SIDES)

@@ -20,6 +20,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from flexsid.jobs.interpreter import loading
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
@@ -50,8 +51,9 @@ def work(connection: Connection) -> None:
     """Compute tasks until the connection closes."""
     worker = f"{socket.gethostname()}/{os.getpid()}"
     try:
-        load_kinds: LoadKinds = connection.recv()
-        kinds = load_kinds()
+        with loading():
+            load_kinds: LoadKinds = connection.recv()
+            kinds = load_kinds()
         while True:
             # In two steps: a task that cannot be unpickled must not end the worker.
             content = connection.recv_bytes()

@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 from scipy import special
-from scipy.stats import qmc
 
 from flexsid.sysid.estimation.error_components import ErrorComponents, compute_shared_covariance
 
@@ -70,6 +69,8 @@ def compute_limit(covariance: Float[np.ndarray, "n n"], pairs: Sequence[tuple[in
 @lru_cache(maxsize=32)
 def _sample_normal(n: int, count: int) -> Float[np.ndarray, "n n_samples"]:
     """Return quasi-random normal numbers, the first ones of a scrambled Sobol sequence."""
+    from scipy.stats import qmc  # takes a second to import, of the start of a server
+
     return np.ascontiguousarray(special.ndtri(qmc.Sobol(n, rng=1).random(_MOST)[:count]).T)
 
 

@@ -17,7 +17,7 @@ from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import linalg, sparse, stats
+from scipy import linalg, sparse, special
 
 from flexsid.sysid.estimation import noise
 from flexsid.sysid.estimation.covariance import (
@@ -59,6 +59,7 @@ _LEAST_INFORMATION = 1e-6  # of a held quantity, left by the free ones: not iden
 _RIDGE = 1e-10  # of unit diagonal: nearly dependent normal equations stay solvable
 _RELATIVE_WIDTH = 0.05  # of the frequency: width of the smooth responses that are sought
 _NEGLIGIBLE = 0.01  # weight or correlation of two frequencies
+_NO_SKEW = 1e-4  # the normal distribution differs by less than 1e-4 of a standard deviation
 _LEAST_WEIGHT = 0.2  # of two frequencies, for the effect of the fit
 _PAIRS_AT_ONCE = 2000  # of frequencies, by memory
 _RELATIVE_FLOOR = 1e-20  # of the measured power: weights of noise-free data stay finite
@@ -314,7 +315,7 @@ def _test_scores(held: Sequence[_Held], scores: _Scores) -> Iterator[ModelTest]:
         statistic = float(np.sum((vectors.T @ (s / size))[resolved] ** 2 / values[resolved]))
         df = int(resolved.sum())
         if np.isfinite(statistic):
-            p = float(stats.f.sf(statistic / df, df, max(scores.residual_df, 4.0)))
+            p = float(special.fdtrc(df, max(scores.residual_df, 4.0), statistic / df))
             step = float(s[0] / scores.left[at[0]]) if df == 1 else None
             yield ModelTest(one.hypothesis, one.subject, statistic, df, p, estimate=step)
 
@@ -557,9 +558,18 @@ def _test_residual_responses(
     skew = third / second**1.5
     for output, name in enumerate(outputs):
         z = float((total[output] - mean[output]) / np.sqrt(second))
-        p = float(stats.pearson3.sf(z, skew))
+        p = _compute_skewed_tail(z, skew)
         where = float(peaks[output, 1])
         yield ModelTest(hypothesis, name, z, 0, p, frequency_hz=where)
+
+
+def _compute_skewed_tail(z: float, skew: float) -> float:
+    """Compute the probability above z of a Pearson III variable of zero mean and unit variance."""
+    if abs(skew) < _NO_SKEW:
+        return float(special.ndtr(-z))
+    shape, x = 4.0 / skew**2, max(4.0 / skew**2 + 2.0 * z / skew, 0.0)
+    tail = special.gammaincc if skew > 0.0 else special.gammainc
+    return float(tail(shape, x))
 
 
 def _test_residual_powers(

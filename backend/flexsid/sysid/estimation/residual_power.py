@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from flexsid.sysid.spectra.residual_spectrum import build_local_fits
 
@@ -95,7 +95,7 @@ def compute_band_powers(
             rho = float(power[output] / n / noise[output])
             share = float(free[output]) / n
             variance = moments[0] * share**2 + moments[1] * share * rho + moments[2] * rho**2
-            p = float(stats.norm.sf((rho - share) / np.sqrt(variance)))
+            p = float(special.ndtr((share - rho) / np.sqrt(variance)))
             if p < _TAIL:
                 p = _compute_tail(np.linalg.eigvalsh(share * np.diag(unit) - rho * R))
             yield BandPower(
@@ -126,4 +126,5 @@ def _compute_tail(eigenvalues: Float[np.ndarray, " n"]) -> float:
     cumulant = -float(np.sum(np.log1p(-s * values)))
     w = np.sqrt(-2.0 * cumulant)
     v = s * np.sqrt(np.sum((values / (1.0 - s * values)) ** 2))
-    return float(np.clip(stats.norm.sf(w) + stats.norm.pdf(w) * (1.0 / v - 1.0 / w), 0.0, 1.0))
+    density = np.exp(-0.5 * w**2) / np.sqrt(2.0 * np.pi)
+    return float(np.clip(special.ndtr(-w) + density * (1.0 / v - 1.0 / w), 0.0, 1.0))

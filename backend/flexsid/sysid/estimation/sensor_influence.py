@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import linalg, stats
+from scipy import linalg, special
 
 from flexsid.sysid.estimation.covariance import FinalSpectra, weight_score_noise
 from flexsid.sysid.estimation.frequency_domain_model import expand_sensitivity
@@ -136,7 +136,7 @@ def compute_sensor_influences(
         roots = np.sqrt(np.maximum(np.linalg.eigvalsh(correlation), 0.0))
         count = max(1.0, roots.sum() ** 2 / known.size)
         largest = int(z.argmax())
-        single = 2.0 * float(stats.t.sf(z[largest], max(residual_df, 4.0)))
+        single = 2.0 * float(special.stdtr(max(residual_df, 4.0), -z[largest]))
         ratio = np.sqrt(np.sum(rows**2 / left, axis=1) / own_variance)
         result.append(
             SensorInfluence(

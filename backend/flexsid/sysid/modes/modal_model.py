@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 MOST_DAMPED = 0.3  # damping ratio: larger ones are not structural modes
@@ -463,7 +463,7 @@ def _remove_insignificant(
 ) -> tuple[np.ndarray, np.ndarray, _Weights]:
     """Remove the least significant mode, and fit again, until all are significant."""
     n_out, n_in = problem.responses.shape[1:]
-    least = float(chi2.isf(_FALSE_MODES / problem.s.size, 2 * (n_out + n_in)))
+    least = float(chdtri(2 * (n_out + n_in), _FALSE_MODES / problem.s.size))
     while poles.size:
         reduced = _reduce(problem, poles, weights)
         gain = _compute_gains(reduced, part, weights)
@@ -488,7 +488,7 @@ def _remove_redundant(
     retains its pole.
     """
     n_out, n_in = problem.responses.shape[1:]
-    least = float(chi2.isf(_FALSE_MODES / problem.s.size, 2 * (n_out + n_in)))
+    least = float(chdtri(2 * (n_out + n_in), _FALSE_MODES / problem.s.size))
     place = 0
     while place < poles.size:
         apart = np.abs(np.delete(poles, place) - poles[place])
@@ -545,7 +545,7 @@ def _scan_residuals(
     omega = np.concatenate([omega[0] / outside[::-1], omega, omega[-1] * outside])
     for known in refused:
         omega = omega[np.abs(omega / known - 1.0) > _REFUSED_BAND]
-    least = float(chi2.isf(_FALSE_MODES / max(omega.size, 1), 2 * n_out * n_in))
+    least = float(chdtri(2 * n_out * n_in, _FALSE_MODES / max(omega.size, 1)))
     found: list[tuple[float, complex, np.ndarray]] = []
     for damping in _SCANNED_DAMPING:
         trial = omega * (-damping + 1j * np.sqrt(1.0 - damping**2))

@@ -7,7 +7,6 @@ from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Float
-from scipy import signal
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
@@ -64,6 +63,8 @@ def generate_gust(
     """
     if intensity is Turbulence.NONE:
         return np.zeros(n_samples)
+    from scipy import signal  # takes a second to import, of the start of a server
+
     T = _SCALE_LENGTH / airspeed
     sigma = _SHARE_OF_WIND * _WIND_AT_20_FT[intensity] / airspeed
     lead = int(np.ceil(_LEAD * T * rate_hz))

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import fft, signal
+from scipy import fft
 
 from flexsid.errors import BadInput
 
@@ -89,6 +89,8 @@ def average_spectra(
             code="too-many-averages",
         )
     step = _compute_step(length, overlap)
+    from scipy import signal  # takes a second to import, of the start of a server
+
     weights = np.asarray(signal.get_window(_SCIPY_NAMES[window], length))
     bins = slice(1, (length + 1) // 2)
     n_f, n_x = records[0][0].shape[1], records[0][1].shape[1]

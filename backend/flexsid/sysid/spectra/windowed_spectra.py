@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
-from scipy import fft, signal
+from scipy import fft
 
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
@@ -94,6 +94,8 @@ def compute_windowed_responses(
 def _windows(
     samples: Float[np.ndarray, "n_samples n"], starts: range, length: int
 ) -> Complex[np.ndarray, "n_windows n_omega n"]:
+    from scipy import signal  # takes a second to import, of the start of a server
+
     weights = np.asarray(signal.get_window("hann", length))
     cut = [transform_block(samples[first : first + length], weights) for first in starts]
     return np.stack(cut)
