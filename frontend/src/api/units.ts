@@ -55,13 +55,25 @@ export function useUnitParameters(): Partial<DisplayUnits> {
   };
 }
 
-/** Name and factor of the display unit of an SI unit, or of Hz: displayed = factor * SI value. */
-export function useConversion(): (unit: string) => { name: string; factor: number } {
+/** Units of addresses and forms that are not SI: their SI unit, and its value of one. */
+const OTHERS: Partial<Record<string, [string, number]>> = {
+  deg: ["rad", Math.PI / 180],
+  "deg/s": ["rad/s", Math.PI / 180],
+  "deg/s²": ["rad/s2", Math.PI / 180],
+  g: ["m/s2", 9.80665],
+};
+
+export type Convert = (unit: string) => { name: string; factor: number };
+
+/** Name and factor of the display unit of a unit: displayed = factor * value in the unit. */
+export function useConversion(): Convert {
   const { data } = useQuery(displayUnitsQuery(useDisplayUnits()));
   return useCallback(
     (unit) => {
-      const found = data?.find((one) => one.unit === unit);
-      return { name: found?.display_unit ?? unit, factor: found?.factor ?? 1 };
+      const [base, size] = OTHERS[unit] ?? [unit, 1];
+      const found = data?.find((one) => one.unit === base);
+      if (found === undefined || found.display_unit === unit) return { name: unit, factor: 1 };
+      return { name: found.display_unit, factor: found.factor * size };
     },
     [data],
   );

@@ -1,6 +1,7 @@
-import { Accordion, NumberInput, Select, SimpleGrid, Switch, TagsInput } from "@mantine/core";
+import { Accordion, Select, SimpleGrid, Switch, TagsInput } from "@mantine/core";
 import { OUT_OF_BAND_MODES, type RunDraft } from "../lib/runDraft";
-import { integer, number } from "../lib/urlState";
+import { number } from "../lib/urlState";
+import { NumberField } from "./NumberField";
 
 const SPREADS = [
   { value: "none", label: "None" },
@@ -117,7 +118,7 @@ export function AdvancedSettings({ draft, outputs, onChange }: Props) {
                 onChange({ extraParameters });
               }}
             />
-            <NumberInput
+            <NumberField
               label="Maximum iterations"
               description="Convergence usually needs fewer"
               min={1}
@@ -125,7 +126,7 @@ export function AdvancedSettings({ draft, outputs, onChange }: Props) {
               allowDecimal={false}
               value={draft.maxIterations}
               onChange={(count) => {
-                onChange({ maxIterations: integer(count) ?? 100 });
+                onChange({ maxIterations: count ?? 100 });
               }}
             />
             <Switch

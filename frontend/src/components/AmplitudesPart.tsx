@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Stack, Text } from "@mantine/core";
+import { Button, Group, Stack, Text } from "@mantine/core";
 import { useNavigate } from "@tanstack/react-router";
 import { useRescaleDesign } from "../api/commands";
 import { amplitudesResult } from "../api/queries";
@@ -7,6 +7,7 @@ import { degrees, fixed } from "../lib/format";
 import { ComputedResult } from "./ComputedResult";
 import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 
 const LOAD_FACTOR = "load factor";
@@ -69,7 +70,7 @@ interface Props {
   /** Limits as typed [deg], [g]. */
   allowed: number | undefined;
   load: number | undefined;
-  onChange: (part: { allowed?: number; load?: number }) => void;
+  onChange: (part: { allowed?: number | undefined; load?: number | undefined }) => void;
 }
 
 /** Amplitude optimisation within the same limits, compared with the design. */
@@ -81,24 +82,26 @@ export function AmplitudesPart({ design, level, run, allowed, load, onChange }: 
   return (
     <Stack gap="sm">
       <Group align="end">
-        <NumberInput
-          label="Deflection limit [deg]"
+        <NumberField
+          label="Deflection limit"
+          unit="deg"
           placeholder="limit of the design"
-          min={0.01}
+          isPositive
           w={190}
-          value={allowed ?? ""}
+          value={allowed}
           onChange={(next) => {
-            onChange({ allowed: typeof next === "number" && next > 0 ? next : undefined });
+            onChange({ allowed: next });
           }}
         />
-        <NumberInput
-          label="Load factor limit [g]"
+        <NumberField
+          label="Load factor limit"
+          unit="g"
           placeholder="limit of the design"
-          min={0.001}
+          isPositive
           w={190}
-          value={load ?? ""}
+          value={load}
           onChange={(next) => {
-            onChange({ load: typeof next === "number" && next > 0 ? next : undefined });
+            onChange({ load: next });
           }}
         />
       </Group>

@@ -1,11 +1,11 @@
-import { Button, Group, NumberInput, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { Button, Group, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useComputePrediction } from "../api/commands";
 import { predictionsQuery } from "../api/queries";
 import type { Aircraft } from "../api/types";
-import { number } from "../lib/urlState";
 import { JobWait } from "./JobWait";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 
 const EXAMPLE = `CAERO1,1001,1,,10,8,,,1
@@ -122,25 +122,25 @@ export function ComputePrediction({ aircraft }: { aircraft: Aircraft }) {
                   setUnit(event.currentTarget.value);
                 }}
               />
-              <NumberInput
+              <NumberField
                 label="Mach number"
                 min={0}
                 max={0.89}
                 step={0.05}
-                value={mach ?? ""}
+                value={mach}
                 onChange={(value) => {
-                  setMach(number(String(value)) ?? null);
+                  setMach(value ?? null);
                 }}
               />
-              <NumberInput
+              <NumberField
                 label="Reference k"
                 description="Of the mode that flutters, or 0"
                 min={0}
                 max={2}
                 step={0.05}
-                value={referenceK ?? ""}
+                value={referenceK}
                 onChange={(value) => {
-                  setReferenceK(number(String(value)) ?? null);
+                  setReferenceK(value ?? null);
                 }}
               />
             </Group>

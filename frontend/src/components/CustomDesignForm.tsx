@@ -3,7 +3,6 @@ import {
   Alert,
   Button,
   Group,
-  NumberInput,
   SegmentedControl,
   Select,
   Stack,
@@ -13,6 +12,7 @@ import { useState } from "react";
 import type { DesignRequest } from "../api/types";
 import { AXES, EMPTY_DRAFT, inputsOf, requestOf, type DraftInput } from "../lib/designDraft";
 import { useDraft } from "../lib/useDraft";
+import { NumberField } from "./NumberField";
 
 interface Props {
   busy: boolean;
@@ -61,7 +61,8 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
             }}
           />
           <Positive
-            label="Duration [s]"
+            label="Duration"
+            unit="s"
             value={draft.duration}
             onChange={(duration) => {
               change({ duration });
@@ -77,7 +78,8 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
           {PEAKS.map((label, index) => (
             <Positive
               key={label}
-              label={`${label} [deg]`}
+              label={label}
+              unit="deg"
               value={draft.peaks[index] ?? 1}
               onChange={(value) => {
                 const peaks: typeof draft.peaks = [...draft.peaks];
@@ -233,20 +235,20 @@ export function CustomDesignForm({ busy, onDesign }: Props) {
 interface PositiveProps {
   label?: string;
   ariaLabel?: string;
+  unit?: string;
   value: number;
   onChange: (value: number) => void;
 }
 
-function Positive({ label, ariaLabel, value, onChange }: PositiveProps) {
+function Positive({ ariaLabel, onChange, ...field }: PositiveProps) {
   return (
-    <NumberInput
-      label={label}
+    <NumberField
+      {...field}
       aria-label={ariaLabel}
-      value={value}
-      min={0}
+      isPositive
       w={100}
       onChange={(next) => {
-        if (typeof next === "number" && next > 0) onChange(next);
+        if (next !== undefined) onChange(next);
       }}
     />
   );

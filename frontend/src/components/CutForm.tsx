@@ -1,7 +1,8 @@
-import { Alert, Button, Group, NumberInput, Select, Stack, TextInput } from "@mantine/core";
+import { Alert, Button, Group, Select, Stack, TextInput } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { useCut } from "../api/commands";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 
 const AXES = ["longitudinal", "lateral", "combined"] as const;
@@ -17,9 +18,9 @@ interface Props {
 /** Form to cut a maneuver from the selected window. */
 export function CutForm({ flightId, window, label: offered, fta: number, onWindow }: Props) {
   const [label, setLabel] = useState(offered ?? "");
-  const [fta, setFta] = useState<number | string>(number ?? "");
-  const [start, setStart] = useState<number | string>(rounded(window?.[0]));
-  const [stop, setStop] = useState<number | string>(rounded(window?.[1]));
+  const [fta, setFta] = useState(number);
+  const [start, setStart] = useState(rounded(window?.[0]));
+  const [stop, setStop] = useState(rounded(window?.[1]));
   const [known, setKnown] = useState({ window, offered, number });
   const [axis, setAxis] = useState<(typeof AXES)[number] | null>(null);
   const cut = useCut(flightId);
@@ -32,13 +33,12 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
   if (known.offered !== offered || known.number !== number) {
     setKnown({ window, offered, number });
     setLabel(offered ?? "");
-    setFta(number ?? "");
+    setFta(number);
   }
-  const ready =
-    typeof start === "number" && typeof stop === "number" && stop > start && label.trim() !== "";
+  const cutOut: [number, number] | undefined =
+    start !== undefined && stop !== undefined && stop > start ? [start, stop] : undefined;
   const show = () => {
-    if (typeof start === "number" && typeof stop === "number" && stop > start)
-      onWindow([start, stop]);
+    if (cutOut !== undefined) onWindow(cutOut);
   };
   const made = cut.data?.[0];
   return (
@@ -51,14 +51,14 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
       }}
     >
       <Group gap="xs" grow>
-        <NumberInput
+        <NumberField
           label="From [s]"
           value={start}
           onChange={setStart}
           onBlur={show}
           decimalScale={3}
         />
-        <NumberInput
+        <NumberField
           label="To [s]"
           value={stop}
           onChange={setStop}
@@ -74,7 +74,7 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
           setLabel(event.currentTarget.value);
         }}
       />
-      <NumberInput
+      <NumberField
         label="FTA"
         placeholder="none"
         value={fta}
@@ -93,17 +93,17 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
         clearable
       />
       <Button
-        disabled={!ready}
+        disabled={cutOut === undefined || label.trim() === ""}
         loading={cut.isPending}
         data-testid="cut-window"
         onClick={() => {
-          if (typeof start !== "number" || typeof stop !== "number") return;
+          if (cutOut === undefined) return;
           cut.mutate([
             {
               label: label.trim(),
-              start_s: start,
-              stop_s: stop,
-              fta: typeof fta === "number" ? fta : null,
+              start_s: cutOut[0],
+              stop_s: cutOut[1],
+              fta: fta ?? null,
               axis,
               note: "",
             },
@@ -125,5 +125,5 @@ export function CutForm({ flightId, window, label: offered, fta: number, onWindo
   );
 }
 
-const rounded = (value: number | undefined): number | string =>
-  value === undefined ? "" : Math.round(1000 * value) / 1000;
+const rounded = (value: number | undefined): number | undefined =>
+  value === undefined ? undefined : Math.round(1000 * value) / 1000;

@@ -1,4 +1,4 @@
-import { Group, NumberInput, SegmentedControl, Select, Text } from "@mantine/core";
+import { Group, SegmentedControl, Select, Text } from "@mantine/core";
 import type { Prediction } from "../api/types";
 import {
   DERIVATIVE_STATES,
@@ -10,6 +10,7 @@ import {
   type States,
 } from "../lib/structure";
 import { DerivativeName } from "./DerivativeName";
+import { NumberField } from "./NumberField";
 
 interface Props {
   name: string;
@@ -74,13 +75,13 @@ export function DerivativeChoice(props: Props) {
         />
       )}
       {held.source === "number" && (
-        <NumberInput
+        <NumberField
           aria-label={`Value of ${name}`}
           w={130}
           readOnly={readOnly}
           value={held.value}
           onChange={(value) => {
-            if (typeof value === "number") set("fixed", { source: "number", value });
+            if (value !== undefined) set("fixed", { source: "number", value });
           }}
         />
       )}

@@ -1,4 +1,4 @@
-import { Group, NumberInput } from "@mantine/core";
+import { Group } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { designChecksQuery } from "../api/queries";
 import type { Design, DesignChecks } from "../api/types";
@@ -6,6 +6,7 @@ import { fixed } from "../lib/format";
 import type { DesignView } from "../views";
 import { DataTable, type Column } from "./DataTable";
 import { Loaded } from "./Loaded";
+import { NumberField } from "./NumberField";
 import { quantity } from "./Quantity";
 import { Section } from "./Section";
 
@@ -54,14 +55,16 @@ export function Checks({ design, level, view, onChange }: PartProps) {
           }}
         />
         <Limit
-          label="Deflection limit [deg]"
+          label="Deflection limit"
+          unit="deg"
           value={view.position}
           onChange={(position) => {
             onChange({ position });
           }}
         />
         <Limit
-          label="Rate limit [deg/s]"
+          label="Rate limit"
+          unit="deg/s"
           value={view.rate}
           onChange={(rate) => {
             onChange({ rate });
@@ -92,22 +95,12 @@ export function Checks({ design, level, view, onChange }: PartProps) {
 
 interface LimitProps {
   label: string;
+  unit?: string;
   value: number | undefined;
   placeholder?: string;
   onChange: (value: number | undefined) => void;
 }
 
-function Limit({ label, value, placeholder = "none", onChange }: LimitProps) {
-  return (
-    <NumberInput
-      label={label}
-      placeholder={placeholder}
-      min={0.01}
-      w={190}
-      value={value ?? ""}
-      onChange={(next) => {
-        onChange(typeof next === "number" && next > 0 ? next : undefined);
-      }}
-    />
-  );
+function Limit({ placeholder = "none", ...field }: LimitProps) {
+  return <NumberField {...field} placeholder={placeholder} isPositive w={190} />;
 }

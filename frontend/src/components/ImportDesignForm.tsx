@@ -1,15 +1,7 @@
-import {
-  Alert,
-  Button,
-  Checkbox,
-  FileInput,
-  Group,
-  NumberInput,
-  Select,
-  TextInput,
-} from "@mantine/core";
+import { Alert, Button, Checkbox, FileInput, Group, Select, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useImportFlown } from "../api/commands";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 
 /** Import of flown waveforms as designs. */
@@ -46,13 +38,13 @@ export function ImportDesignForm() {
             setName(event.currentTarget.value);
           }}
         />
-        <NumberInput
+        <NumberField
           label="Rate [Hz]"
           w={100}
-          min={0.1}
+          isPositive
           value={rate}
           onChange={(next) => {
-            if (typeof next === "number" && next > 0) setRate(next);
+            if (next !== undefined) setRate(next);
           }}
         />
         <Select

@@ -1,4 +1,4 @@
-import { Checkbox, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
+import { Checkbox, Group, Select, Stack, Text, TextInput } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
 import { optimalDesignResult, type OptimalDesignRequest } from "../api/queries";
 import type { Design, OptimalDesign } from "../api/types";
@@ -7,6 +7,7 @@ import { OBJECTIVES, type DesignView } from "../views";
 import { ComputedResult } from "./ComputedResult";
 import { DataTable, type Column } from "./DataTable";
 import { Empty } from "./Empty";
+import { NumberField } from "./NumberField";
 
 const RADIAN = Math.PI / 180;
 
@@ -64,15 +65,21 @@ export function OptimalDesignPart({ design, level, run, view, onChange }: Props)
     request.derivatives !== undefined ||
     request.mode !== undefined ||
     request.other_run_id !== undefined;
-  const limit = (label: string, key: "allowed" | "fastest" | "load" | "spread", empty: string) => (
-    <NumberInput
+  const limit = (
+    label: string,
+    unit: string,
+    key: "allowed" | "fastest" | "load" | "spread",
+    empty = "limit of the design",
+  ) => (
+    <NumberField
       label={label}
+      unit={unit}
       placeholder={empty}
-      min={0}
+      isPositive
       w={190}
-      value={view[key] ?? ""}
+      value={view[key]}
       onChange={(next) => {
-        onChange({ [key]: typeof next === "number" && next > 0 ? next : undefined });
+        onChange({ [key]: next });
       }}
     />
   );
@@ -112,22 +119,23 @@ export function OptimalDesignPart({ design, level, run, view, onChange }: Props)
           />
         )}
         {objective === "structures" && (
-          <NumberInput
+          <NumberField
             label="Run with the smaller structure"
             min={1}
+            allowDecimal={false}
             w={230}
-            value={view.other ?? ""}
-            onChange={(next) => {
-              onChange({ other: typeof next === "number" ? next : undefined });
+            value={view.other}
+            onChange={(other) => {
+              onChange({ other });
             }}
           />
         )}
       </Group>
       <Group align="end">
-        {limit("Deflection limit [deg]", "allowed", "limit of the design")}
-        {limit("Rate limit [deg/s]", "fastest", "limit of the design")}
-        {limit("Load factor limit [g]", "load", "limit of the design")}
-        {limit("Spread of derivatives [%]", "spread", "exactly as in the run")}
+        {limit("Deflection limit", "deg", "allowed")}
+        {limit("Rate limit", "deg/s", "fastest")}
+        {limit("Load factor limit", "g", "load")}
+        {limit("Spread of derivatives", "%", "spread", "exactly as in the run")}
         <Checkbox
           label="Add to the data of the run"
           mb={8}

@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
+import { Button, Group, Select, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
@@ -12,6 +12,7 @@ import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
 
@@ -44,10 +45,10 @@ interface Limits {
 }
 
 const LIMITS = [
-  ["position", "Deflection limit [deg]"],
-  ["rate", "Rate limit [deg/s]"],
-  ["acceleration", "Acceleration limit [deg/s²]"],
-  ["freeplay", "Freeplay [deg]"],
+  ["position", "Deflection limit", "deg"],
+  ["rate", "Rate limit", "deg/s"],
+  ["acceleration", "Acceleration limit", "deg/s²"],
+  ["freeplay", "Freeplay", "deg"],
 ] as const;
 
 const radians = (value: number | undefined) =>
@@ -74,10 +75,10 @@ interface Errors {
 }
 
 const ERRORS = [
-  ["quantum", "Quantisation [SI]"],
-  ["limit", "Clipping at [SI]"],
-  ["skew", "Skew [ms]"],
-  ["dropout", "Dropouts [%]"],
+  ["quantum", "Quantisation", "SI"],
+  ["limit", "Clipping at", "SI"],
+  ["skew", "Skew", "ms"],
+  ["dropout", "Dropouts", "%"],
 ] as const;
 
 const errorsOf = (errors: Errors, channels: string) => ({
@@ -166,16 +167,16 @@ export function PreflightPart({ design, level, run }: Props) {
                 setSurface(value ?? ALL);
               }}
             />
-            {LIMITS.map(([key, label]) => (
-              <NumberInput
-                key={key}
+            {LIMITS.map(([key, label, unit]) => (
+              <NumberField
+                key={`${surface} ${key}`}
                 label={label}
+                unit={unit}
                 placeholder="none"
-                min={0}
+                isPositive
                 w={180}
-                value={limits[surface]?.[key] ?? ""}
-                onChange={(next) => {
-                  const value = typeof next === "number" && next > 0 ? next : undefined;
+                value={limits[surface]?.[key]}
+                onChange={(value) => {
                   setLimits((previous) => ({
                     ...previous,
                     [surface]: { ...previous[surface], [key]: value },
@@ -200,17 +201,17 @@ export function PreflightPart({ design, level, run }: Props) {
                 setChannels(event.currentTarget.value);
               }}
             />
-            {ERRORS.map(([key, label]) => (
-              <NumberInput
+            {ERRORS.map(([key, label, unit]) => (
+              <NumberField
                 key={key}
                 label={label}
+                unit={unit}
                 placeholder="none"
-                min={0}
-                max={key === "dropout" ? 50 : undefined}
+                isPositive
+                {...(key === "dropout" ? { max: 50 } : {})}
                 w={150}
-                value={errors[key] ?? ""}
-                onChange={(next) => {
-                  const value = typeof next === "number" && next > 0 ? next : undefined;
+                value={errors[key]}
+                onChange={(value) => {
                   setErrors((previous) => ({ ...previous, [key]: value }));
                 }}
               />

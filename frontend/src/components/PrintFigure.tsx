@@ -1,4 +1,4 @@
-import { Button, Group, Modal, NumberInput, Select, Stack, TextInput } from "@mantine/core";
+import { Button, Group, Modal, Select, Stack, TextInput } from "@mantine/core";
 import { useNavigate, useSearch } from "@tanstack/react-router";
 import { useMemo, useState } from "react";
 import { storePreference, usePreference } from "../api/preference";
@@ -11,6 +11,7 @@ import {
   SIZE_MM,
   type PrintFormat,
 } from "../lib/printFormat";
+import { NumberField } from "./NumberField";
 
 const KEY = "flexsid.print-format";
 const LABELS = {
@@ -82,7 +83,7 @@ export function PrintFigure({ name, onClose, onImage, json }: Props) {
           {(Object.keys(LABELS) as (keyof PrintFormat)[]).map((key) => {
             const [min, max] = key === "font_pt" ? FONT_PT : SIZE_MM;
             return (
-              <NumberInput
+              <NumberField
                 key={key}
                 label={LABELS[key]}
                 w={110}
@@ -90,10 +91,10 @@ export function PrintFigure({ name, onClose, onImage, json }: Props) {
                 max={max}
                 decimalScale={1}
                 placeholder="of the page"
-                value={format[key] ?? ""}
+                value={format[key]}
                 onChange={(value) => {
                   setOwn(true);
-                  set({ ...format, [key]: typeof value === "number" ? value : undefined });
+                  set({ ...format, [key]: value });
                 }}
               />
             );

@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Switch, Text, TextInput } from "@mantine/core";
+import { Button, Group, Switch, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useAnalyst } from "../api/analyst";
@@ -7,6 +7,7 @@ import { reviewRulesQuery } from "../api/queries";
 import type { RulesHistory } from "../api/types";
 import { dateTime } from "../lib/format";
 import { Loaded } from "./Loaded";
+import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 
 /** Review rules of a campaign; a change is stored with author and reason. */
@@ -41,7 +42,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
       }}
     >
       <Group align="end" gap="md">
-        <NumberInput
+        <NumberField
           label="Quorum"
           w={90}
           hideControls={false}
@@ -50,7 +51,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
           allowDecimal={false}
           value={quorum}
           onChange={(value) => {
-            if (typeof value === "number") setQuorum(value);
+            if (value !== undefined) setQuorum(value);
           }}
         />
         <Switch

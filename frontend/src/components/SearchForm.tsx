@@ -1,6 +1,7 @@
 import { axisNames } from "../lib/derivatives";
+import { NumberField } from "./NumberField";
 import { asAxis } from "./runRequest";
-import { Button, Group, MultiSelect, NumberInput, Pill, Select, Stack, Text } from "@mantine/core";
+import { Button, Group, MultiSelect, Pill, Select, Stack, Text } from "@mantine/core";
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { useRequestSearch } from "../api/commands";
 import { maneuverQuery, modalTablesQuery, searchesQuery } from "../api/queries";
@@ -32,7 +33,6 @@ export function SearchForm({ view, onChange }: Props) {
   const axis = asAxis(first.data?.axis ?? "longitudinal");
   const isSymmetric = axisNames(axis).symmetry === "symmetric";
   const method = view.method ?? "EE";
-  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   const start = () => {
     request.mutate(
       {
@@ -143,20 +143,20 @@ export function SearchForm({ view, onChange }: Props) {
           />
         )}
         <Group grow align="end">
-          <NumberInput
+          <NumberField
             label="F to enter"
             min={0.1}
             value={view.f_in ?? USUAL_F}
             onChange={(value) => {
-              onChange({ f_in: typed(value) });
+              onChange({ f_in: value });
             }}
           />
-          <NumberInput
+          <NumberField
             label="F to stay"
             min={0.1}
             value={view.f_out ?? view.f_in ?? USUAL_F}
             onChange={(value) => {
-              onChange({ f_out: typed(value) });
+              onChange({ f_out: value });
             }}
           />
         </Group>

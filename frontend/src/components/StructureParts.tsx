@@ -1,15 +1,7 @@
-import {
-  Button,
-  Group,
-  MultiSelect,
-  NumberInput,
-  Select,
-  Switch,
-  TagsInput,
-  Text,
-} from "@mantine/core";
+import { Button, Group, MultiSelect, Select, Switch, TagsInput, Text } from "@mantine/core";
 import type { Aircraft, ModalTable } from "../api/types";
 import { resized, type Structure } from "../lib/structure";
+import { NumberField } from "./NumberField";
 
 interface Props {
   structure: Structure;
@@ -152,7 +144,7 @@ function Instruments({ structure, channels, instruments, readOnly, onChange }: I
               });
             }}
           />
-          <NumberInput
+          <NumberField
             aria-label={`Delay of ${channel}`}
             w={110}
             suffix=" ms"
@@ -160,7 +152,7 @@ function Instruments({ structure, channels, instruments, readOnly, onChange }: I
             readOnly={readOnly}
             value={1000 * (structure.delays[channel] ?? 0)}
             onChange={(value) => {
-              if (typeof value !== "number") return;
+              if (value === undefined) return;
               onChange({ delays: { ...structure.delays, [channel]: value / 1000 } });
             }}
           />

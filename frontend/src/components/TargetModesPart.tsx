@@ -1,4 +1,4 @@
-import { Alert, Group, NumberInput, Select } from "@mantine/core";
+import { Alert, Group, Select } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { aircraftQuery, targetModesQuery } from "../api/queries";
 import type { Design, TargetMode } from "../api/types";
@@ -6,6 +6,7 @@ import { fixed } from "../lib/format";
 import { DataTable, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Loaded } from "./Loaded";
+import { NumberField } from "./NumberField";
 import { Quantity, quantity, UnitName } from "./Quantity";
 import { Section } from "./Section";
 
@@ -81,14 +82,15 @@ export function TargetModesPart({ design, aircraft, airspeed, onChange }: Props)
                 onChange({ aircraft: id === null ? undefined : Number(id) });
               }}
             />
-            <NumberInput
-              label="Airspeed [m/s]"
+            <NumberField
+              label="Airspeed"
+              unit="m/s"
               placeholder="in vacuo"
               w={150}
-              min={0}
-              value={airspeed ?? ""}
+              isPositive
+              value={airspeed}
               onChange={(next) => {
-                onChange({ airspeed: typeof next === "number" && next > 0 ? next : undefined });
+                onChange({ airspeed: next });
               }}
             />
           </Group>

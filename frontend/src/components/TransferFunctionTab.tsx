@@ -1,4 +1,4 @@
-import { Alert, NumberInput, Select, Stack, Switch } from "@mantine/core";
+import { Alert, Select, Stack, Switch } from "@mantine/core";
 import { transferFunctionResult } from "../api/queries";
 import type { TransferFunction } from "../api/types";
 import { overFrequency } from "../lib/band";
@@ -8,6 +8,7 @@ import { ComputedResult } from "./ComputedResult";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
+import { NumberField } from "./NumberField";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 import { useOfferedChannels } from "./useOfferedChannels";
 import { WindowBar } from "./WindowBar";
@@ -88,16 +89,16 @@ export function TransferFunctionTab({ maneuver, view, onChange }: ManeuverTabPro
           }}
         />
         {ORDERS.map(({ key, label }) => (
-          <NumberInput
+          <NumberField
             key={key}
             label={label}
             placeholder="Usual for the output"
             min={0}
             max={6}
             allowDecimal={false}
-            value={view[key] ?? ""}
+            value={view[key]}
             onChange={(value) => {
-              onChange({ [key]: typeof value === "number" ? value : undefined });
+              onChange({ [key]: value });
             }}
           />
         ))}

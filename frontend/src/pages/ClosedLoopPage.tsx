@@ -1,9 +1,10 @@
-import { Alert, MultiSelect, NumberInput, Select, Stack } from "@mantine/core";
+import { Alert, MultiSelect, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { closedLoopResult, controllersQuery, runsQuery } from "../api/queries";
 import type { ClosedLoopStability, MarginRow } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
+import { NumberField } from "../components/NumberField";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { ApprovedModelNote } from "../components/ApprovedModelNote";
 import { useDefaultRuns } from "../components/useDefaultRuns";
@@ -141,24 +142,25 @@ export function ClosedLoopPage() {
               change({ controller: id === null ? undefined : Number(id) });
             }}
           />
-          <NumberInput
+          <NumberField
             label="Fuel [%]"
             placeholder="fastest point"
             min={0}
             max={100}
-            value={view.fuel ?? ""}
+            value={view.fuel}
             onChange={(value) => {
-              change({ fuel: typeof value === "number" ? value : undefined });
+              change({ fuel: value });
             }}
           />
-          <NumberInput
-            label="Altitude [m]"
+          <NumberField
+            label="Altitude"
+            unit="m"
             placeholder="density of the fastest point"
             min={-1000}
             max={11000}
-            value={view.altitude ?? ""}
+            value={view.altitude}
             onChange={(value) => {
-              change({ altitude: typeof value === "number" ? value : undefined });
+              change({ altitude: value });
             }}
           />
           <OutOfBandSwitch

@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Tabs } from "@mantine/core";
+import { Button, Group, Select, Stack, Tabs } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useSearchDesign } from "../api/commands";
@@ -9,6 +9,7 @@ import { Empty } from "../components/Empty";
 import { ImportDesignForm } from "../components/ImportDesignForm";
 import { Loaded } from "../components/Loaded";
 import { CustomDesignForm } from "../components/CustomDesignForm";
+import { NumberField } from "../components/NumberField";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -275,7 +276,7 @@ export function ExcitationPage() {
               note="Low and high amplitudes are half and twice the medium amplitude"
             >
               <Group mb="sm">
-                <PositiveInput label="T [s]" value={period} onChange={set("period")} />
+                <PositiveInput label="T" unit="s" value={period} onChange={set("period")} />
                 <PositiveInput label="Rate [Hz]" value={rate} onChange={set("rate")} />
                 <PositiveInput label="First harmonic" value={first} onChange={set("first")} />
                 <Select
@@ -288,22 +289,21 @@ export function ExcitationPage() {
                     if (next !== null) setDraft((previous) => ({ ...previous, aircraft: next }));
                   }}
                 />
-                <NumberInput
-                  label="Airspeed [m/s]"
+                <NumberField
+                  label="Airspeed"
+                  unit="m/s"
                   placeholder="in vacuo"
                   w={150}
                   min={0}
                   disabled={aircraftId === NONE}
-                  value={airspeed ?? ""}
+                  value={airspeed}
                   onChange={(next) => {
-                    setDraft((previous) => ({
-                      ...previous,
-                      airspeed: typeof next === "number" ? next : 0,
-                    }));
+                    setDraft((previous) => ({ ...previous, airspeed: next ?? 0 }));
                   }}
                 />
                 <PositiveInput
-                  label="Body flap, medium [deg]"
+                  label="Body flap, medium"
+                  unit="deg"
                   value={peak}
                   onChange={set("peak")}
                 />
@@ -367,19 +367,19 @@ function describeTargets(row: RowTargets | undefined): string {
 
 interface PositiveInputProps {
   label: string;
+  unit?: string;
   value: number;
   onChange: (value: number) => void;
 }
 
-function PositiveInput({ label, value, onChange }: PositiveInputProps) {
+function PositiveInput({ onChange, ...field }: PositiveInputProps) {
   return (
-    <NumberInput
-      label={label}
-      value={value}
-      min={0}
+    <NumberField
+      {...field}
+      isPositive
       w={170}
       onChange={(next) => {
-        if (typeof next === "number" && next > 0) onChange(next);
+        if (next !== undefined) onChange(next);
       }}
     />
   );

@@ -1,13 +1,4 @@
-import {
-  Alert,
-  Group,
-  MultiSelect,
-  NumberInput,
-  SegmentedControl,
-  Select,
-  Stack,
-  Text,
-} from "@mantine/core";
+import { Alert, Group, MultiSelect, SegmentedControl, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import {
@@ -19,10 +10,12 @@ import {
 } from "../api/queries";
 import type { QueryValue } from "../api/client";
 import type { Flutter } from "../api/types";
+import { useConversion } from "../api/units";
 import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
 import { DataTable, numeric, type Column } from "../components/DataTable";
 import { DerivedRuns } from "../components/DerivedRuns";
+import { NumberField } from "../components/NumberField";
 import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
 import { ApprovedModelNote } from "../components/ApprovedModelNote";
 import { useDefaultRuns } from "../components/useDefaultRuns";
@@ -39,7 +32,7 @@ import { ProblemAlert } from "../components/ProblemAlert";
 import { quantity, UnitName, WithInterval } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
-import { fixed, hertz, percent } from "../lib/format";
+import { converted, fixed, hertz, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { FlutterView } from "../views";
 
@@ -229,7 +222,7 @@ interface ChoicesProps {
 function Choices({ view, result, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
   const predictions = useQuery(predictionsQuery());
-  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
+  const airspeed = useConversion()("m/s");
   return (
     <Stack gap="md">
       <MultiSelect
@@ -266,14 +259,15 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           onChange({ prediction: id === null ? undefined : Number(id) });
         }}
       />
-      <NumberInput
-        label="Next test point [m/s]"
+      <NumberField
+        label="Next test point"
+        unit="m/s"
         description="Default: 3 % above the highest airspeed flown"
-        placeholder={result && fixed(result.next_m_s, 1)}
+        placeholder={result && converted(result.next_m_s, airspeed.factor, 1)}
         min={1}
-        value={view.next ?? ""}
+        value={view.next}
         onChange={(value) => {
-          onChange({ next: typed(value) });
+          onChange({ next: value });
         }}
       />
       <OutOfBandSwitch
@@ -288,24 +282,25 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           onChange({ variation, runs: view.runs });
         }}
       />
-      <NumberInput
+      <NumberField
         label="Fuel [%]"
         placeholder={result && percent(result.fuel_fraction)}
         min={0}
         max={100}
-        value={view.fuel ?? ""}
+        value={view.fuel}
         onChange={(value) => {
-          onChange({ fuel: typed(value) });
+          onChange({ fuel: value });
         }}
       />
-      <NumberInput
-        label="Altitude [m]"
+      <NumberField
+        label="Altitude"
+        unit="m"
         description="Standard atmosphere; default: density of the fastest point"
         min={-1000}
         max={11000}
-        value={view.altitude ?? ""}
+        value={view.altitude}
         onChange={(value) => {
-          onChange({ altitude: typed(value) });
+          onChange({ altitude: value });
         }}
       />
     </Stack>

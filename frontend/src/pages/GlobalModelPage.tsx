@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
+import { Button, Group, Select, Stack, Text, TextInput } from "@mantine/core";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { address } from "../api/client";
@@ -16,6 +16,7 @@ import { DEFAULT_VARIABLES, GlobalModelSettings } from "../components/GlobalMode
 import { GlobalModelVersions } from "../components/GlobalModelVersions";
 import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
+import { NumberField } from "../components/NumberField";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -194,17 +195,15 @@ function Slice({ model, query, view, onChange }: ModelProps) {
           {variables.map(
             ({ key, label, unit, factor }, number) =>
               key !== along.key && (
-                <NumberInput
+                <NumberField
                   key={key}
+                  label={label}
+                  unit={unit === "" ? undefined : unit}
                   aria-label={`${label} of the slice`}
                   w={150}
-                  prefix={`${label} `}
-                  suffix={unit === "" ? "" : ` ${unit}`}
-                  decimalScale={2}
                   value={(held[number] ?? 0) * factor}
-                  onBlur={(event) => {
-                    const typed = Number(event.currentTarget.value.replace(/[^\d.eE+-]/g, ""));
-                    if (!Number.isFinite(typed)) return;
+                  onChange={(typed) => {
+                    if (typed === undefined) return;
                     const condition = held.map((value, k) =>
                       k === number ? typed / factor : value,
                     );

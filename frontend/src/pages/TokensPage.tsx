@@ -1,13 +1,4 @@
-import {
-  Alert,
-  Button,
-  Code,
-  CopyButton,
-  Group,
-  NumberInput,
-  Select,
-  TextInput,
-} from "@mantine/core";
+import { Alert, Button, Code, CopyButton, Group, Select, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState, type SubmitEvent } from "react";
 import { useCreateToken, useDeleteToken } from "../api/commands";
@@ -16,6 +7,7 @@ import type { Role, Token } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
 import { Loaded } from "../components/Loaded";
+import { NumberField } from "../components/NumberField";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -158,14 +150,14 @@ function NewToken({ campaigns }: { campaigns: { value: string; label: string }[]
           value={campaign}
           onChange={setCampaign}
         />
-        <NumberInput
+        <NumberField
           label="Valid for [days]"
           min={1}
           max={366}
           allowDecimal={false}
           value={days}
           onChange={(value) => {
-            setDays(Number(value) || 1);
+            setDays(value ?? 1);
           }}
         />
         <Button type="submit" loading={create.isPending} data-testid="create-token">

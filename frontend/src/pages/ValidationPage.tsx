@@ -1,4 +1,4 @@
-import { MultiSelect, NumberInput, Select, Stack } from "@mantine/core";
+import { MultiSelect, Select, Stack } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useInfiniteQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
@@ -13,6 +13,7 @@ import { Empty } from "../components/Empty";
 import { Figure } from "../components/Figure";
 import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
+import { NumberField } from "../components/NumberField";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
@@ -169,16 +170,16 @@ function Choices({ view, onChange }: ViewProps) {
           onChange({ partition: oneOf(value, PARTITIONS) });
         }}
       />
-      <NumberInput
+      <NumberField
         label="Folds"
         description="Of periods, one share in so many is held out"
         placeholder={String(FOLDS)}
         min={2}
         max={20}
         allowDecimal={false}
-        value={view.folds ?? ""}
-        onChange={(value) => {
-          onChange({ folds: typeof value === "number" ? value : undefined });
+        value={view.folds}
+        onChange={(folds) => {
+          onChange({ folds });
         }}
       />
     </Stack>

@@ -1,13 +1,4 @@
-import {
-  Button,
-  Group,
-  NumberInput,
-  Select,
-  Stack,
-  Text,
-  Textarea,
-  TextInput,
-} from "@mantine/core";
+import { Button, Group, Select, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { Link, useNavigate } from "@tanstack/react-router";
 import { useState } from "react";
@@ -19,6 +10,7 @@ import { parseTable } from "../../lib/live/table";
 import { integer } from "../../lib/urlState";
 import { Empty } from "../Empty";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import { StreamLimits, type ChannelLimit } from "./StreamLimits";
 
@@ -69,7 +61,7 @@ function Form({ receivers, runs, first }: FormProps) {
   const [options, setOptions] = useState<Record<string, string | number>>({});
   const [title, setTitle] = useState("");
   const [flightId, setFlightId] = useState<string | null>(null);
-  const [next, setNext] = useState<string | number>("");
+  const [next, setNext] = useState<number>();
   const [limits, setLimits] = useState<ChannelLimit[]>([]);
   const run = runs.find((one) => one.id === runId);
   const receiver = receivers.find((one) => one.name === name);
@@ -108,12 +100,12 @@ function Form({ receivers, runs, first }: FormProps) {
               ),
             },
             flight_id: integer(flightId) ?? null,
-            next_airspeed_m_s: typeof next === "number" ? next : null,
+            next_airspeed_m_s: next ?? null,
             limits: Object.fromEntries(
               limits.flatMap(({ channel, low, high }) =>
-                typeof low === "number" && typeof high === "number"
-                  ? [[channel, [low, high] as [number, number]]]
-                  : [],
+                low === undefined || high === undefined
+                  ? []
+                  : [[channel, [low, high] as [number, number]]],
               ),
             ),
           },
@@ -158,15 +150,17 @@ function Form({ receivers, runs, first }: FormProps) {
           setOptions({ ...options, [option.name]: value });
         };
         return option.type === "integer" || option.type === "number" ? (
-          <NumberInput
+          <NumberField
             key={option.name}
             label={label}
             description={option.description}
             required={option.is_required}
             allowDecimal={option.type === "number"}
             min={0}
-            value={valueOf(option)}
-            onChange={set}
+            value={numberOf(valueOf(option))}
+            onChange={(value) => {
+              set(value ?? "");
+            }}
             data-testid={`option-${option.name}`}
           />
         ) : option.type === "object" ? (
@@ -208,10 +202,11 @@ function Form({ receivers, runs, first }: FormProps) {
         }}
       />
       <Group gap="xs" grow align="end">
-        <NumberInput
-          label="Next test point [m/s]"
+        <NumberField
+          label="Next test point"
+          unit="m/s"
           placeholder="none"
-          min={0}
+          isPositive
           value={next}
           onChange={setNext}
           data-testid="stream-next"
@@ -240,6 +235,8 @@ function Form({ receivers, runs, first }: FormProps) {
     </Stack>
   );
 }
+
+const numberOf = (value: string | number) => (value === "" ? undefined : Number(value));
 
 /** `maneuver_id` as `Maneuver id`. */
 const labelOf = (name: string) => {

@@ -1,9 +1,11 @@
-import { Button, CloseButton, Group, NumberInput, Select } from "@mantine/core";
+import { Button, CloseButton, Group, Select } from "@mantine/core";
+import { NumberField } from "../NumberField";
 
 export interface ChannelLimit {
   channel: string;
-  low: string | number;
-  high: string | number;
+  /** In the SI unit of the channel. */
+  low: number | undefined;
+  high: number | undefined;
 }
 
 interface Props {
@@ -34,16 +36,18 @@ export function StreamLimits({ channels, limits, onChange }: Props) {
                 if (channel !== null) set(index, { channel });
               }}
             />
-            <NumberInput
-              label={`Low [${unit}]`}
+            <NumberField
+              label="Low"
+              unit={unit}
               required
               value={limit.low}
               onChange={(low) => {
                 set(index, { low });
               }}
             />
-            <NumberInput
-              label={`High [${unit}]`}
+            <NumberField
+              label="High"
+              unit={unit}
               required
               value={limit.high}
               onChange={(high) => {
@@ -65,7 +69,8 @@ export function StreamLimits({ channels, limits, onChange }: Props) {
         data-testid="add-limit"
         onClick={() => {
           const [one] = free;
-          if (one !== undefined) onChange([...limits, { channel: one.name, low: "", high: "" }]);
+          if (one !== undefined)
+            onChange([...limits, { channel: one.name, low: undefined, high: undefined }]);
         }}
       >
         Add limits of a channel

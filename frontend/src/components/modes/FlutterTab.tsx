@@ -1,4 +1,4 @@
-import { Anchor, NumberInput, Select, Stack, Text } from "@mantine/core";
+import { Anchor, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import {
   flutterSummariesQuery,
@@ -14,6 +14,7 @@ import { DataTable, numeric, type Column } from "../DataTable";
 import { Empty } from "../Empty";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { StoredPredictedFlutter } from "../PredictedFlutter";
 import { Section } from "../Section";
 import { TableNotes } from "./TableNotes";
@@ -97,7 +98,7 @@ function OneSummary(props: Props & { all: FlutterSummary[]; summary: FlutterSumm
             }}
           />
         )}
-        <NumberInput
+        <NumberField
           label="Structural damping g"
           description="Flutter is where a root needs as much"
           min={0}
@@ -107,7 +108,7 @@ function OneSummary(props: Props & { all: FlutterSummary[]; summary: FlutterSumm
           data-testid="flutter-g"
           value={view.g ?? 0}
           onChange={(value) => {
-            onChange({ g: typeof value === "number" && value > 0 ? value : undefined });
+            onChange({ g: value === 0 ? undefined : value });
           }}
         />
         <PredictionSelect {...props} isComparable={compared != null} />

@@ -1,4 +1,4 @@
-import { Button, NumberInput, Select, Stack, Text, TextInput } from "@mantine/core";
+import { Button, Select, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useUpdateModalTable } from "../../api/commands";
@@ -8,6 +8,7 @@ import { fixed, percent } from "../../lib/format";
 import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import { quantity } from "../Quantity";
 import { Section } from "../Section";
@@ -35,13 +36,14 @@ export function ModalAssuranceTab({ table, usable, view, onChange }: TableProps)
             onChange({ other: Number(value) });
           }}
         />
-        <NumberInput
-          label="At fuel [%]"
+        <NumberField
+          label="At fuel"
+          unit="%"
           min={0}
           max={100}
           value={view.other_fuel ?? view.fuel ?? 50}
           onChange={(value) => {
-            onChange({ other_fuel: typeof value === "number" ? value : undefined });
+            onChange({ other_fuel: value });
           }}
         />
         {table.kind === "FEM" && other.kind === "GVT" && (

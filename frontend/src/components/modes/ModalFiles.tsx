@@ -1,4 +1,4 @@
-import { Button, Group, NumberInput, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
+import { Button, Group, Select, Stack, Switch, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useRef, useState } from "react";
 import {
@@ -13,6 +13,7 @@ import { fixed, percent } from "../../lib/format";
 import type { ModalDataView } from "../../views";
 import { DataTable } from "../DataTable";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
 import { OrthogonalityForm } from "./OrthogonalityForm";
@@ -389,14 +390,14 @@ interface FuelInputsProps {
 /** Fuel fraction of each file, typed in percent. */
 function FuelInputs({ files, fuel, onChange }: FuelInputsProps) {
   return files.map((file) => (
-    <NumberInput
+    <NumberField
       key={file.name}
       label={`Fuel of ${file.name} [%]`}
       min={0}
       max={100}
       value={100 * (fuel[file.name] ?? 0)}
       onChange={(value) => {
-        if (typeof value === "number") onChange({ ...fuel, [file.name]: value / 100 });
+        if (value !== undefined) onChange({ ...fuel, [file.name]: value / 100 });
       }}
     />
   ));

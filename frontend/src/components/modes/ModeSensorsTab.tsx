@@ -1,4 +1,4 @@
-import { Group, NumberInput, SegmentedControl, Stack } from "@mantine/core";
+import { Group, SegmentedControl, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { observabilityQuery } from "../../api/queries";
 import type { Observability } from "../../api/types";
@@ -6,6 +6,7 @@ import { fixed, percent } from "../../lib/format";
 import { SYMMETRIES } from "../../views";
 import { DataTable, type Column } from "../DataTable";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { Section } from "../Section";
 import type { TableProps } from "./tables";
 
@@ -29,13 +30,14 @@ export function ModeSensorsTab({ table, view, onChange }: TableProps) {
             onChange({ symmetry: SYMMETRIES.find((one) => one === value) });
           }}
         />
-        <NumberInput
-          label="Up to [Hz]"
+        <NumberField
+          label="Up to"
+          unit="Hz"
           w={110}
           min={1}
           value={view.up_to ?? 20}
-          onChange={(value) => {
-            onChange({ up_to: typeof value === "number" ? value : undefined });
+          onChange={(up_to) => {
+            onChange({ up_to });
           }}
         />
       </Group>

@@ -1,4 +1,4 @@
-import { Alert, NumberInput, Select, Stack, TagsInput } from "@mantine/core";
+import { Alert, Select, Stack, TagsInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { modelOrderQuery } from "../../api/queries";
 import type { ModelOrder } from "../../api/types";
@@ -6,6 +6,7 @@ import { fixed, percent } from "../../lib/format";
 import { DataTable, numeric, type Column } from "../DataTable";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { Section } from "../Section";
 import type { TableProps } from "./tables";
 
@@ -26,33 +27,35 @@ export function OrderTab({ aircraft, table, view, onChange }: TableProps) {
   const outputs = [...aircraft.combinations, ...aircraft.sensors].map((one) => one.name);
   const output = view.output ?? outputs.find((name) => name === "q") ?? outputs[0];
   const surface = view.surface ?? aircraft.surfaces[0]?.name;
-  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <div className="split split-early">
       <Stack gap="md">
-        <NumberInput
-          label="Airspeed [m/s]"
+        <NumberField
+          label="Airspeed"
+          unit="m/s"
           min={1}
           value={view.airspeed ?? 40}
           onChange={(value) => {
-            onChange({ airspeed: typed(value) });
+            onChange({ airspeed: value });
           }}
         />
-        <NumberInput
-          label="Altitude [m]"
+        <NumberField
+          label="Altitude"
+          unit="m"
           min={-1000}
           max={11000}
           value={view.altitude ?? 0}
           onChange={(value) => {
-            onChange({ altitude: typed(value) });
+            onChange({ altitude: value });
           }}
         />
-        <NumberInput
-          label="Band up to [Hz]"
+        <NumberField
+          label="Band up to"
+          unit="Hz"
           min={1}
           value={view.up_to ?? 15}
           onChange={(value) => {
-            onChange({ up_to: typed(value) });
+            onChange({ up_to: value });
           }}
         />
         <TagsInput

@@ -1,10 +1,11 @@
-import { Button, Group, NumberInput, Select, Stack, TextInput } from "@mantine/core";
+import { Button, Group, Select, Stack, TextInput } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useEstimateResponses, useImportResponses } from "../../api/commands";
 import type { Aircraft, Job, StructureFound } from "../../api/types";
 import type { ModalDataView } from "../../views";
 import { JobWait } from "../JobWait";
+import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 
 const ESTIMATORS = [
@@ -71,14 +72,14 @@ export function ResponsesForm({ id, found, aircraft, onChange }: Props) {
             setName(event.currentTarget.value);
           }}
         />
-        <NumberInput
+        <NumberField
           label="Fuel [%]"
           w={90}
           min={0}
           max={100}
           value={fuel}
           onChange={(value) => {
-            if (typeof value === "number") setFuel(value);
+            if (value !== undefined) setFuel(value);
           }}
         />
         {open.map((query) => (
@@ -115,23 +116,24 @@ export function ResponsesForm({ id, found, aircraft, onChange }: Props) {
                 setWindow(WINDOWS.find((one) => one.value === value)?.value ?? "hann");
               }}
             />
-            <NumberInput
+            <NumberField
               label="Averages"
+              allowDecimal={false}
               w={100}
               min={2}
               value={averages}
               onChange={(value) => {
-                if (typeof value === "number") setAverages(value);
+                if (value !== undefined) setAverages(value);
               }}
             />
-            <NumberInput
+            <NumberField
               label="Overlap [%]"
               w={110}
               min={0}
               max={95}
               value={overlap}
               onChange={(value) => {
-                if (typeof value === "number") setOverlap(value);
+                if (value !== undefined) setOverlap(value);
               }}
             />
           </>

@@ -3,7 +3,6 @@ import {
   Checkbox,
   Group,
   MultiSelect,
-  NumberInput,
   Select,
   Stack,
   Text,
@@ -20,6 +19,7 @@ import { DataTable } from "../DataTable";
 import { Empty } from "../Empty";
 import { Figure } from "../Figure";
 import { Loaded } from "../Loaded";
+import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import { Quantity, UnitName } from "../Quantity";
 import { Section } from "../Section";
@@ -54,7 +54,6 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
   const band = { low_hz: view.from_hz, high_hz: view.to_hz, order: view.order ?? 40 };
   const poles = view.poles ?? [];
   const query = poles.length > 0 ? { ...band, poles: poles.join(",") } : band;
-  const typed = (value: string | number) => (typeof value === "number" ? value : undefined);
   return (
     <div className="split split-early">
       <Stack gap="md">
@@ -74,29 +73,32 @@ function OneSet({ known, responses, usable, view, onChange }: OneProps) {
             });
           }}
         />
-        <NumberInput
-          label="From [Hz]"
-          min={0.01}
-          value={view.from_hz ?? ""}
+        <NumberField
+          label="From"
+          unit="Hz"
+          isPositive
+          value={view.from_hz}
           onChange={(value) => {
-            onChange({ from_hz: typed(value), poles: undefined });
+            onChange({ from_hz: value, poles: undefined });
           }}
         />
-        <NumberInput
-          label="To [Hz]"
-          min={0.01}
-          value={view.to_hz ?? ""}
+        <NumberField
+          label="To"
+          unit="Hz"
+          isPositive
+          value={view.to_hz}
           onChange={(value) => {
-            onChange({ to_hz: typed(value), poles: undefined });
+            onChange({ to_hz: value, poles: undefined });
           }}
         />
-        <NumberInput
+        <NumberField
           label="Highest model order"
           min={4}
           max={80}
+          allowDecimal={false}
           value={view.order ?? 40}
           onChange={(value) => {
-            onChange({ order: typed(value), poles: undefined });
+            onChange({ order: value, poles: undefined });
           }}
         />
         <Text size="xs" className="quiet">
