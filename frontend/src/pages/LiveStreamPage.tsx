@@ -77,6 +77,8 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
         title={stream.title}
         alarms={alarms}
         acknowledgements={detail.acknowledgements}
+        limits={stream.limits}
+        channels={channels}
       />
       {stop.isError && <ProblemAlert error={stop.error} />}
       {stream.status === "failed" && (

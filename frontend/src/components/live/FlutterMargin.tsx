@@ -1,5 +1,6 @@
 import type { LiveEstimate } from "../../api/types";
-import { fixed, percent } from "../../lib/format";
+import { percent } from "../../lib/format";
+import { Quantity, UnitName } from "../Quantity";
 import { Section } from "../Section";
 
 interface Props {
@@ -19,27 +20,38 @@ export function FlutterMargin({ estimate, next_m_s }: Props) {
       <dl className="live-facts" data-testid="flutter-margin">
         <div>
           <dt>
-            Flutter speed <span className="unit">[m/s]</span>
+            Flutter speed <Airspeed />
           </dt>
           <dd className="live-digits">
-            {flutter === null ? (estimate === null ? "–" : "none predicted") : fixed(flutter, 1)}
-            {flutter !== null && (
-              <span className="live-interval">
-                {" "}
-                ± {std === null ? "unknown" : fixed(2 * std, 1)}
-              </span>
+            {flutter === null ? (
+              estimate === null ? (
+                "–"
+              ) : (
+                "none predicted"
+              )
+            ) : (
+              <>
+                <Quantity value={flutter} unit="m/s" decimals={1} />
+                <span className="live-interval">
+                  {" "}
+                  ±{" "}
+                  {std === null ? "unknown" : <Quantity value={2 * std} unit="m/s" decimals={1} />}
+                </span>
+              </>
             )}
           </dd>
         </div>
         {condition !== null && (
           <div data-testid="live-condition">
             <dt>
-              Present airspeed <span className="unit">[m/s]</span>
+              Present airspeed <Airspeed />
             </dt>
-            <dd className="live-digits">{fixed(condition.airspeed_m_s, 1)}</dd>
+            <dd className="live-digits">
+              <Quantity value={condition.airspeed_m_s} unit="m/s" decimals={1} />
+            </dd>
             <dd className={condition.is_measured ? "quiet" : "live-assumed"}>
-              {fixed(condition.density_kg_m3, 3)} kg/m³, fuel {percent(condition.fuel_fraction, 0)}{" "}
-              %
+              <Quantity value={condition.density_kg_m3} unit="kg/m3" decimals={3} named />, fuel{" "}
+              {percent(condition.fuel_fraction, 0)} %
               {condition.is_measured
                 ? ", measured"
                 : ": NOT MEASURED, assumed as in the run of the stream"}
@@ -48,9 +60,11 @@ export function FlutterMargin({ estimate, next_m_s }: Props) {
         )}
         <div>
           <dt>
-            Next test point <span className="unit">[m/s]</span>
+            Next test point <Airspeed />
           </dt>
-          <dd className="live-digits">{next_m_s === null ? "none" : fixed(next_m_s, 1)}</dd>
+          <dd className="live-digits">
+            {next_m_s === null ? "none" : <Quantity value={next_m_s} unit="m/s" decimals={1} />}
+          </dd>
         </div>
         {next_m_s !== null && (
           <>
@@ -77,3 +91,9 @@ export function FlutterMargin({ estimate, next_m_s }: Props) {
     </Section>
   );
 }
+
+const Airspeed = () => (
+  <span className="unit">
+    [<UnitName unit="m/s" />]
+  </span>
+);

@@ -2,8 +2,9 @@ import { Button, Stack, Text } from "@mantine/core";
 import { useDocumentTitle } from "@mantine/hooks";
 import { useAnalyst } from "../../api/analyst";
 import { useAcknowledgeAlarm } from "../../api/commands";
-import type { Acknowledgement, LiveAlarm } from "../../api/types";
-import { fixed } from "../../lib/format";
+import { useConversion } from "../../api/units";
+import type { Acknowledgement, LiveAlarm, StreamChannel } from "../../api/types";
+import { fixed, significant } from "../../lib/format";
 import { alarmKey, splitAlarms } from "../../lib/live/alarms";
 import { NameForm } from "../AnalystMenu";
 import { ProblemAlert } from "../ProblemAlert";
@@ -19,10 +20,13 @@ interface Props {
   title: string;
   alarms: readonly LiveAlarm[];
   acknowledgements: readonly Acknowledgement[];
+  limits: Readonly<Record<string, readonly number[]>>;
+  channels: readonly StreamChannel[];
 }
 
 /** Alarms with their evidence, above everything else until somebody acknowledges each by name. */
-export function LiveAlarms({ streamId, title, alarms, acknowledgements }: Props) {
+export function LiveAlarms({ streamId, title, alarms, acknowledgements, ...stream }: Props) {
+  const describe = useEvidence(stream.limits, stream.channels);
   const name = useAnalyst();
   const acknowledge = useAcknowledgeAlarm(streamId);
   const { open, acknowledged } = splitAlarms(alarms, acknowledgements);
@@ -42,7 +46,7 @@ export function LiveAlarms({ streamId, title, alarms, acknowledgements }: Props)
                   ALARM: {KINDS[alarm.kind]}, {alarm.subject}
                 </h2>
                 <p className="live-alarm-evidence numbers">
-                  {alarm.evidence}, at {fixed(alarm.time_s, 1)} s
+                  {describe(alarm)}, at {fixed(alarm.time_s, 1)} s
                 </p>
               </div>
               {name !== "" && (
@@ -75,7 +79,7 @@ export function LiveAlarms({ streamId, title, alarms, acknowledgements }: Props)
           {acknowledged.map((alarm) => (
             <li key={alarmKey(alarm)} data-testid="acknowledged">
               <span>
-                ⚠ {KINDS[alarm.kind]}, {alarm.subject}: {alarm.evidence}
+                ⚠ {KINDS[alarm.kind]}, {alarm.subject}: {describe(alarm)}
               </span>
               <span className="quiet">
                 at {fixed(alarm.time_s, 1)} s, acknowledged by {alarm.author}
@@ -86,4 +90,16 @@ export function LiveAlarms({ streamId, title, alarms, acknowledgements }: Props)
       )}
     </>
   );
+}
+
+/** Describes the evidence of an alarm; that of limits in display units. */
+function useEvidence(limits: Props["limits"], channels: Props["channels"]) {
+  const convert = useConversion();
+  return ({ kind, subject, evidence }: LiveAlarm) => {
+    const channel = channels.find((one) => one.name === subject);
+    const range = limits[subject];
+    if (kind !== "limit" || channel === undefined || range === undefined) return evidence;
+    const { name, factor } = convert(channel.unit);
+    return `beyond ${range.map((limit) => significant(factor * limit, 3)).join(" to ")} ${name}`;
+  };
 }

@@ -1,8 +1,9 @@
 import { useCallback, useEffect, useRef } from "react";
 import type uPlot from "uplot";
+import { useConversion } from "../../api/units";
 import type { Ink } from "../../lib/figureLayout";
 import { significant } from "../../lib/format";
-import { STRIP_S, type Envelope, type Strip } from "../../lib/live/strip";
+import { inUnit, STRIP_S, type Envelope, type Strip } from "../../lib/live/strip";
 import { axis, Plot } from "./Plot";
 import type { DrawingQueue } from "./drawingQueue";
 
@@ -12,26 +13,29 @@ interface Props {
   name: string;
   unit: string;
   strip: Strip;
+  /** In the unit of the channel, as the samples. */
   limits?: readonly number[];
   queue: DrawingQueue;
   /** Defect of the data of the channel at present. */
   defect?: string;
 }
 
-/** The last seconds of one channel, its present value, and its limits. */
-export function StripChart({ name, unit, strip, limits, queue, defect }: Props) {
+/** The last seconds of one channel, its present value, and its limits, in display units. */
+export function StripChart({ name, unit: si, strip, limits, queue, defect }: Props) {
+  const { name: unit, factor } = useConversion()(si);
   const plot = useRef<uPlot | null>(null);
   const value = useRef<HTMLSpanElement>(null);
-  const [low, high] = limits ?? [];
+  const [low, high] = (limits ?? []).map((limit) => factor * limit);
   const draw = useCallback(() => {
-    if (value.current !== null) value.current.textContent = significant(strip.last, 3);
+    if (value.current !== null)
+      value.current.textContent = significant(strip.last === null ? null : factor * strip.last, 3);
     const end = strip.end_s;
     if (plot.current === null || end === null) return;
     plot.current.batch(() => {
-      plot.current?.setData(strip.envelope(), false);
+      plot.current?.setData(inUnit(strip.envelope(), factor), false);
       plot.current?.setScale("x", { min: end - STRIP_S, max: end });
     });
-  }, [strip]);
+  }, [strip, factor]);
   useEffect(() => queue.add(draw), [queue, draw]);
 
   const options = useCallback(

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { Strip, STRIP_S } from "./strip";
+import { inUnit, Strip, STRIP_S } from "./strip";
 
 /** A second of columns as the server sends them; null where no samples arrived. */
 function add(strip: Strip, time: number, low: number | null, high = low) {
@@ -60,4 +60,13 @@ it("fills wider columns, adds those that arrive late, and none that are too old"
   expect(at(strip, 10.9)).toEqual([2, 2]);
   expect(strip.envelope()[1]).not.toContain(99);
   expect(strip.last).toBe(2);
+});
+
+it("is drawn in another unit; what is not known stays so", () => {
+  const strip = new Strip();
+  add(strip, 0, 2);
+  add(strip, 1, 3);
+  const [, low, high] = inUnit(strip.envelope(), 10);
+  expect([...new Set(low)]).toEqual([null, 20, 30]);
+  expect(high.at(-1)).toBe(30);
 });

@@ -73,4 +73,12 @@ export class Strip {
   }
 }
 
+/** An envelope in a unit of which a sample has `factor`. */
+export function inUnit(envelope: Envelope, factor: number): Envelope {
+  if (factor === 1) return envelope;
+  const [times, low, high] = envelope;
+  const scale = (value: number | null) => (value === null ? null : factor * value);
+  return [times, low.map(scale), high.map(scale)];
+}
+
 const modulo = (bucket: number) => ((bucket % BUCKETS) + BUCKETS) % BUCKETS;
