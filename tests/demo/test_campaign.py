@@ -28,7 +28,10 @@ from flexsid.records.maneuver import Flight, Maneuver, Role
 from flexsid.records.quality import GroundTestVerdict
 from flexsid.storage import bulk
 from flexsid.storage.store import Store
-from flexsid.workflow.quality.ground_records import compare_all_ground_records
+from flexsid.workflow.quality.ground_records import (
+    compare_all_ground_records,
+    compare_ground_records,
+)
 
 
 def test_plan_covers_the_envelope():
@@ -103,6 +106,18 @@ def test_the_campaign_is_complete_and_one_flight_was_damaged(whole: Store):
     assert {t.verdict for n, t in found.items() if n not in damaged} == {GroundTestVerdict.HEALTHY}
     assert "Inspect the structure" in found[damaged[0]].message
     assert add_campaign(whole) == 0
+
+
+def test_a_ground_test_follows_corrections_of_its_records(whole: Store):
+    first = compare_all_ground_records(whole)[0]
+    after = whole.maneuvers.get(first.after_id)
+    less = replace(after.condition, fuel_fraction=after.condition.fuel_fraction - 0.01)
+    whole.maneuvers.replace(replace(after, condition=less))
+    changed = compare_ground_records(whole, first.flight_id)
+    assert changed.fuel_after == less.fuel_fraction
+    assert changed.peaks != first.peaks
+    whole.maneuvers.replace(after)
+    assert compare_ground_records(whole, first.flight_id) == first
 
 
 def test_campaign_is_added_once_without_changes_to_user_data(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,19 @@ def test_response_is_that_of_the_state_space_in_python_control(make_case, n_mode
     response = case.model.response(case.truth, omega)
     scale = np.abs(expected).max(axis=(0, 2))[:, None] + 1e-12
     assert np.max(np.abs(response - expected) / scale) < 1e-9
+
+
+@pytest.mark.parametrize("airspeed_ratio", [0.65, 1.1])
+@pytest.mark.parametrize("equal", [False, True])
+def test_outputs_for_inputs_are_responses_times_inputs(make_case, airspeed_ratio, equal):
+    """Also above the flutter speed, and with two equal poles, which have one eigenvector."""
+    case = make_case(2, airspeed_ratio=airspeed_ratio, n_outputs=25)
+    truth = replace(case.truth, values=np.zeros_like(case.truth.values)) if equal else case.truth
+    omega = np.linspace(0.5, 300.0, 200)
+    u = np.exp(1j * np.outer(omega, np.arange(len(case.model.inputs))))
+    expected = np.einsum("kyu,ku->ky", case.model.response(truth, omega), u)
+    found = case.model.respond(truth, omega, u)
+    assert np.max(np.abs(found - expected) / (np.abs(expected).max(axis=0) + 1e-12)) < 1e-9
 
 
 def test_state_matrices_are_affine_in_the_derivatives(make_case):

@@ -7,14 +7,16 @@ import { NumberField } from "./NumberField";
 
 const FOOT = 0.3048;
 
-/** Answers requests of the page: display units are feet for metres. */
+/** Responds to requests of the page: display units are feet for metres. */
 function serveFeet() {
-  const answer = (address: string) =>
+  const respond = (address: string) =>
     address.includes("/units")
       ? { items: [{ unit: "m/s", display_unit: "ft/s", factor: 1 / FOOT }] }
       : { id: null, name: null };
   vi.spyOn(globalThis, "fetch").mockImplementation((request) =>
-    Promise.resolve(Response.json(answer(request instanceof Request ? request.url : `${request}`))),
+    Promise.resolve(
+      Response.json(respond(request instanceof Request ? request.url : `${request}`)),
+    ),
   );
 }
 

@@ -9,8 +9,10 @@ import numpy as np
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import get_symmetry
 from flexsid.records.maneuver import GROUND, Flight, Maneuver, Role
+from flexsid.records.modal_data import ModalTable
 from flexsid.records.quality import GroundTest, GroundTestVerdict, PeakChange
 from flexsid.records.views import GroundSpectra, ModeMarker
+from flexsid.storage.content import hash_records
 from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
@@ -31,6 +33,11 @@ _SAME_PEAK = 0.12  # of the frequency: largest distance of peaks of one mode
 _TREND_ERROR = 0.003  # relative error of the predicted change of frequency with fuel, gear included
 _AMPLITUDE_ERROR = 0.10  # relative error of the predicted change of amplitude
 _SIGMAS = 3.0
+_MOST_TESTS = 2_000
+
+# By a hash of all records that it depends on: pages of the campaign ask for every test at every
+# read, and its spectra and fits take 0.1 s.
+_tests: dict[tuple[object, ...], GroundTest] = {}
 
 
 def compare_all_ground_records(store: Store, aircraft_id: int | None = None) -> list[GroundTest]:
@@ -66,8 +73,30 @@ def compare_ground_records(store: Store, flight_id: int) -> GroundTest:
             code="no-ground-records",
             flight_id=flight.id,
         )
+    tables = find_modal_tables(store, flight.aircraft_id)
+    names = [
+        f"aircraft {flight.aircraft_id}",
+        *(f"maneuver {maneuver.id}" for maneuver in pair),
+        *(f"modal table {table.id}" for table in tables if table is not None),
+    ]
+    content = hash_records(store.database, names)
+    key = (flight_id, flight.number, *sorted(content.items()))
+    if key not in _tests:
+        test = _compare_pair(store, flight, pair, tables)
+        if len(_tests) >= _MOST_TESTS:
+            _tests.clear()
+        _tests[key] = test
+    return _tests[key]
+
+
+def _compare_pair(
+    store: Store,
+    flight: Flight,
+    pair: tuple[Maneuver, Maneuver],
+    tables: tuple[ModalTable, ModalTable | None],
+) -> GroundTest:
     before, after = pair
-    known = load_modes(store, *find_modal_tables(store, flight.aircraft_id))
+    known = load_modes(store, *tables)
     modes = tuple(known.table.at(m.condition.fuel_fraction) for m in (before, after))
     ratios = tuple(_compute_ratios(store, maneuver) for maneuver in (before, after))
     excited = _find_excited_modes(store, before, modes[0], known)
@@ -86,7 +115,7 @@ def compare_ground_records(store: Store, flight_id: int) -> GroundTest:
     )
     worst = max((p.verdict for p in peaks), key=list(GroundTestVerdict).index)
     return GroundTest(
-        flight_id=flight_id,
+        flight_id=flight.id or 0,
         flight_number=flight.number,
         before_id=before.id or 0,
         after_id=after.id or 0,
