@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import tempfile
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from flexsid.jobs.inline import execute_request, execute_run
 from flexsid.jobs.kinds import FLUTTER, RUN
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutputQuality, RunSettings
 from flexsid.reports import (
     Report,
     built_in_template,
@@ -32,6 +33,7 @@ from flexsid.reports import (
     to_pdf,
 )
 from flexsid.reports.content import Drawing, ReportTable, Section, Words, draw, estimate, number
+from flexsid.reports.run import select_outputs, tabulate_fit
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation.excitation_designs import specify_design
@@ -102,6 +104,29 @@ def test_a_run_is_reported_with_all_its_figures(flown: Store) -> None:
     html = to_html(report, NOW)
     assert len(figures(html)) >= 8
     assert html.count("<h2>") == 9
+
+
+def test_a_run_of_many_responses_is_reported_on_few_pages(flown: Store) -> None:
+    """As FRE of five inputs, whose 125 figures took 28 pages: the lowest R² are drawn."""
+    run = flown.runs.get(1)
+    assert run.result is not None
+    (block, *_) = run.result.blocks
+    names = [f"y{k}" for k in range(8)]
+    inputs = [f"u{k}" for k in range(10)]
+    quality = tuple(
+        OutputQuality(
+            block=one, output=name, r_squared=0.99 - 0.1 * (k in (2, 5)), theil=0.1, whiteness=0.5
+        )
+        for one in inputs
+        for k, name in enumerate(names)
+    )
+    blocks = tuple(replace(block, name=one, outputs=tuple(names)) for one in inputs)
+    fit = replace(run.result.fit, quality=quality)
+    result = replace(run.result, fit=fit, blocks=blocks)
+    assert select_outputs(result) == [(one, ("y2", "y5")) for one in inputs]
+    (table,) = tabulate_fit(result)
+    assert table.head == ("output", *inputs, "Theil", "whiteness")
+    assert [row[:2] for row in table.rows[1:3]] == [("y1", "0.990"), ("y2", "0.890")]
 
 
 def test_a_comparison_is_reported_coefficient_by_coefficient(flown: Store) -> None:

@@ -35,6 +35,8 @@ from flexsid.workflow.runs.run_templates import get_run_template, list_changed_s
 from flexsid.workflow.views.run import read_finished_run
 
 _MOST_TESTS = 20  # of a table in a report
+_OUTPUTS_OF_FIGURE = 4  # by page height
+_MOST_FITS = 20  # that are drawn: a report has about ten pages
 
 
 def run_report(store: Store, run_id: int) -> Report:
@@ -167,19 +169,23 @@ def _tabulate_parameters(result: RunResult) -> ReportTable:
 
 
 def _report_fit(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...]:
+    drawn = select_outputs(result)
+    n_drawn, n_all = (sum(len(names) for _, names in one) for one in (drawn, _list_blocks(result)))
+    omitted = f"The figures have the lowest R² of each block, {n_drawn} of {n_all} fits."
     return (
-        *_tabulate_fit(result),
+        *tabulate_fit(result),
+        *((Words(f"{omitted} All are on the page of the run."),) if n_drawn < n_all else ()),
         *(
             draw(
-                f"Measured and fitted data, {block.name}",
+                f"Measured and fitted data, {block}",
                 store,
                 "fit",
                 run_id=run_id,
                 outputs=outputs,
-                block=block.name,
+                block=block,
             )
-            for block in result.blocks
-            for outputs in _divide(block.outputs)
+            for block, names in drawn
+            for outputs in _divide(names)
         ),
         draw("Residuals over frequency", store, "residual", run_id=run_id),
         draw(
@@ -191,19 +197,62 @@ def _report_fit(store: Store, run_id: int, result: RunResult) -> tuple[Part, ...
     )
 
 
-def _tabulate_fit(result: RunResult) -> tuple[Part, ...]:
-    if not result.fit.quality:
+def _list_blocks(result: RunResult) -> list[tuple[str, tuple[str, ...]]]:
+    return [(block.name, block.outputs) for block in result.blocks]
+
+
+def select_outputs(result: RunResult) -> list[tuple[str, tuple[str, ...]]]:
+    """Select the outputs of each block that are drawn: those with the lowest R²."""
+    quality = {(one.block, one.output): one.r_squared for one in result.fit.quality}
+    n_outputs = max(1, _MOST_FITS // max(1, len(result.blocks)))
+    selected = []
+    for name, outputs in _list_blocks(result):
+        by_quality = sorted(outputs, key=lambda output: quality.get((name, output), 1.0))
+        lowest = set(by_quality[:n_outputs])
+        selected.append((name, tuple(output for output in outputs if output in lowest)))
+    return selected
+
+
+def tabulate_fit(result: RunResult) -> tuple[ReportTable, ...]:
+    """Tabulate the fit of each output; by output and block where outputs have several."""
+    quality = result.fit.quality
+    if not quality:
         return ()
+    if len({one.output for one in quality}) < len(quality):
+        return (_tabulate_blocks(result),)
     table = ReportTable(
         ("output", "block", "R²", "Theil", "whiteness"),
         tuple(
             (q.output, q.block, f"{q.r_squared:.3f}", f"{q.theil:.3f}", f"{q.whiteness:.3f}")
-            for q in result.fit.quality
+            for q in quality
         ),
         "Fit of each output: R², Theil's inequality coefficient, probability of white residuals",
         numbers_from=2,
     )
     return (table,)
+
+
+def _tabulate_blocks(result: RunResult) -> ReportTable:
+    """Tabulate R² by output and block, with the worst of the other criteria."""
+    names = [name for name, _ in _list_blocks(result)]
+    rows = []
+    for output in dict.fromkeys(q.output for q in result.fit.quality):
+        own = {q.block: q for q in result.fit.quality if q.output == output}
+        rows.append(
+            (
+                output,
+                *(f"{own[name].r_squared:.3f}" if name in own else "–" for name in names),
+                f"{max(q.theil for q in own.values()):.3f}",
+                f"{min(q.whiteness for q in own.values()):.3f}",
+            )
+        )
+    return ReportTable(
+        ("output", *names, "Theil", "whiteness"),
+        tuple(rows),
+        "Fit of each output: R² by block; the largest of Theil's inequality coefficients and the "
+        "smallest probability of white residuals",
+        numbers_from=1,
+    )
 
 
 def _report_adequacy(adequacy: ModelAdequacy) -> tuple[Part, ...]:
@@ -232,8 +281,9 @@ def _report_adequacy(adequacy: ModelAdequacy) -> tuple[Part, ...]:
 
 
 def _divide(names: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """Divide names into groups of four, by page height."""
-    return [names[start : start + 4] for start in range(0, len(names), 4)]
+    """Divide names into groups by page height."""
+    step = _OUTPUTS_OF_FIGURE
+    return [names[start : start + step] for start in range(0, len(names), step)]
 
 
 def _report_uncertainty(store: Store, run_id: int) -> tuple[Part, ...]:
