@@ -64,6 +64,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("get_frozen_figure", "get_notifications", "mark_notifications_seen"),
         *("mark_decision_seen", "mark_structure_seen", "list_runs", "list_run_facets", "get_run"),
         *("get_run_export", "get_run_model", "get_run_capsule", "get_run_fmu"),
+        "get_run_jsbsim",
         *("list_saved_views", "list_searches", "get_search"),
         *("list_jobs", "get_queue_status", "get_job", "get_job_log", "stream_events"),
         *("list_batches", "get_batch", "get_comparison", "get_trend", "report_run"),

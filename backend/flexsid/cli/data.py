@@ -35,6 +35,7 @@ from flexsid.workflow.importing.flight_import import (
 )
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.fmu import write_fmu
+from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
 from flexsid.workflow.runs.model_export import export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import export_run
 
@@ -114,7 +115,7 @@ def _import_each(
 
 
 def export(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Write a run (.json), its parameters (.csv) or its model (.mat, .fmu) to a file."""
+    """Write a run (.json), its parameters (.csv) or its model (.mat, .fmu, .zip) to a file."""
     run_id, output = arguments.run, arguments.output
     encode = _EXPORTS.get(Path(output).suffix)
     if encode is None:
@@ -140,6 +141,10 @@ def _encode_model(store: Store, arguments: argparse.Namespace) -> bytes:
 
 def _encode_fmu(store: Store, arguments: argparse.Namespace) -> bytes:
     return write_fmu(store, arguments.run, FmiVersion(arguments.fmi))
+
+
+def _encode_jsbsim(store: Store, arguments: argparse.Namespace) -> bytes:
+    return write_jsbsim_aircraft(store, arguments.run, arguments.other_run)
 
 
 def _collect_ids(imported: Imported) -> dict[str, Any]:
@@ -190,4 +195,5 @@ _EXPORTS = {
     ".csv": _encode_parameters,
     ".mat": _encode_model,
     ".fmu": _encode_fmu,
+    ".zip": _encode_jsbsim,
 }

@@ -156,10 +156,14 @@ def build_parser() -> argparse.ArgumentParser:
 
     export = add("export", "data:export", "export a run, its parameters or its model")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
-    meaning = ".json: the run with its inputs; .csv: parameters; .mat, .fmu: the model"
+    meaning = (
+        ".json: the run with its inputs; .csv: parameters; .mat, .fmu: the model; .zip: JSBSim"
+    )
     export.add_argument("--output", required=True, metavar="FILE", help=meaning)
     meaning = "version of FMI of an .fmu file"
     export.add_argument("--fmi", choices=("2", "3"), default="2", help=meaning)
+    meaning = "run of the other axis in an aircraft for JSBSim"
+    export.add_argument("--other-run", type=int, metavar="RUN", help=meaning)
 
     summary = "print identified derivatives and open warnings of a campaign"
     campaign = add("dashboard", "dashboard:dashboard", summary)

@@ -604,6 +604,11 @@ class Workbench:
             raise BadInput(f"{file} ends in '.{form}'; expected .mat, .json or .fmu")
         Path(file).write_bytes(self._connection.get(f"runs/{run_id}/model", {"format": form}))
 
+    def save_jsbsim(self, run_id: int, file: str | Path, other_run_id: int | None = None) -> None:
+        """Write the identified rigid aircraft for JSBSim, with a run of the other axis if given."""
+        query = {} if other_run_id is None else {"other_run_id": other_run_id}
+        Path(file).write_bytes(self._connection.get(f"runs/{run_id}/jsbsim", query))
+
     def save_capsule(self, run_id: int, file: str | Path) -> None:
         """Save a run with its data, settings and results as an RO-Crate.
 

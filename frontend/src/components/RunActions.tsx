@@ -70,6 +70,13 @@ export function RunActions({ run }: { run: Run }) {
               </Menu.Item>
             ))}
             <Menu.Item
+              component="a"
+              href={`/api/v1/runs/${run.id}/jsbsim`}
+              download={`flexsid-run-${run.id}.jsbsim.zip`}
+            >
+              Rigid aircraft for JSBSim
+            </Menu.Item>
+            <Menu.Item
               onClick={() => {
                 saveText(
                   csv([

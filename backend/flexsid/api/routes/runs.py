@@ -18,6 +18,7 @@ from flexsid.api.serialization import (
     Json,
     JsonRoute,
     Limit,
+    Reference,
     describe_sort,
     dump_json,
     read_query,
@@ -34,6 +35,7 @@ from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.capsule import write_capsule
 from flexsid.workflow.runs.fmu import write_fmu
+from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
 from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
 from flexsid.workflow.runs.run_export import RunExport, export_run
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -145,6 +147,21 @@ def get_run_fmu(
     """Return the identified model as an FMU with C sources; parameters are its derivatives."""
     name = {"Content-Disposition": f'attachment; filename="flexsid-run-{run_id}.fmu"'}
     content = write_fmu(store, run_id, fmi_version)
+    return Response(content, media_type="application/zip", headers=name)
+
+
+@router.get("/{run_id}/jsbsim", response_class=Response, responses=_ZIP)
+def get_run_jsbsim(
+    store: TheStore,
+    run_id: Identity,
+    other_run_id: Reference = None,
+) -> Response:
+    """Return the identified rigid aircraft for JSBSim, with a run of the other axis if named.
+
+    Modes are residualised.
+    """
+    name = {"Content-Disposition": f'attachment; filename="flexsid-run-{run_id}.jsbsim.zip"'}
+    content = write_jsbsim_aircraft(store, run_id, other_run_id)
     return Response(content, media_type="application/zip", headers=name)
 
 

@@ -54,6 +54,40 @@ def compute_standard_density(altitude_m: float) -> float:
     return pressure / (_GAS_CONSTANT * temperature)
 
 
+def compute_standard_altitude(density: float) -> float:
+    """Compute the altitude at which the standard atmosphere has a density.
+
+    Parameters
+    ----------
+    density
+        Density. [kg/m3]
+
+    Returns
+    -------
+    float
+        Geopotential altitude. [m]
+
+    Raises
+    ------
+    BadInput
+        If the altitude is above the tropopause or below -1000 m.
+
+    Notes
+    -----
+    Source: ISO 2533; in the troposphere density is a power of temperature.
+    """
+    exponent = GRAVITY / (0.0065 * _GAS_CONSTANT) - 1.0
+    at_sea_level = 101325.0 / (_GAS_CONSTANT * 288.15)
+    altitude_m = 288.15 / 0.0065 * (1.0 - (density / at_sea_level) ** (1.0 / exponent))
+    if not -1000.0 <= altitude_m <= _TROPOPAUSE_M:
+        raise BadInput(
+            f"The standard atmosphere has {density:g} kg/m3 at {altitude_m:.0f} m, outside the "
+            "troposphere.",
+            code="bad-condition",
+        )
+    return altitude_m
+
+
 def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
     """Complete mass properties, trim and flutter speed that were not measured.
 
