@@ -62,6 +62,7 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
         )
     condition = models[0].model.condition
     aircraft = store.aircraft.get(maneuvers[0].aircraft_id)
+    lacks_inertia = condition.roll_inertia == 0.0 or condition.yaw_inertia == 0.0
     estimated = ", ".join(
         f"{run.method.value} run {run.id} ({axis})" for run, axis in zip(runs, axes, strict=True)
     )
@@ -72,7 +73,8 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
         [_build_rigid_table(found) for found in models],
         f"{estimated} of flexsid at {condition.airspeed:.2f} m/s and "
         f"{condition.density:.4f} kg/m3, fuel {maneuvers[0].condition.fuel_fraction:.0%}; "
-        "linear about this trim, modes residualised",
+        "linear about this trim, modes residualised"
+        + ("; inertia in roll and yaw not known, that in pitch instead" if lacks_inertia else ""),
     )
 
 
