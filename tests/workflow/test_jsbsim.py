@@ -21,7 +21,6 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
-from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import (
     compute_standard_altitude,
@@ -33,10 +32,6 @@ from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
 _STEP_S = 0.0005  # forces of JSBSim are a step late: an error of pole times step
 _FLOWN_S = 20.0
 _INPUT_RAD = 0.002
-_BOLTED = StructuralModes(
-    (), np.zeros(0), np.zeros(0), np.zeros(0), (), np.zeros((0, 3, 0)), np.zeros((0, 3, 0)),
-    (), np.zeros((0, 0)),
-)  # fmt: skip
 _STATES = {
     "longitudinal": ("velocities/u-aero-fps", "velocities/w-aero-fps", "velocities/q-rad_sec",
                      "attitude/theta-rad"),
@@ -97,7 +92,7 @@ def test_both_axes_fly_with_their_poles(tmp_path: Path):
         (LATERAL, ("aileron_a", "rudder")),
     ):
         outputs = define_outputs(aircraft, ["theta" if body is LONGITUDINAL else "phi"])
-        models.append(build_model(aircraft, condition, _BOLTED, inputs, outputs, body))
+        models.append(build_model(aircraft, condition, transport._RIGID, inputs, outputs, body))
         true = transport.TRUE[body.axis]
         tables.append(DerivativeTable.from_names((), inputs, true, body))
     at = models[0].condition
