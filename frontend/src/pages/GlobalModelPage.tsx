@@ -201,6 +201,7 @@ function Slice({ model, query, view, onChange }: ModelProps) {
                   unit={unit === "" ? undefined : unit}
                   aria-label={`${label} of the slice`}
                   w={150}
+                  decimalScale={3}
                   value={(held[number] ?? 0) * factor}
                   onChange={(typed) => {
                     if (typed === undefined) return;
