@@ -14,6 +14,10 @@ import pytest
 
 from flexsid.demo import transport
 from flexsid.errors import BadInput
+from flexsid.jobs.inline import execute_run
+from flexsid.jobs.kinds import RUN
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.jsbsim import write_jsbsim
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -101,6 +105,30 @@ def test_both_axes_fly_with_their_poles(tmp_path: Path):
     flown = fly(content, tmp_path, ["elevator", "aileron_a", "rudder"])
     for model, table in zip(models, tables, strict=True):
         check_poles(model, table, flown[model.body.axis])
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_runs_of_two_maneuvers_give_both_axes(store: Store, tmp_path: Path):
+    transport.add_transport(store)
+    runs = []
+    for maneuver in store.maneuvers.find()[:2]:  # one of each axis
+        run = EstimationRun(
+            maneuver_id=maneuver.id or 0,
+            method=Method.OE,
+            structure=Structure(fixed={}, axis=maneuver.axis),
+            settings=RunSettings(band_hz=(0.1, 2.0)),
+        )
+        execute_run(store, run, RUN, lambda progress: None)
+        runs.append(store.runs.find()[-1])
+    assert [run.structure.axis for run in runs] == ["longitudinal", "lateral"]
+    first, second = (run.id or 0 for run in runs)
+    models = [load_identified_model(store, run) for run in runs]
+    surfaces = [name for found in models for name in found.model.inputs]
+    for ids in ((first, second), (second, first)):
+        folder = tmp_path / str(ids[0])
+        flown = fly(write_jsbsim_aircraft(store, *ids), folder, surfaces)
+        for found in models:
+            check_poles(found.model, found.derivatives, flown[found.model.body.axis])
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from flexsid.errors import BadInput
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.jsbsim import write_jsbsim
+from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
@@ -14,7 +15,7 @@ from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identi
 
 
 def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = None) -> bytes:
-    """Write the identified rigid aircraft at the flight condition of a run.
+    """Write the identified rigid aircraft at the flight condition of the first run.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
     -------
     bytes
         Archive with the aircraft file and its trim. Modes are residualised: the derivatives contain
-        their static response at the flight condition.
+        their static response at the flight condition, in the other run with its own mode shapes.
 
     Raises
     ------
@@ -46,7 +47,7 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
         raise BadInput(
             f"run {other_run_id} is of another aircraft than run {run_id}", code="wrong-aircraft"
         )
-    models = [load_identified_model(store, run, maneuvers[0].id) for run in runs]
+    models = [load_identified_model(store, run) for run in runs]
     axes = [found.model.body.axis for found in models]
     known = (LONGITUDINAL.axis, LATERAL.axis)
     if unknown := [axis for axis in axes if axis not in known]:
@@ -70,7 +71,7 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
         aircraft.name,
         condition,
         compute_standard_altitude(condition.density),
-        [_build_rigid_table(found) for found in models],
+        [_build_rigid_table(found, condition) for found in models],
         f"{estimated} of flexsid at {condition.airspeed:.2f} m/s and "
         f"{condition.density:.4f} kg/m3, fuel {maneuvers[0].condition.fuel_fraction:.0%}; "
         "linear about this trim, modes residualised"
@@ -78,11 +79,11 @@ def write_jsbsim_aircraft(store: Store, run_id: int, other_run_id: int | None = 
     )
 
 
-def _build_rigid_table(found: IdentifiedModel) -> DerivativeTable:
+def _build_rigid_table(found: IdentifiedModel, condition: FlightCondition) -> DerivativeTable:
     model = found.model
     if model.shape is not None:
         raise BadInput(
             "JSBSim has derivatives without a frequency shape; estimate a quasi-steady model",
             code="not-with-shape",
         )
-    return residualize(found.derivatives, model.modes, model.condition, ())
+    return residualize(found.derivatives, model.modes, condition, ())
