@@ -20,6 +20,9 @@ from flexsid.workflow.aircraft.thrust import (
 
 _GAS_CONSTANT = 287.05287  # dry air [J/(kg K)]
 _TROPOPAUSE_M = 11_000.0
+_SEA_LEVEL_K, _SEA_LEVEL_PA = 288.15, 101_325.0
+_LAPSE_RATE = 0.0065  # of the troposphere [K/m]
+_PRESSURE_EXPONENT = GRAVITY / (_LAPSE_RATE * _GAS_CONSTANT)  # of temperature; of density one less
 
 
 def compute_standard_density(altitude_m: float) -> float:
@@ -49,8 +52,8 @@ def compute_standard_density(altitude_m: float) -> float:
             f"Altitude {altitude_m:g} m is outside the troposphere; give the density instead.",
             code="bad-condition",
         )
-    temperature = 288.15 - 0.0065 * altitude_m
-    pressure = 101325.0 * (temperature / 288.15) ** (GRAVITY / (0.0065 * _GAS_CONSTANT))
+    temperature = _SEA_LEVEL_K - _LAPSE_RATE * altitude_m
+    pressure = _SEA_LEVEL_PA * (temperature / _SEA_LEVEL_K) ** _PRESSURE_EXPONENT
     return pressure / (_GAS_CONSTANT * temperature)
 
 
@@ -76,9 +79,9 @@ def compute_standard_altitude(density: float) -> float:
     -----
     Source: ISO 2533; in the troposphere density is a power of temperature.
     """
-    exponent = GRAVITY / (0.0065 * _GAS_CONSTANT) - 1.0
-    at_sea_level = 101325.0 / (_GAS_CONSTANT * 288.15)
-    altitude_m = 288.15 / 0.0065 * (1.0 - (density / at_sea_level) ** (1.0 / exponent))
+    at_sea_level = compute_standard_density(0.0)
+    temperature = _SEA_LEVEL_K * (density / at_sea_level) ** (1.0 / (_PRESSURE_EXPONENT - 1.0))
+    altitude_m = (_SEA_LEVEL_K - temperature) / _LAPSE_RATE
     if not -1000.0 <= altitude_m <= _TROPOPAUSE_M:
         raise BadInput(
             f"The standard atmosphere has {density:g} kg/m3 at {altitude_m:.0f} m, outside the "
