@@ -423,6 +423,8 @@ export const modalDataView = view((search) => ({
   output: text(search.output),
   surface: text(search.surface),
   upload: text(search.upload),
+  /** Job of an orthogonality over a mass matrix. */
+  orthogonality: integer(search.orthogonality),
   /** Measured responses, the band in which modes are looked for, the highest order. */
   responses: integer(search.responses),
   from_hz: number(search.from_hz),

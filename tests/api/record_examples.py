@@ -109,7 +109,7 @@ class _Recorder:
             "import_modal_data": self._upload("modes.uff", modes),
             "import_responses": self._upload("gvt.uff", measured),
             "estimate_responses": self._upload("run.csv", _write_vibration_record()),
-            "check_orthogonality": self._upload("mass.npz", mass.getvalue()),
+            "request_orthogonality": self._upload("mass.npz", mass.getvalue()),
         }
         self.recording = self._upload("recording.csv", RECORDING.encode())
         self.bodies: dict[str, Any] = {

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from beam_model import make_beam, write_matrix_entries, write_results
 from fastapi.testclient import TestClient
+from waiting import ended
 
 from flexsid.importers.nastran.op4 import write_op4
 
@@ -27,6 +28,26 @@ def upload(client: TestClient, *files: tuple[str, bytes]) -> str:
     response = client.post("/api/v1/uploads", files=[("files", file) for file in files])
     assert response.status_code == 201, response.text
     return response.json()["upload"]["id"]
+
+
+def request(client: TestClient, at: str, body: dict[str, Any]) -> dict[str, Any]:
+    """Request an orthogonality, and return its job after its end."""
+    response = client.post(at, json=body)
+    assert response.status_code == 202, response.text
+    return ended(client, response.headers["location"])
+
+
+def compute(client: TestClient, at: str, body: dict[str, Any]) -> dict[str, Any]:
+    job = request(client, at, body)
+    assert job["state"] == "succeeded", job["error"]
+    return client.get(f"/api/v1/orthogonality/{job['id']}").json()
+
+
+def fail(client: TestClient, at: str, body: dict[str, Any]) -> dict[str, Any]:
+    """Return the error of a job that fails, and has no result."""
+    job = request(client, at, body)
+    assert client.get(f"/api/v1/orthogonality/{job['id']}").status_code == 404
+    return job["error"]
 
 
 def store(client: TestClient, structure: Any, name: str, kind: str) -> int:
@@ -61,17 +82,15 @@ def test_mass_reduced_by_guyan_makes_test_modes_orthogonal(
     inspected = client.get(at.replace("orthogonality", "modal-data")).json()
     assert "matrix MAAX, 26 x 26 at 13 nodes" in inspected["files"][0]["holds"]
     model = {"modal_table_id": sources["modal_table_id"], "mass": "MAAX", "fuel": 0.0}
-    assert client.post(at, json=model).json()["code"] == "unit-needed"
-    response = client.post(at, json=model | {"length_unit": "m"})
-    assert response.status_code == 200, response.text
-    whole = response.json()
+    assert fail(client, at, model)["code"] == "unit-needed"
+    whole = compute(client, at, model | {"length_unit": "m"})
     assert whole["worst"] < 2e-5
     assert whole["n_dofs"] == 26
     body = model | sources | {"length_unit": "m"}
-    refused = client.post(at, json=body).json()
+    refused = fail(client, at, body)
     assert refused["code"] == "not-reduced"
-    assert "give the stiffness matrix" in refused["detail"]
-    found = client.post(at, json=body | {"stiffness": "KAAX"}).json()
+    assert "give the stiffness matrix" in refused["message"]
+    found = compute(client, at, body | {"stiffness": "KAAX"})
     assert found["n_dofs"] == 7
     assert "26 degrees of freedom is reduced to 7 by static condensation" in found["notes"][-1]
     left = np.setdiff1d(np.arange(26), MEASURED_DOFS)
@@ -98,11 +117,11 @@ def test_mass_of_a_test_analysis_model_in_inches(
         content = write_op4({"MTAM": mass}, binary=binary)
         at = upload(client, ("m.op4", content), ("dofs.csv", listed.encode()))
         body = {"modal_table_id": sources["modal_table_id"], "mass": "MTAM", "length_unit": "in"}
-        found = client.post(f"/api/v1/uploads/{at}/orthogonality", json=body).json()
+        found = compute(client, f"/api/v1/uploads/{at}/orthogonality", body)
         assert found["worst"] < 2e-5
     at = upload(client, ("m.op4", write_op4({"MTAM": mass})))
-    refused = client.post(f"/api/v1/uploads/{at}/orthogonality", json=body).json()
-    assert "39 or 78 rows and columns are expected" in refused["detail"]
+    refused = fail(client, f"/api/v1/uploads/{at}/orthogonality", body)
+    assert "39 or 78 rows and columns are expected" in refused["message"]
 
 
 def test_displacement_systems_of_a_deck_apply_to_its_matrices(
@@ -123,7 +142,7 @@ def test_displacement_systems_of_a_deck_apply_to_its_matrices(
     entries = write_matrix_entries("MAAX", BEAM.mass * np.outer(sign, sign), dofs)
     at = upload(client, ("wing.bdf", (deck + entries).encode()))
     body = {"modal_table_id": sources["modal_table_id"], "mass": "MAAX", "length_unit": "m"}
-    found = client.post(f"/api/v1/uploads/{at}/orthogonality", json=body).json()
+    found = compute(client, f"/api/v1/uploads/{at}/orthogonality", body)
     assert found["worst"] < 2e-5
     assert not any("basic axes" in note for note in found["notes"])
 
@@ -132,7 +151,6 @@ def test_displacement_systems_of_a_deck_apply_to_its_matrices(
     ("content", "body", "reason"),
     [
         (PUNCH, {"mass": "MGG"}, "no file has a matrix 'MGG'; expected one of MAAX, KAAX"),
-        (PUNCH, {"mass": "MAAX", "axes": "up up up"}, "not a right-handed system"),
         (
             PUNCH.replace(b"MAAX           0       6", b"MAAX           0       1"),
             {"mass": "MAAX"},
@@ -155,6 +173,21 @@ def test_unusable_matrices_are_refused(
 ) -> None:
     at = f"/api/v1/uploads/{upload(client, ('matrices.pch', content))}/orthogonality"
     model = {"modal_table_id": sources["modal_table_id"], "length_unit": "m"}
-    response = client.post(at, json=model | body)
-    assert response.status_code == 422
-    assert reason in response.json()["detail"]
+    assert reason in fail(client, at, model | body)["message"]
+
+
+def test_equal_requests_have_one_result_that_outlives_the_files(
+    client: TestClient, sources: dict[str, int]
+) -> None:
+    identity = upload(client, ("matrices.pch", PUNCH))
+    at = f"/api/v1/uploads/{identity}/orthogonality"
+    body = {"modal_table_id": sources["modal_table_id"], "mass": "MAAX", "length_unit": "m"}
+    refused = client.post(at, json=body | {"axes": "up up up"})
+    assert refused.status_code == 422
+    assert "not a right-handed system" in refused.json()["detail"]
+    assert client.post(at, json=body | {"other_id": 999}).status_code == 404
+    job = request(client, at, body)
+    assert client.post(at, json=body).json()["id"] == job["id"]
+    assert client.delete(f"/api/v1/uploads/{identity}").status_code < 300
+    assert client.get(f"/api/v1/orthogonality/{job['id']}").json()["worst"] < 2e-5
+    assert client.post(at, json=body).status_code == 404

@@ -151,10 +151,12 @@ def test_mode_shapes_are_mass_orthogonal(client: TestClient) -> None:
     files = [("files", ("mass.npz", file.getvalue()))]
     identity = client.post("/api/v1/uploads", files=files).json()["upload"]["id"]
     at = f"/api/v1/uploads/{identity}/orthogonality"
-    result = client.post(at, json={"modal_table_id": 1, "mass": "mass", "fuel": 0.5}).json()
-    assert result["worst"] < 1e-4
-    refused = client.post(at, json={"modal_table_id": 1, "mass": "small"}).json()
-    assert "399 or 798 rows and columns are expected" in refused["detail"]
+    response = client.post(at, json={"modal_table_id": 1, "mass": "mass", "fuel": 0.5})
+    job = ended(client, response.headers["location"])
+    assert client.get(f"/api/v1/orthogonality/{job['id']}").json()["worst"] < 1e-4
+    response = client.post(at, json={"modal_table_id": 1, "mass": "small"})
+    refused = ended(client, response.headers["location"])
+    assert "399 or 798 rows and columns are expected" in refused["error"]["message"]
 
 
 def test_responses_are_estimated_from_time_data(client: TestClient) -> None:

@@ -27,6 +27,7 @@ NAMES = (
     *("derivative-prediction", "predicted-flutter", "aerodynamics-comparison", "global-model"),
     *("motion-reconstruction", "mode-identification", "import", "optimal-design"),
     *("posterior-check", "report", "backup", "transfer-function", "response-estimation"),
+    "orthogonality",
 )
 
 

@@ -43,6 +43,7 @@ from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, OrthogonalityRequest
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 from flexsid.workflow.review.database_backup import BackupRequest
@@ -167,6 +168,16 @@ def _estimate_responses(store: Store, folder: Path) -> Job:
     return submit(store, kinds.RESPONSES, request)
 
 
+def _compute_orthogonality(store: Store, folder: Path) -> Job:
+    file = folder / "mass.npz"
+    np.savez(file, mass=np.eye(399))
+    request = OrthogonalityRequest(
+        upload_id=add_upload(store, [file], [file.name]).id,
+        query=OrthogonalityQuery(modal_table_id=1, mass="mass"),
+    )
+    return submit(store, kinds.ORTHOGONALITY, request)
+
+
 def _predict_derivatives(store: Store) -> Job:
     panel = PlanformPanel(
         left=(0.0, 0.0, 0.0),
@@ -238,6 +249,7 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
         store, kinds.RECONSTRUCTION, ReconstructionQuery(maneuver_id=1, modes=(7, 9))
     ),
     kinds.RESPONSES.name: _estimate_responses,
+    kinds.ORTHOGONALITY.name: _compute_orthogonality,
     kinds.MODES.name: lambda store, folder: _identify_modes(store),
     kinds.QUALITY.name: lambda store, folder: submit(
         store, kinds.QUALITY, QualityRequest(maneuver_id=1)

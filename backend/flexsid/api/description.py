@@ -264,7 +264,7 @@ _BODIES: dict[str, Any] = {
         "window": "hann",
     },
     "save_identified_modes": {"name": "GVT", "low_hz": 2.0, "high_hz": 18.0, "template_id": 1},
-    "check_orthogonality": {"modal_table_id": 1, "mass": "mass"},
+    "request_orthogonality": {"modal_table_id": 1, "mass": "mass"},
     "import_flutter_summary": {"aircraft_id": 1, "name": "SOL 145", "speed_unit": "kt"},
     "import_mass_properties": {"aircraft_id": 1, "length_unit": "in", "mass_unit": "slinch"},
     "upload_files": {"files": ["recording.csv"]},

@@ -41,7 +41,11 @@ from flexsid.workflow.modal_data.modal_tables import (
     gather_modes_over_fuel,
 )
 from flexsid.workflow.modal_data.model_updating import update_modal_table
-from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, compute_orthogonality
+from flexsid.workflow.modal_data.orthogonality import (
+    OrthogonalityQuery,
+    compute_orthogonality,
+    prepare_orthogonality,
+)
 from flexsid.workflow.views.fuel import list_modes_at
 from flexsid.workflow.views.modal_assurance import correlate
 from flexsid.workflow.views.shape import read_shape
@@ -175,7 +179,8 @@ def _orthogonality(store: Store, arguments: argparse.Namespace) -> None:
         length_unit=arguments.length,
         axes=arguments.axes,
     )
-    found = compute_orthogonality(store, _read(arguments.items[1:]), query)
+    sources = _read(arguments.items[1:])
+    found = compute_orthogonality(prepare_orthogonality(store, sources, query))
     lines = ["".join([" " * 12, *(f"{name:>9.9}" for name in found.other_names)])]
     lines += [
         "".join([f"{name:12.12}", *(f"{value:9.3f}" for value in row)])

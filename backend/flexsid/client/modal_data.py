@@ -117,7 +117,9 @@ class ModalData:
         import pandas  # takes a second to load
 
         body = {"modal_table_id": modal_table_id, "mass": mass, **options}
-        found = self._post(files, "orthogonality", **body)
+        job = self._post(files, "orthogonality", **body)
+        self._workbench.wait(job["id"])
+        found = self._workbench.get(f"orthogonality/{job['id']}")
         values = pandas.DataFrame(found["values"], found["names"], found["other_names"])
         values.attrs |= {name: found[name] for name in ("notes", "least_pair", "worst")}
         return values

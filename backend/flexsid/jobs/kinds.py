@@ -10,7 +10,7 @@ from flexsid.jobs.kind import Kind, Kinds, save_records
 from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
-from flexsid.records.modal_data import ModeIdentification
+from flexsid.records.modal_data import ModeIdentification, Orthogonality
 from flexsid.records.run import ReportProgress
 from flexsid.records.transfer_function import TransferFunctionResult
 from flexsid.records.validation import (
@@ -42,6 +42,7 @@ from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import (
     computed_predictions,
     ground_vibration_test,
+    orthogonality,
     response_estimation,
 )
 from flexsid.workflow.quality import maneuver_quality
@@ -305,6 +306,17 @@ MODES = Kind(
     compute=ground_vibration_test.find_modes,
     result=ModeIdentification,
     identify=ground_vibration_test.identify_mode_search,
+)
+ORTHOGONALITY = Kind(
+    name="orthogonality",
+    label="Orthogonality",
+    request=orthogonality.OrthogonalityRequest,
+    prepare=lambda store, job, request: orthogonality.prepare_orthogonality(
+        store, uploads.open_upload(store, request.upload_id), request.query
+    ),
+    compute=orthogonality.compute_orthogonality,
+    result=Orthogonality,
+    identify=lambda store, request: orthogonality.list_compared_tables(store, request.query),
 )
 QUALITY = Kind(
     name="quality-assessment",

@@ -112,6 +112,7 @@ const KINDS: Record<string, string> = {
   "motion-reconstruction": "Motion reconstruction",
   "mode-identification": "Mode identification",
   "response-estimation": "Frequency responses",
+  orthogonality: "Orthogonality",
   "quality-assessment": "Quality assessment",
   import: "Import",
   "derivative-prediction": "Derivative prediction",
@@ -312,6 +313,12 @@ function JobSubject({ job }: { job: Job }) {
           search={{ tab: "gvt", responses: readNumber(job.result ?? {}, "responses_id") }}
           className="link"
         >
+          {label}
+        </Link>
+      );
+    case "orthogonality":
+      return (
+        <Link to="/modal-data" search={{ tab: "files", orthogonality: job.id }} className="link">
           {label}
         </Link>
       );

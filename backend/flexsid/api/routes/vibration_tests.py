@@ -14,25 +14,26 @@ from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.responses import MeasuredFunction
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.api.submission import add_job_routes, submit_job
+from flexsid.errors import UnknownRecord
 from flexsid.figure_table import ModeSearchParameters
 from flexsid.importers.responses import AveragingOptions, ResponseOptions, extract_responses
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import MODES, RESPONSES
+from flexsid.jobs.kinds import MODES, ORTHOGONALITY, RESPONSES
 from flexsid.records.modal_data import (
     FoundModes,
     MeasuredResponses,
     ModalTable,
     Orthogonality,
 )
+from flexsid.records.run import RunState
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
 from flexsid.sysid.spectra.averaged_spectra import Window
 from flexsid.sysid.spectra.response_estimators import Estimator
 from flexsid.text import LONGEST_FIELD
-from flexsid.workflow.importing.uploads import open_upload
-from flexsid.workflow.modal_data import ground_vibration_test
-from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, compute_orthogonality
+from flexsid.workflow.importing.uploads import find_folder, open_upload
+from flexsid.workflow.modal_data import ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation, check_estimation
 
 router = APIRouter(tags=["vibration-tests"], route_class=JsonRoute)
@@ -206,10 +207,28 @@ def save_identified_modes(
     )
 
 
-@router.post("/uploads/{upload_id}/orthogonality")
-def check_orthogonality(
-    store: TheStore, upload_id: UploadId, body: OrthogonalityRequest
-) -> Orthogonality:
-    """Return the orthogonality of mode shapes, or of two sources, over a mass matrix of files."""
-    sources = open_upload(store, upload_id)
-    return compute_orthogonality(store, sources, body.make_record(OrthogonalityQuery))
+@router.post(
+    "/uploads/{upload_id}/orthogonality",
+    response_model=JobItem,
+    status_code=status.HTTP_202_ACCEPTED,
+)
+def request_orthogonality(
+    context: TheContext, upload_id: UploadId, body: OrthogonalityRequest, analyst: TheAnalyst
+) -> Json:
+    """Queue the orthogonality of mode shapes, or of two sources, over a mass matrix of files."""
+    request = orthogonality.OrthogonalityRequest(
+        upload_id=upload_id, query=body.make_record(orthogonality.OrthogonalityQuery)
+    )
+    find_folder(context.store, upload_id)
+    table = context.store.modal_tables.get(body.modal_table_id)
+    with storing_in_campaign(table.aircraft_id):
+        return submit_job(context, ORTHOGONALITY, request, analyst, table.name)
+
+
+@router.get("/orthogonality/{job_id}")
+def get_orthogonality(store: TheStore, job_id: Identity) -> Orthogonality:
+    """Return the orthogonality that a job has computed."""
+    job = store.jobs.get(job_id)
+    if job.kind != ORTHOGONALITY.name or job.state is not RunState.SUCCEEDED:
+        raise UnknownRecord(f"job {job_id} has computed no orthogonality")
+    return ORTHOGONALITY.read_result(job)

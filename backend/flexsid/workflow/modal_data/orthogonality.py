@@ -16,6 +16,7 @@ from flexsid.importers.modal_data.nodes import join_frames
 from flexsid.importers.modal_data.options import parse_axes
 from flexsid.importers.source import Sources
 from flexsid.records.modal_data import ModalKind, ModalTable, Orthogonality
+from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_mass_orthogonality
 from flexsid.sysid.modes.reduction import reduce_statically
@@ -64,17 +65,64 @@ class _SourceShapes:
     notes: list[str] = field(default_factory=list)
 
 
-def compute_orthogonality(
+@dataclass(frozen=True, slots=True)
+class OrthogonalityTask:
+    """Contents of the files, and the shapes of one or two tables."""
+
+    sources: Sources
+    query: OrthogonalityQuery
+    one: _SourceShapes
+    other: _SourceShapes | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrthogonalityRequest:
+    """Upload of the matrices, and what is compared over them."""
+
+    upload_id: str
+    query: OrthogonalityQuery
+
+
+def list_compared_tables(store: Store, query: OrthogonalityQuery) -> tuple[ModalTable, ...]:
+    """Check a query, and return the tables whose shapes are compared.
+
+    Raises
+    ------
+    BadInput
+        If the axes are no right-handed system.
+    UnknownRecord
+        If there is no such table.
+    """
+    parse_axes(query.axes)
+    ids = (query.modal_table_id, *(() if query.other_id is None else (query.other_id,)))
+    return tuple(map(store.modal_tables.get, ids))
+
+
+def prepare_orthogonality(
     store: Store, sources: Sources, query: OrthogonalityQuery
+) -> OrthogonalityTask:
+    """Return a query with the shapes that are compared; ``sources`` are files of matrices."""
+    other = None
+    if query.other_id is not None:
+        at = query.fuel if query.other_fuel is None else query.other_fuel
+        other = _read_shapes(store, query.other_id, at)
+    one = _read_shapes(store, query.modal_table_id, query.fuel)
+    return OrthogonalityTask(sources, query, one, other)
+
+
+def compute_orthogonality(
+    task: OrthogonalityTask, report: ReportProgress = lambda progress: None
 ) -> Orthogonality:
     """Compute the orthogonality of shapes over a mass matrix of files.
 
     Parameters
     ----------
-    store, sources, query
-        Database, files with the matrices, and what is compared. Degrees of freedom of the matrices
+    task
+        Files with the matrices, and what is compared. Degrees of freedom of the matrices
         are those of DMIG, or columns ``node`` and ``component`` of a table among the files; else
         three or six of every node of the table, node by node.
+    report
+        Receives the progress.
 
     Raises
     ------
@@ -83,7 +131,8 @@ def compute_orthogonality(
         degrees of freedom with mass are not measured and no stiffness is given, or a required
         unit is missing.
     """
-    one = _read_shapes(store, query.modal_table_id, query.fuel)
+    sources, query, one = task.sources, task.query, task.one
+    report(Progress(fraction=0.1, message="Reading the matrices"))
     mass = read_symmetric_matrix(sources, query.mass)
     dofs = _find_dofs(mass, sources, one)
     if (dofs[:, 1] > 3).any() and query.length_unit is None:
@@ -94,16 +143,15 @@ def compute_orthogonality(
             field="length_unit",
         )
     compared = [one]
-    if query.other_id is not None:
-        at = query.fuel if query.other_fuel is None else query.other_fuel
-        compared.append(_locate(one, _read_shapes(store, query.other_id, at)))
+    if task.other is not None:
+        compared.append(_locate(one, task.other))
     length = 1.0 if query.length_unit is None else units.factor(query.length_unit, "length")
     for shapes in compared:
         _transform(shapes, sources, length, query.axes)
     a, b = (_select(shapes, dofs) for shapes in (compared[0], compared[-1]))
     notes = [note for shapes in compared for note in shapes.notes]
     moving = np.abs(a).max(axis=0) > 0
-    if query.other_id is not None:
+    if task.other is not None:
         moving &= np.abs(b).max(axis=0) > 0
     retained = np.flatnonzero(moving)
     if not retained.size:
@@ -112,6 +160,7 @@ def compute_orthogonality(
             "check the numbers of the nodes",
             code="nothing-common",
         )
+    report(Progress(fraction=0.4, message="Reducing the mass"))
     reduced, note = _reduce(sources, query, mass, retained, compared[-1].table)
     a, b = a[:, retained], b[:, retained]
     values = compute_mass_orthogonality(a, b, reduced)

@@ -32,3 +32,13 @@ export const foundModesResult = (
     submit: () => body(api.POST(path, { params })),
   };
 };
+
+export const orthogonalityQuery = (jobId: number) =>
+  queryOptions({
+    queryKey: ["orthogonality", jobId],
+    queryFn: ({ signal }) =>
+      body(
+        api.GET("/api/v1/orthogonality/{job_id}", { params: { path: { job_id: jobId } }, signal }),
+      ),
+    staleTime: Infinity,
+  });

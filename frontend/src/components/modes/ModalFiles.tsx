@@ -16,7 +16,7 @@ import { Loaded } from "../Loaded";
 import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
-import { OrthogonalityForm } from "./OrthogonalityForm";
+import { OrthogonalityForm, OrthogonalityResult } from "./OrthogonalityForm";
 import { ResponsesForm } from "./ResponsesForm";
 
 interface Props {
@@ -39,6 +39,7 @@ export function ModalFiles({ aircraft, view, onChange }: Props) {
           onChange={onChange}
         />
       )}
+      {view.orthogonality !== undefined && <OrthogonalityResult jobId={view.orthogonality} />}
     </Stack>
   );
 }
@@ -134,7 +135,7 @@ function Found({ id, aircraft, fuel, onChange }: FoundProps & { fuel: number }) 
               <MassForm id={id} found={data} aircraft={aircraft} />
             )}
             {data.files.some((file) => file.matrices.length > 0) && (
-              <OrthogonalityForm id={id} found={data} aircraft={aircraft} fuel={fuel} />
+              <OrthogonalityForm {...{ id, aircraft, fuel, onChange }} found={data} />
             )}
             {data.files.some((file) => file.holds.includes("a flutter summary")) && (
               <FlutterSummaryForm id={id} aircraft={aircraft} onChange={onChange} />

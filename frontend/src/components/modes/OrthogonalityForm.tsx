@@ -2,11 +2,15 @@ import { Button, Group, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useOrthogonality } from "../../api/commands";
-import { modalTablesQuery } from "../../api/queries";
+import { jobQuery, modalTablesQuery, orthogonalityQuery } from "../../api/queries";
 import type { Aircraft, Orthogonality, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
+import type { ModalDataView } from "../../views";
 import { DataTable, numeric, type Column } from "../DataTable";
+import { JobWait } from "../JobWait";
+import { Loaded } from "../Loaded";
 import { ProblemAlert } from "../ProblemAlert";
+import { Section } from "../Section";
 import { hasShapes, tableTitle } from "./tables";
 
 const LENGTHS = ["m", "mm", "in", "ft"] as const;
@@ -16,10 +20,11 @@ interface Props {
   found: StructureFound;
   aircraft: Aircraft;
   fuel: number;
+  onChange: (change: Partial<ModalDataView>) => void;
 }
 
 /** Orthogonality of modes over a mass matrix of the uploaded files. */
-export function OrthogonalityForm({ id, found, aircraft, fuel }: Props) {
+export function OrthogonalityForm({ id, found, aircraft, fuel, onChange }: Props) {
   const compute = useOrthogonality(id);
   const tables = (useQuery(modalTablesQuery(aircraft.id)).data ?? []).filter(hasShapes);
   const matrices = [...new Set(found.files.flatMap((file) => file.matrices))];
@@ -72,23 +77,48 @@ export function OrthogonalityForm({ id, found, aircraft, fuel }: Props) {
           loading={compute.isPending}
           onClick={() => {
             if (mass !== null && table !== null)
-              compute.mutate({
-                mass,
-                modal_table_id: Number(table),
-                other_id: other === null ? null : Number(other),
-                stiffness,
-                length_unit: length,
-                fuel,
-                axes: "aft right up",
-              });
+              compute.mutate(
+                {
+                  mass,
+                  modal_table_id: Number(table),
+                  other_id: other === null ? null : Number(other),
+                  stiffness,
+                  length_unit: length,
+                  fuel,
+                  axes: "aft right up",
+                },
+                {
+                  onSuccess: (job) => {
+                    onChange({ orthogonality: job.id });
+                  },
+                },
+              );
           }}
         >
           Compute orthogonality
         </Button>
       </Group>
       {compute.isError && <ProblemAlert error={compute.error} />}
-      {compute.data !== undefined && <Result result={compute.data} />}
     </Stack>
+  );
+}
+
+/** The orthogonality that a job computes or has computed. */
+export function OrthogonalityResult({ jobId }: { jobId: number }) {
+  const job = useQuery(jobQuery(jobId)).data;
+  return (
+    <Section title="Orthogonality" note={job?.title}>
+      <JobWait id={jobId} />
+      {job?.state === "succeeded" && <StoredResult jobId={jobId} />}
+    </Section>
+  );
+}
+
+function StoredResult({ jobId }: { jobId: number }) {
+  return (
+    <Loaded query={useQuery(orthogonalityQuery(jobId))} rows={6}>
+      {(result) => <Result result={result} />}
+    </Loaded>
   );
 }
 
