@@ -319,3 +319,27 @@ def test_incomplete_time_data_are_refused(
 ) -> None:
     with pytest.raises(BadInput, match=message):
         extract_responses(read(tmp_path, run_csv=text), ResponseOptions(name="GVT"), averaging)
+
+
+def test_tests_of_several_sensor_positions_have_one_block_length(tmp_path: Path) -> None:
+    """The first sensor stays; records of the second position are longer, with rounded times."""
+
+    def tabulate_position(seed: int, outputs: tuple[int, ...], n: int, noise: float) -> str:
+        forces, responses = simulate(seed, noise)
+        forces, responses = np.tile(forces, (2, 1))[:n], np.tile(responses, (2, 1))[:n]
+        columns = {f"force {REFERENCES[k]} [N]": forces[:, k] for k in range(2)}
+        columns |= {f"acceleration {OUTPUTS[k]} [m/s2]": responses[:, k] for k in outputs}
+        times = np.arange(n) / RATE
+        return write_columns(columns, "time [s]", times if len(outputs) == 2 else times.round(5))
+
+    longer = 3 * PERIOD - 5
+    files = {f"a{k}_csv": tabulate_position(k, (0, 1), 2 * PERIOD, 0.0) for k in range(4)}
+    files |= {f"b{k}_csv": tabulate_position(9 + k, (0, 2, 3), longer, 1e-3) for k in range(4)}
+    found = extract_responses(read(tmp_path, **files), ResponseOptions(name="GVT"), PERIODIC)
+    assert found.outputs == OUTPUTS
+    assert found.averaging is not None
+    assert found.averaging.block_s == PERIOD / RATE
+    assert np.allclose(found.values[:, :2], respond(found.frequency_hz)[:, :2], rtol=1e-6)
+    error = np.abs(found.values - respond(found.frequency_hz))[:, 2:]
+    assert np.sqrt(np.mean(error**2 / found.errors["std"][:, 2:] ** 2)) == pytest.approx(1, abs=0.3)
+    assert "2 responses were measured in several tests" in " ".join(found.notes)

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.spectra.averaged_spectra import Window, average_spectra
+from flexsid.sysid.spectra.averaged_spectra import (
+    AveragedSpectra,
+    Window,
+    average_spectra,
+    find_block_length,
+)
 from flexsid.sysid.spectra.response_estimators import (
     EstimatedResponses,
     Estimator,
@@ -29,6 +34,13 @@ def record(
     )
 
 
+def average(
+    records: list[tuple[np.ndarray, np.ndarray]], window: Window, averages: int, overlap: float
+) -> AveragedSpectra:
+    length = find_block_length([[force.shape[0] for force, _ in records]], averages, overlap)
+    return average_spectra(records, RATE, window, length, averages, overlap)
+
+
 def estimate(
     records: list[tuple[np.ndarray, np.ndarray]],
     estimator: Estimator = "H1",
@@ -36,7 +48,7 @@ def estimate(
     window: Window = "hann",
     overlap: float = 0.5,
 ) -> EstimatedResponses:
-    spectra = average_spectra(records, RATE, window, averages, overlap)
+    spectra = average(records, window, averages, overlap)
     return estimate_responses(spectra, estimator)
 
 
@@ -128,12 +140,12 @@ def test_standard_errors_agree_with_monte_carlo(
 
 def test_blocks_are_as_long_as_the_number_of_averages_allows() -> None:
     data = record(np.random.default_rng(7), 1000)
-    spectra = average_spectra([data, data], RATE, "rectangular", 8, 0.0)
+    spectra = average([data, data], "rectangular", 8, 0.0)
     assert spectra.n_blocks == 8
     assert spectra.n_independent == 8.0
     assert spectra.omega[0] / 2 / np.pi == pytest.approx(RATE / 250)
     assert spectra.line_correlation == pytest.approx(1.0)
-    hann = average_spectra([data], RATE, "hann", 9, 0.5)
+    hann = average([data], "hann", 9, 0.5)
     assert hann.omega[0] / 2 / np.pi == pytest.approx(RATE / 200)
     assert hann.n_independent == pytest.approx(9 / (1 + 2 * 8 / 9 / 36), rel=1e-3)
     assert hann.line_correlation == pytest.approx(1 + 2 * (2 / 3) ** 2 + 2 / 36)

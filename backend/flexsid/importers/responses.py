@@ -18,7 +18,7 @@ from flexsid.importers.response_functions import convert_functions
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.vibration_records import VibrationRecord, compute_rate, find_records
 from flexsid.records.modal_data import SpectralAveraging
-from flexsid.sysid.spectra.averaged_spectra import Window, average_spectra
+from flexsid.sysid.spectra.averaged_spectra import Window, average_spectra, find_block_length
 from flexsid.sysid.spectra.response_estimators import Estimator, estimate_responses
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
@@ -30,6 +30,7 @@ _CODES = {
     12: "acceleration", 13: "excitation force", 15: "pressure",
 }  # fmt: skip
 """Data set 58, records 8 to 11, field 1."""
+_SAME_RATE = 1e-5  # relative; times of 1,000 samples printed to a thousandth of their interval
 _ENDS = ("response_node", "response_direction", "reference_node", "reference_direction")
 _AXES = {1: "x", 2: "y", 3: "z"}
 
@@ -217,30 +218,33 @@ def _estimate(
     options: ResponseOptions,
     averaging: AveragingOptions,
 ) -> tuple[list[SourceFile], SpectralAveraging, list[str]]:
-    """Estimate frequency responses; records of the same channels are averaged together."""
+    """Estimate frequency responses; records of the same channels are averaged together.
+
+    Blocks have one length, so that tests of other channels, as of a roving sensor or force, have
+    the same frequencies whatever the length of their records.
+    """
     if not records:
         raise BadInput(
             "the files hold no forces and responses over time; import frequency responses without "
             "estimator and averages",
             code="no-records",
         )
-    groups: dict[object, list[tuple[SourceFile, VibrationRecord, float]]] = {}
+    rate = _find_common_rate(records, options)
+    groups: dict[object, list[tuple[SourceFile, VibrationRecord]]] = {}
     for source, record in records:
-        rate = compute_rate(source, record, options.time_unit or "")
-        key = (
-            *(record.force_dofs, record.response_dofs, record.force_unit, record.response_unit),
-            round(rate, 6),
-        )
-        groups.setdefault(key, []).append((source, record, rate))
+        key = record.force_dofs, record.response_dofs, record.force_unit, record.response_unit
+        groups.setdefault(key, []).append((source, record))
+    length = find_block_length(
+        [[one.forces.shape[0] for _, one in group] for group in groups.values()],
+        averaging.averages,
+        averaging.overlap,
+    )
     files, used = [], []
     for group in groups.values():
-        source, record, rate = group[0]
+        source, record = group[0]
         spectra = average_spectra(
-            [(one.forces, one.responses) for _, one, _ in group],
-            rate,
-            averaging.window,
-            averaging.averages,
-            averaging.overlap,
+            *([(one.forces, one.responses) for _, one in group], rate, averaging.window),
+            *(length, averaging.averages, averaging.overlap),
         )
         found = estimate_responses(spectra, averaging.estimator)
         used.append(
@@ -249,7 +253,7 @@ def _estimate(
                 window=averaging.window,
                 averages=spectra.n_blocks,
                 overlap=averaging.overlap,
-                block_s=float(2.0 * np.pi / (spectra.omega[1] - spectra.omega[0])),
+                block_s=length / rate,
                 n_independent=spectra.n_independent,
                 line_correlation=spectra.line_correlation,
             )
@@ -276,11 +280,26 @@ def _estimate(
         for name in ("response_unit", "force_unit"):
             if stated := getattr(record, name):
                 fields[name] = np.array([stated])
-        named = ", ".join(one.name for one, _, _ in group)
+        named = ", ".join(one.name for one, _ in group)
         arrays = {f"frf/{name}": values for name, values in fields.items()}
         files.append(replace(source, name=named, arrays=arrays))
     notes = [_describe_averaging(one) for one in dict.fromkeys(used)]
-    return files, used[0], notes
+    return files, min(used, key=lambda one: one.n_independent), notes
+
+
+def _find_common_rate(
+    records: Sequence[tuple[SourceFile, VibrationRecord]], options: ResponseOptions
+) -> float:
+    """Return the samples per second of all records; printed times differ by their digits."""
+    rates = [compute_rate(source, one, options.time_unit or "") for source, one in records]
+    for (source, _), rate in zip(records, rates, strict=True):
+        if abs(rate - rates[0]) > _SAME_RATE * rates[0]:
+            raise BadInput(
+                f"{source.name} has {rate:.6g} samples per second, {records[0][0].name} "
+                f"{rates[0]:.6g}; import them as two tests",
+                code="other-rate",
+            )
+    return rates[0]
 
 
 def _describe_averaging(used: SpectralAveraging) -> str:
@@ -371,6 +390,7 @@ def _matrix(
     """Return outputs measured for every reference, references, their functions, and notes."""
     known: dict[tuple[tuple[int, int], tuple[int, int]], _Known] = {}
     n_excluded = 0
+    repeated: set[tuple[tuple[int, int], tuple[int, int]]] = set()
     for source in files:
         ends = [source.arrays[f"frf/{name}"].tolist() for name in _ENDS]
         for row, (node, direction, at, towards) in enumerate(zip(*ends, strict=True)):
@@ -381,7 +401,10 @@ def _matrix(
             pair = (node, abs(direction)), (at, abs(towards))
             one = _Known(source, row, sign)
             before = known.setdefault(pair, one)
-            if before is not one and not np.array_equal(before.values, one.values):
+            if before is not one and "frf/std" in source.arrays:  # estimated here
+                repeated.add(pair)
+                known[pair] = min(before, one, key=lambda each: float(each.read("std").mean()))
+            elif before is not one and not np.array_equal(before.values, one.values):
                 raise BadInput(
                     f"{source.name}: the response of {_format_point(pair[0])} to "
                     f"{_format_point(pair[1])} is repeated with other values; "
@@ -394,6 +417,12 @@ def _matrix(
     notes = []
     if n_excluded:
         notes.append(f"{n_excluded} functions are not translations at a point and are excluded.")
+    if repeated:
+        notes.append(
+            f"{len(repeated)} responses were measured in several tests (the first: "
+            f"{' to '.join(map(_format_point, min(repeated)))}); of each, that with the smallest "
+            "standard error is used."
+        )
     if len(complete) < len(outputs):
         notes.append(
             f"{len(outputs) - len(complete)} points were not measured for every reference and are "

@@ -40,12 +40,53 @@ class AveragedSpectra:
     line_correlation: float
 
 
+def find_block_length(tests: Sequence[Sequence[int]], averages: int, overlap: float) -> int:
+    """Return the largest block length with which each test has the number of blocks.
+
+    Parameters
+    ----------
+    tests
+        Samples of the records that are averaged together, of each test.
+    averages, overlap
+        As of ``average_spectra``.
+
+    Raises
+    ------
+    BadInput
+        If the blocks would have fewer than eight samples, or the overlap is out of range.
+    """
+    if not (0.0 <= overlap <= MOST_OVERLAP and averages > 0):
+        raise BadInput(
+            f"{averages} averages with an overlap of {overlap:g} cannot be formed; expected at "
+            f"least one, and an overlap from 0 to {MOST_OVERLAP:g}",
+            code="bad-averages",
+        )
+
+    def count(length: int) -> int:
+        step = _compute_step(length, overlap)
+        return min(sum(max(0, size - length + step) // step for size in sizes) for sizes in tests)
+
+    # block lengths with too few and with enough blocks
+    few, many = max(size for sizes in tests for size in sizes) + 1, 0
+    while few - many > 1:
+        middle = (few + many) // 2
+        few, many = (few, middle) if count(middle) >= averages else (middle, many)
+    if many < _LEAST_SAMPLES:
+        raise BadInput(
+            f"{averages} averages of {min(map(sum, tests))} samples leave blocks of {many} samples;"
+            " select fewer averages",
+            code="too-many-averages",
+        )
+    return many
+
+
 def average_spectra(
     records: Sequence[
         tuple[Float[np.ndarray, "n_samples n_f"], Float[np.ndarray, "n_samples n_x"]]
     ],
     rate_hz: float,
     window: Window,
+    length: int,
     averages: int,
     overlap: float,
 ) -> AveragedSpectra:
@@ -57,15 +98,12 @@ def average_spectra(
         Forces and responses on one clock, of each record. [channel units]
     rate_hz
         Samples per second.
+    length
+        Samples of a block, as of ``find_block_length``.
     averages
-        Number of blocks of all records together; the blocks are as long as it allows.
+        Largest number of blocks of all records together.
     overlap
         Share of a block that the next one repeats, at most ``MOST_OVERLAP``.
-
-    Raises
-    ------
-    BadInput
-        If the blocks would have fewer than eight samples, or the overlap is out of range.
 
     Notes
     -----
@@ -74,20 +112,6 @@ def average_spectra(
     with itself j steps later. Source: Welch (1967), IEEE Trans. Audio Electroacoustics 15. Over
     frequency the correlation of white noise is the transform of the squared window.
     """
-    if not (0.0 <= overlap <= MOST_OVERLAP and averages > 0):
-        raise BadInput(
-            f"{averages} averages with an overlap of {overlap:g} cannot be formed; expected at "
-            f"least one, and an overlap from 0 to {MOST_OVERLAP:g}",
-            code="bad-averages",
-        )
-    sizes = [forces.shape[0] for forces, _ in records]
-    length = _find_block_length(sizes, averages, overlap)
-    if length < _LEAST_SAMPLES:
-        raise BadInput(
-            f"{averages} averages of {sum(sizes)} samples leave blocks of {length} samples; select "
-            "fewer averages",
-            code="too-many-averages",
-        )
     step = _compute_step(length, overlap)
     from scipy import signal  # takes a second to import, of the start of a server
 
@@ -131,20 +155,6 @@ def transform_block(
 
 def _compute_step(length: int, overlap: float) -> int:
     return max(1, round(length * (1.0 - overlap)))
-
-
-def _find_block_length(sizes: Sequence[int], averages: int, overlap: float) -> int:
-    """Return the largest block length that gives the number of blocks; 0 if none does."""
-
-    def count(length: int) -> int:
-        step = _compute_step(length, overlap)
-        return sum(max(0, size - length + step) // step for size in sizes)
-
-    few, many = max(sizes) + 1, 0  # block lengths with too few and with enough blocks
-    while few - many > 1:
-        middle = (few + many) // 2
-        few, many = (few, middle) if count(middle) >= averages else (middle, many)
-    return many
 
 
 def _count_independent(n: int, weights: Float[np.ndarray, " n_samples"], step: int) -> float:
