@@ -179,6 +179,10 @@ TERMS: tuple[Symbol, ...] = (
     _term("GVT", "ground vibration test, the source of measured modes and damping"),
     _term("mini-GVT", "vibration on the runway before and after a flight, compared for damage"),
     _term("MAC", "modal assurance criterion: squared correlation of two mode shapes, 0 to 1"),
+    _term(
+        "Phase collinearity",
+        "modal phase collinearity (MPC): 1 where all points move in phase or against it",
+    ),
     _term("SP", "short-period mode: angle of attack and pitch rate"),
     _term("SW1B", "first symmetric wing bending mode"),
     _term("SW1T", "first symmetric wing torsion mode"),

@@ -269,6 +269,77 @@ def test_exported_modes_are_imported_unchanged(client: TestClient, table: Any, f
             assert second["nodes_m"] == first["nodes_m"]
 
 
+TRAVELLING = np.array(
+    [
+        [[0, 0.2j, 1.0], [0, 0, -0.4j], [0, 0.1, 1.0], [0.3, 0, -0.5], [0, 0, 0.2j], [0, 0, 0.1]],
+        [[0, 0, 1.0], [0, 0, 0], [0, 0, -1.0], [0, 0, 0], [0, 0, -0.6], [0, 0, 0.6 + 0.1j]],
+    ]
+)
+"""Shapes of two complex modes at the nodes of ``DECK``, in any phase."""
+
+
+def write_complex_modes() -> bytes:
+    """A table in CSV whose shapes are turned by 40 degrees from their principal direction."""
+    names = ("phi_{}_m", "phi_{}_quadrature_m")
+    head = ",".join(name.format(axis) for name in names for axis in "xyz")
+    rows = [f"mode,frequency_hz,damping,node,x_m,y_m,z_m,{head}"]
+    turned = TRAVELLING * np.exp(0.7j)
+    for mode, hertz in enumerate((5.0, 7.0)):
+        for node, place in enumerate(PLACES):
+            values = [*turned[mode, node].real, *turned[mode, node].imag]
+            shape = ",".join(repr(float(one)) for one in values)
+            rows.append(f"{mode + 1},{hertz},.02,{node + 1},{place},0,{shape}")
+    return ("\n".join(rows) + "\n").encode()
+
+
+def read_complex_shape(client: TestClient, table_id: int, number: int) -> np.ndarray:
+    """Motion at all nodes as it is drawn: Re(shape e^(i omega t)) a quarter of a period later."""
+    found = client.get(f"/api/v1/modal-tables/{table_id}/shape?number={number}").json()
+    return np.array(found["displacement_m"]) + 1j * np.array(found["quadrature_m"])
+
+
+def test_complex_modes_are_drawn_and_exported_with_their_phases(client: TestClient) -> None:
+    body = {"aircraft_id": 1, "kind": "GVT", "generalized_mass": "unknown"}
+    identity = upload(client, ("gvt.csv", write_complex_modes()))
+    at = f"/api/v1/uploads/{identity}/modal-data"
+    response = client.post(at, json=body | {"name": "complex"})
+    assert response.status_code == 201, response.text
+    table = response.json()["id"]
+    modes = client.get(f"/api/v1/modal-tables/{table}/modes").json()["items"]
+    squares = np.abs(np.sum(TRAVELLING**2, axis=(1, 2))) / np.sum(abs(TRAVELLING) ** 2, axis=(1, 2))
+    assert [mode["collinearity"] for mode in modes] == pytest.approx(squares**2)
+    for number in (1, 2):
+        drawn = read_complex_shape(client, table, number)
+        truth = TRAVELLING[number - 1]
+        phase = np.vdot(truth, drawn) / np.vdot(truth, truth)
+        assert abs(phase) == pytest.approx(1.0)
+        assert drawn == pytest.approx(phase * truth, abs=1e-6)
+        # In phase with the largest motion.
+        assert np.linalg.norm(drawn.real) >= np.linalg.norm(np.real(truth))
+    for form in ("uff", "uff-single", "csv"):
+        written = client.get(f"/api/v1/modal-tables/{table}/file?form={form}").content
+        identity = upload(client, (f"back.{form.partition('-')[0]}", written))
+        again = client.post(
+            f"/api/v1/uploads/{identity}/modal-data", json=body | {"name": form}
+        ).json()
+        back = client.get(f"/api/v1/modal-tables/{again['id']}/modes").json()["items"]
+        for name in ("frequency_hz", "damping", "collinearity"):
+            assert [one[name] for one in back] == pytest.approx(
+                [one[name] for one in modes], rel=1e-4 if "single" in form else 1e-9
+            )
+        for number in (1, 2):
+            known = read_complex_shape(client, table, number)
+            assert read_complex_shape(client, again["id"], number) == pytest.approx(known, abs=2e-5)
+    file: Any = io.BytesIO(client.get(f"/api/v1/modal-tables/{table}/file?form=mat").content)
+    found = loadmat(file)
+    assert (found["shapes"] + 1j * found["quadrature"])[0, :, :3] == pytest.approx(
+        read_complex_shape(client, table, 1), abs=1e-6
+    )
+    picture = client.get(f"/api/v1/modal-tables/{table}/picture?number=1&moving=true").text
+    moving = re.findall(r'values="([^"]+)"', picture)[0].split(";")
+    assert moving[0] == moving[-1] != moving[12]  # a quarter of a period from rest, not at rest
+
+
 def test_exported_modes_are_read_by_others(client: TestClient, table: Any, tmp_path: Path) -> None:
     """Single precision for readers that do not know double; MATLAB, matrices."""
     at = f"/api/v1/modal-tables/{table['id']}"

@@ -103,6 +103,12 @@ def test_modes_are_identified_stored_and_correlated(client: TestClient, response
     table = client.post(at, json=payload).json()
     assert table["kind"] == "GVT"
     assert table["numbers"] == list(NUMBERS[:6])
+    stored = client.get(f"/api/v1/modal-tables/{table['id']}/modes?fuel=0").json()["items"]
+    assert [mode["collinearity"] for mode in stored] == [
+        pytest.approx(mode["collinearity"]) for mode in found["items"]
+    ]
+    shape = client.get(f"/api/v1/modal-tables/{table['id']}/shape?number={NUMBERS[0]}").json()
+    assert 0.0 < np.abs(shape["quadrature_m"]).max() < 0.1 * shape["largest_m"]
     assert table["names"] == ["SW1B", "AW1B", "SW1T", "AW1T", "SFA", "SWL"]
     assert table["reasons"][0].startswith("matched to SW1B of FEM, MAC ")
     result = client.get(

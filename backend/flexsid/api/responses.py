@@ -161,6 +161,8 @@ class ModeShape:
     largest_m: float
     span_m: float
     sensors: list[SensorSight]
+    quadrature_m: list[tuple[float, float, float]] | None
+    collinearity: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -50,8 +50,12 @@ def draw_shape_picture(
         up = np.cos(elevation) * z - np.sin(elevation) * towards
         return np.column_stack([_WIDTH / 2.0 + size * right, _HEIGHT / 2.0 - size * up])
 
-    def trace(share: float) -> str:
-        places = project(nodes + share * factor * np.asarray(shape.displacement_m, dtype=float))
+    still = np.zeros_like(nodes)
+    in_phase = factor * np.asarray(shape.displacement_m, dtype=float)
+    ahead = still if shape.quadrature_m is None else factor * np.asarray(shape.quadrature_m, float)
+
+    def trace(displacement: np.ndarray) -> str:
+        places = project(nodes + displacement)
         return "".join(
             f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in places[shape.lines]
         )
@@ -62,17 +66,18 @@ def draw_shape_picture(
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}">'
         f'<title>{title}</title><rect width="100%" height="100%" fill="#ffffff"/>'
-        f'<path d="{trace(0.0)}" stroke="{_STILL}" stroke-width="1" fill="none"/>'
+        f'<path d="{trace(still)}" stroke="{_STILL}" stroke-width="1" fill="none"/>'
     )
     drawn = f'stroke="{_MOVED}" stroke-width="1.4" fill="none"'
     if moving:
-        phases = np.sin(2.0 * np.pi * np.arange(_PHASES + 1) / _PHASES)
-        yield f'<path d="{trace(0.0)}" {drawn}><animate attributeName="d" values="'
-        for place, share in enumerate(phases):
-            yield (";" if place else "") + trace(float(share))
+        yield f'<path d="{trace(ahead)}" {drawn}><animate attributeName="d" values="'
+        for place in range(_PHASES + 1):
+            angle = 2.0 * np.pi * place / _PHASES
+            moved = np.sin(angle) * in_phase + np.cos(angle) * ahead
+            yield (";" if place else "") + trace(moved)
         yield f'" dur="{_PERIOD_S:g}s" repeatCount="indefinite"/></path>'
     else:
-        yield f'<path d="{trace(1.0)}" {drawn}/>'
+        yield f'<path d="{trace(in_phase)}" {drawn}/>'
     if shape.sensors:
         for x, y in project(np.array([sensor.location_m for sensor in shape.sensors])):
             yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{_SENSOR}"/>'

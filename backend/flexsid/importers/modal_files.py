@@ -31,15 +31,17 @@ CSV_COLUMNS = (
     *("mode", "frequency_hz", "damping", "mass_kg_m2", "frequency_std_hz", "damping_std"),
     *("node", "x_m", "y_m", "z_m"),
     *("phi_x_m", "phi_y_m", "phi_z_m", "nu_x_rad", "nu_y_rad", "nu_z_rad"),
+    *("phi_x_quadrature_m", "phi_y_quadrature_m", "phi_z_quadrature_m"),
+    *("nu_x_quadrature_rad", "nu_y_quadrature_rad", "nu_z_quadrature_rad"),
 )
-_PLACES, _SHAPES = CSV_COLUMNS[7:10], CSV_COLUMNS[10:]
+_PLACES, _SHAPES, _QUADRATURES = CSV_COLUMNS[7:10], CSV_COLUMNS[10:16], CSV_COLUMNS[16:]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WrittenModes:
     """Modes at one fuel weight in SI; shapes (n, K, 6) and nodes in structural axes.
 
-    Unknown damping and mass are NaN.
+    Unknown damping and mass are NaN. ``quadrature`` is the imaginary part of complex shapes.
     """
 
     title: str
@@ -54,6 +56,7 @@ class WrittenModes:
     node_ids: np.ndarray
     nodes: np.ndarray
     shapes: np.ndarray
+    quadrature: np.ndarray | None
     lines: np.ndarray
 
 
@@ -96,6 +99,9 @@ def _shape(modes: WrittenModes, place: int, number: int, single: bool) -> list[s
     damping, mass = (float(np.nan_to_num(v[place])) for v in (modes.damping, modes.mass))
     exact = f"{EXACT} {frequency:.17g} {damping:.17g} {mass:.17g}"
     six = f"{0.0:13.5E}" * 6
+    ahead = modes.quadrature
+    root = 2.0 * np.pi * frequency * complex(-damping, np.sqrt(max(0.0, 1.0 - damping**2)))
+    precision = (2 if single else 4) if ahead is None else (5 if single else 6)
     rows = [
         f"{place + 1:10d}",
         one_line(f"{modes.names[place] or number}")[:40],
@@ -103,14 +109,17 @@ def _shape(modes: WrittenModes, place: int, number: int, single: bool) -> list[s
         one_line(modes.title)[:80] or "NONE",
         exact,
         *["NONE"] * 3,
-        # structural, normal modes, six degrees of freedom, displacement, real single or double
-        "".join(f"{n:10d}" for n in (1, 2, 3, 8, 2 if single else 4, 6)),
+        # structural, normal or complex modes, six degrees of freedom, displacement, precision
+        "".join(f"{n:10d}" for n in (1, 2 if ahead is None else 3, 3, 8, precision, 6)),
         "".join(f"{n:10d}" for n in (0, 0, 1, 0, 0, number, 0, 0)),
         f"{0:10d}" * 2,
         f"{0.0:13.5E}{frequency:13.5E}{0.0:13.5E}{mass:13.5E}{damping:13.5E}{0.0:13.5E}",
-        six,
+        six if ahead is None else f"{root.real:13.5E}{root.imag:13.5E}" + f"{0.0:13.5E}" * 4,
     ]
-    for node, values in zip(modes.node_ids.tolist(), modes.shapes[place], strict=True):
+    shape = modes.shapes[place]
+    if ahead is not None:
+        shape = np.stack([shape, ahead[place]], axis=-1).reshape(shape.shape[0], -1)
+    for node, values in zip(modes.node_ids.tolist(), shape, strict=True):
         form = "13.5E" if single else "24.16E"
         rows += [f"{node:10d}", "".join(f"{x:{form}}" for x in values)]
     return rows
@@ -128,6 +137,8 @@ def write_matlab(modes: WrittenModes) -> bytes:
 
     file: Any = BytesIO()  # the stubs of savemat know only names of files
     values = {one.name: getattr(modes, one.name) for one in fields(modes)}
+    if modes.quadrature is None:
+        del values["quadrature"]
     named = {"names": np.array(modes.names, dtype=object), "lines": modes.lines + 1}
     files.savemat(file, values | named | {"numbers": np.array(modes.numbers)}, oned_as="column")
     return file.getvalue()
@@ -135,6 +146,8 @@ def write_matlab(modes: WrittenModes) -> bytes:
 
 def write_matrices(modes: WrittenModes, *, binary: bool = False) -> bytes:
     """Write matrices (``.op4``): PHIG with a column for each mode, NODES and MODES.
+
+    PHIGQ has the quadrature parts of complex shapes.
 
     NODES has node, x, y and z of every six rows of PHIG (three translations, three rotations),
     MODES number, frequency [Hz], damping and generalised mass of each column; what is unknown is
@@ -147,6 +160,8 @@ def write_matrices(modes: WrittenModes, *, binary: bool = False) -> bytes:
         "NODES": np.column_stack([modes.node_ids, modes.nodes]),
         "MODES": np.nan_to_num(np.column_stack(columns).astype(float)),
     }
+    if modes.quadrature is not None:
+        matrices["PHIGQ"] = modes.quadrature.reshape(n_modes, -1).T
     return write_op4(matrices, binary=binary)
 
 
@@ -198,6 +213,7 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
         "mass_kg_m2": np.isfinite(modes.mass).all(),
         "frequency_std_hz": np.isfinite(modes.frequency_std_hz).all(),
         "damping_std": np.isfinite(modes.damping_std).all(),
+        **dict.fromkeys(_QUADRATURES, modes.quadrature is not None),
     }
     columns = [name for name in CSV_COLUMNS if known.get(name, True)]
     yield ",".join(columns) + "\n"
@@ -211,7 +227,10 @@ def write_csv(modes: WrittenModes) -> Iterator[str]:
             "damping_std": f"{modes.damping_std[index]:.17g}",
         }
         head = ",".join(of_mode[name] for name in columns if name in of_mode)
-        rows = np.concatenate([modes.nodes, modes.shapes[index]], axis=1)
+        parts = [modes.nodes, modes.shapes[index]]
+        if modes.quadrature is not None:
+            parts.append(modes.quadrature[index])
+        rows = np.concatenate(parts, axis=1)
         yield "".join(
             f"{head},{node}," + ",".join(f"{x:.17g}" for x in row) + "\n"
             for node, row in zip(modes.node_ids.tolist(), rows, strict=True)
@@ -230,10 +249,14 @@ def convert_csv_modes(source: SourceFile) -> SourceFile:
     ids, row_of, row = np.unique(
         columns["node"].astype(np.int64), return_index=True, return_inverse=True
     )
-    shape = np.zeros((numbers.size, ids.size, 6))
-    for axis, name in enumerate(_SHAPES):
-        if name in columns:
-            shape[place, row, axis] = columns[name]
+
+    def collect(names: tuple[str, ...]) -> np.ndarray:
+        values = np.zeros((numbers.size, ids.size, 6))
+        for axis, name in enumerate(names):
+            if name in columns:
+                values[place, row, axis] = columns[name]
+        return values
+
     fields = {
         "grid/id": ids,
         "grid/cp": np.zeros(ids.size, dtype=np.int64),
@@ -242,10 +265,12 @@ def convert_csv_modes(source: SourceFile) -> SourceFile:
         "shape/number": numbers,
         "shape/radians": 2.0 * np.pi * columns["frequency_hz"][first],
         "shape/node": ids,
-        "shape/values": shape,
+        "shape/values": collect(_SHAPES),
         "unit/length": np.array([1.0]),
         "unit/force": np.array([1.0]),
     }
+    if (imaginary := collect(_QUADRATURES)).any():
+        fields["shape/imaginary"] = imaginary
     for name, column, factor in (
         ("damping", "damping", 1.0),
         ("mass", "mass_kg_m2", 1.0),

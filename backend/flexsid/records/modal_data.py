@@ -29,7 +29,9 @@ class ModalTable:
     axes, ``strain`` (F, n, G) per unit eta, ``nodes`` (K, 3) structural axes [m],
     ``node_shape`` (F, n, K, 6), ``omega_std``, ``zeta_std`` (F, n) standard deviations and
     ``shape_std`` (F, n) that of a shape relative to its rms. Only ``omega`` or ``zeta`` must be
-    there.
+    there. Complex shapes, rotated to their principal direction, have ``quadrature`` (F, n, K, 6)
+    and ``point_quadrature`` (F, n, P, 6), the part a quarter of a period ahead, and
+    ``collinearity`` (F, n).
 
     Of large structures the shapes at the nodes lie in the table ``modal_shapes``, one array
     per fuel weight and mode; ``node_ids`` (K,), ``lines`` (L, 2) between rows of ``nodes``,
@@ -150,6 +152,7 @@ class ModeAtFuel:
     shape_std: float | None
     mass_kg_m2: float | None
     followed: float | None  # least MAC on the way over fuel
+    collinearity: float | None  # modal phase collinearity of a complex shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,6 +165,7 @@ class SensorSight:
     location_m: tuple[float, float, float]
     phi_m: tuple[float, float, float]
     nu_rad: tuple[float, float, float]
+    quadrature_m: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -170,7 +174,8 @@ class DrawnShape:
 
     ``nodes_m`` (P, 3) and ``displacement_m`` (P, 3, per unit eta) are in structural axes (x
     aft, y right, z up); ``lines`` are pairs of rows. ``largest_m`` is the largest
-    displacement of the whole structure, ``span_m`` its extent.
+    displacement of the whole structure, ``span_m`` its extent. The motion of a complex mode is
+    ``displacement_m sin(omega t) + quadrature_m cos(omega t)``.
     """
 
     modal_table_id: int
@@ -185,6 +190,8 @@ class DrawnShape:
     largest_m: float
     span_m: float
     sensors: tuple[SensorSight, ...]
+    quadrature_m: np.ndarray | None
+    collinearity: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -427,12 +434,13 @@ class FoundModes:
 class ModeIdentification:
     """Modes identified from measured responses, with the diagram that they are selected in.
 
-    ``shapes`` (n_modes, n_outputs) are real, per unit eta.
+    ``shapes`` (n_modes, n_outputs) are real, per unit eta; ``quadrature`` is the imaginary part.
     """
 
     diagram: Stabilisation
     found: FoundModes
     shapes: np.ndarray
+    quadrature: np.ndarray | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

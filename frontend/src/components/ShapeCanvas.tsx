@@ -51,8 +51,8 @@ export function ShapeCanvas({ shape, scale, playing, camera, onCamera, height = 
     let frame = 0;
     const draw = (time: number) => {
       pen.setTransform(dense, 0, 0, dense, 0, 0);
-      const swing = playing && !still ? Math.sin((2 * Math.PI * time) / 1000 / SECONDS) : 1;
-      paint(pen, shape, scale * swing, camera, width, height, INK[scheme]);
+      const angle = playing && !still ? (2 * Math.PI * time) / 1000 / SECONDS : Math.PI / 2;
+      paint(pen, shape, scale, angle, camera, width, height, INK[scheme]);
       if (playing && !still) frame = requestAnimationFrame(draw);
     };
     frame = requestAnimationFrame(draw);
@@ -156,6 +156,7 @@ function paint(
   pen: CanvasRenderingContext2D,
   shape: ModeShape,
   share: number,
+  angle: number,
   camera: Camera,
   width: number,
   height: number,
@@ -164,10 +165,14 @@ function paint(
   pen.clearRect(0, 0, width, height);
   const place = toScreen(shape.nodes_m, camera, width, height);
   const factor = shape.largest_m > 0 ? (share * shape.span_m) / shape.largest_m : 0;
+  const [inPhase, ahead] = [factor * Math.sin(angle), factor * Math.cos(angle)];
   const still = shape.nodes_m.map(place);
   const moved = shape.nodes_m.map((node, row) => {
     const d = shape.displacement_m[row] ?? [];
-    const there: Point = node.map((value, axis) => value + factor * (d[axis] ?? 0));
+    const q = shape.quadrature_m?.[row] ?? [];
+    const there: Point = node.map(
+      (value, axis) => value + inPhase * (d[axis] ?? 0) + ahead * (q[axis] ?? 0),
+    );
     return place(there);
   });
   for (const [points, color, size] of [
@@ -190,8 +195,10 @@ function paint(
   pen.fillStyle = ink.sensor;
   for (const sensor of shape.sensors) {
     const [x = 0, y = 0, z = 0] = sensor.location_m;
-    const [px = 0, py = 0, pz = 0] = sensor.phi_m;
-    const at = place([x - factor * px, y + factor * py, z - factor * pz]);
+    const [px = 0, py = 0, pz = 0] = sensor.phi_m.map(
+      (value, axis) => inPhase * value + ahead * (sensor.quadrature_m?.[axis] ?? 0),
+    );
+    const at = place([x - px, y + py, z - pz]);
     pen.beginPath();
     pen.arc(at[0], at[1], 3.5, 0, 2 * Math.PI);
     pen.fill();

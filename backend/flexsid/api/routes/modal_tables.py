@@ -146,6 +146,7 @@ def get_shape(
         shape,
         nodes_m=shape.nodes_m.astype(np.float32),
         displacement_m=shape.displacement_m.astype(np.float32),
+        quadrature_m=None if shape.quadrature_m is None else shape.quadrature_m.astype(np.float32),
         lines=np.ascontiguousarray(shape.lines, dtype=np.int32),
     )
     return Json(compact)

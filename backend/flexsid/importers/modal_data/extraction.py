@@ -24,7 +24,11 @@ _UNIT_MASS = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawModalData:
-    """Modes in SI: nodes in structural axes, shapes (F, n, K, 6) in body axes per unit eta."""
+    """Modes in SI: nodes in structural axes, shapes (F, n, K, 6) in body axes per unit eta.
+
+    Complex shapes have a ``quadrature`` part of the same form, and the modal phase ``collinearity``
+    (F, n).
+    """
 
     name: str
     kind: ModalKind
@@ -42,6 +46,8 @@ class RawModalData:
     notes: tuple[str, ...]
     omega_std: np.ndarray | None = None
     zeta_std: np.ndarray | None = None
+    quadrature: np.ndarray | None = None
+    collinearity: np.ndarray | None = None
 
 
 def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalData:
@@ -91,12 +97,18 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
     notes += [note for part in parts for note in part.notes]
     notes += list_unused_content(sources)
     precision = np.result_type(*(part.shape.dtype for part in parts))
-    scale = np.concatenate([length * TO_BODY, TO_BODY])
-    shape = np.empty((len(parts), n_modes, first.ids.size, 6), dtype=precision)
-    for row, part in enumerate(parts):
-        for half in (slice(0, 3), slice(3, 6)):
-            shape[row, ..., half] = part.shape[:n_modes, :, half] @ turn.T
-    shape *= scale.astype(precision)
+    scale = np.concatenate([length * TO_BODY, TO_BODY]).astype(precision)
+    shape = scale * _turn([part.shape[:n_modes] for part in parts], turn, precision)
+    quadrature = collinearity = None
+    if any(part.quadrature is not None for part in parts):
+        every = [np.zeros_like(p.shape) if p.quadrature is None else p.quadrature for p in parts]
+        quadrature = scale * _turn([part[:n_modes] for part in every], turn, precision)
+        collinearity = np.stack(
+            [
+                np.ones(n_modes) if p.collinearity is None else p.collinearity[:n_modes]
+                for p in parts
+            ]
+        )
     nodes = length * ((first.places + np.asarray(options.origin)) @ turn.T)
     mass = _stack([part.mass for part in parts], n_modes)
     if options.generalized_mass == "unit" and mass is None:
@@ -122,11 +134,22 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         node_ids=first.ids,
         nodes=nodes,
         shape=shape,
+        quadrature=quadrature,
+        collinearity=collinearity,
         lines=collect_lines(sources, first.ids),
         points=dict(options.points),
         origin=", ".join(source.name for source in sources.items),
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _turn(parts: Sequence[np.ndarray], turn: np.ndarray, precision: np.dtype) -> np.ndarray:
+    """Stack shapes (n, K, 6) of each fuel weight, and turn translations and rotations."""
+    turned = np.empty((len(parts), *parts[0].shape), dtype=precision)
+    for row, part in enumerate(parts):
+        for half in (slice(0, 3), slice(3, 6)):
+            turned[row, ..., half] = part[..., half] @ turn.T
+    return turned
 
 
 def _check_unit_mass(sources: Sources) -> None:

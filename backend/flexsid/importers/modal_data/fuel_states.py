@@ -13,7 +13,7 @@ from flexsid.importers.modal_data.nodes import check_finite, join_frames
 from flexsid.importers.modal_data.options import ModalDataOptions
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.modal_data import ModalKind
-from flexsid.sysid.modes.assurance import compute_real_shapes
+from flexsid.sysid.modes.assurance import rotate_complex_shapes
 
 RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05  # rad/s: modes below it are rigid-body modes
 _COLLINEAR = 0.9
@@ -23,7 +23,11 @@ _OF_ONE_MODE = ("shape/radians", "shape/values", "shape/damping", "shape/mass")
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class FuelState:
-    """The modes at one fuel weight, in the units and axes of the files."""
+    """The modes at one fuel weight, in the units and axes of the files.
+
+    ``quadrature`` is the imaginary part of complex shapes that are rotated to their principal
+    direction, ``collinearity`` their modal phase collinearity.
+    """
 
     numbers: tuple[int, ...]
     omega: np.ndarray
@@ -34,6 +38,8 @@ class FuelState:
     ids: np.ndarray
     places: np.ndarray
     shape: np.ndarray
+    quadrature: np.ndarray | None
+    collinearity: np.ndarray | None
     notes: list[str]
 
 
@@ -64,10 +70,15 @@ def join_modes(
     for name in ("values", "imaginary", "radians", "damping", "mass"):
         if f"shape/{name}" in found:
             check_finite(found[f"shape/{name}"], f"{best.name}: its mode shapes")
+    quadrature = collinearity = None
     if "shape/imaginary" in found:
-        values, collinearity = compute_real_shapes(values + 1j * found["shape/imaginary"])
+        turned, collinearity = rotate_complex_shapes(values + 1j * found["shape/imaginary"])
+        values, quadrature = np.real(turned).copy(), np.imag(turned).copy()
         complex_modes = numbers[collinearity < _COLLINEAR]
-        notes.append("Complex shapes were rotated to their principal direction.")
+        notes.append(
+            "Complex shapes were rotated to their principal direction: models use the real part, "
+            "as normal modes; the quadrature part is drawn and exported."
+        )
         if complex_modes.size:
             notes.append(
                 f"Modes {', '.join(map(str, complex_modes))} are far from real "
@@ -83,6 +94,7 @@ def join_modes(
         )
     if "shape/basic" not in found:
         values = frames.turn(node, values)
+        quadrature = None if quadrature is None else frames.turn(node, quadrature)
     if ids.size > node.size:
         notes.append(f"Shapes are given at {node.size} of the {ids.size} nodes.")
     rows = np.searchsorted(ids, node)  # ids are sorted
@@ -110,6 +122,8 @@ def join_modes(
         ids=ids[rows],
         places=places[rows],
         shape=values[selected],
+        quadrature=None if quadrature is None else quadrature[selected],
+        collinearity=None if collinearity is None else collinearity[selected],
         notes=notes,
     )
 

@@ -57,15 +57,15 @@ def compute_modal_scale_factors(
     return np.divide(product, norms, out=np.zeros_like(product), where=norms > 0)
 
 
-def compute_real_shapes(
+def rotate_complex_shapes(
     shapes: Complex[np.ndarray, "n_modes *dof"],
-) -> tuple[Float[np.ndarray, "n_modes *dof"], Float[np.ndarray, " n_modes"]]:
-    """Rotate measured complex shapes to their principal direction and take the real part.
+) -> tuple[Complex[np.ndarray, "n_modes *dof"], Float[np.ndarray, " n_modes"]]:
+    """Rotate measured complex shapes to their principal direction.
 
     Returns
     -------
     array
-        Real shapes.
+        Shapes whose real part is as large as possible: that of a normal mode.
     array
         Modal phase collinearity: 1 where all points move in phase or against it. [1]
 
@@ -79,7 +79,7 @@ def compute_real_shapes(
     size = _squared_norms(flat)
     turned = shapes * np.exp(-0.5j * np.angle(squares)).reshape(-1, *(1,) * (shapes.ndim - 1))
     collinearity = np.divide(np.abs(squares), size, out=np.ones_like(size), where=size > 0) ** 2
-    return np.ascontiguousarray(np.real(turned)), collinearity
+    return turned, collinearity
 
 
 def compute_mass_orthogonality(

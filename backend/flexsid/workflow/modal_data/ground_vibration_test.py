@@ -24,7 +24,7 @@ from flexsid.records.modal_data import (
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import compute_real_shapes
+from flexsid.sysid.modes.assurance import rotate_complex_shapes
 from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
 from flexsid.sysid.modes.polyreference import (
     PoleColumn,
@@ -187,7 +187,7 @@ def find_modes(
         task.std,
         is_fixed=bool(selected),
     )
-    shapes, collinearity = compute_real_shapes(modes.shapes)
+    shapes, collinearity = rotate_complex_shapes(modes.shapes)
     return ModeIdentification(
         diagram=_build_diagram(task, poles, modes),
         found=FoundModes(
@@ -214,7 +214,8 @@ def find_modes(
             ),
             selected=tuple(map(_describe_pole, task.search.poles, selected)),
         ),
-        shapes=shapes,
+        shapes=np.ascontiguousarray(np.real(shapes)),
+        quadrature=np.ascontiguousarray(np.imag(shapes)),
     )
 
 
@@ -317,16 +318,23 @@ def store_found_modes(
         )
     places = np.asarray(store.arrays.get(record.arrays["nodes"]), dtype=float)
     directions = np.asarray(store.arrays.get(record.arrays["directions"]), dtype=float)
-    real = identified.shapes[selected]
     modes = [found.items[place] for place in selected]
     labels = [int(output.split("+")[0]) for output in record.outputs]
     ids = np.unique(labels)
     rows = {int(node): row for row, node in enumerate(ids)}
     nodes = np.zeros((ids.size, 3))
-    shape = np.zeros((1, len(selected), ids.size, 6))
     for output, node in enumerate(labels):
         nodes[rows[node]] = places[output]
-        shape[0, :, rows[node], :3] += real[:, [output]] * directions[output] * TO_BODY
+
+    def place_at_nodes(values: np.ndarray) -> np.ndarray:
+        placed = np.zeros((1, len(selected), ids.size, 6))
+        for output, node in enumerate(labels):
+            moved = values[selected][:, [output]] * directions[output] * TO_BODY
+            placed[0, :, rows[node], :3] += moved
+        return placed
+
+    shape = place_at_nodes(identified.shapes)
+    imaginary = identified.quadrature
     numbers: tuple[int, ...] = tuple(range(1, len(selected) + 1))
     named = None
     if template_id is not None:
@@ -345,6 +353,8 @@ def store_found_modes(
         node_ids=ids,
         nodes=nodes,
         shape=shape,
+        quadrature=None if imaginary is None else place_at_nodes(imaginary),
+        collinearity=np.array([[mode.collinearity for mode in modes]]),
         lines=np.empty((0, 2), dtype=np.int32),
         points={},
         origin=f"identified from {record.name}",

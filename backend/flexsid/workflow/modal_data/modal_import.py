@@ -70,8 +70,11 @@ def store_modal_data(
         "mixed": tracking.mixed,
     }
     if points:
-        arrays["shape"] = np.asarray(raw.shape[:, :, list(points.values())], dtype=float)
-    for name in ("zeta", "mass", "omega_std", "zeta_std"):
+        rows = list(points.values())
+        arrays["shape"] = np.asarray(raw.shape[:, :, rows], dtype=float)
+        if raw.quadrature is not None:
+            arrays["point_quadrature"] = np.asarray(raw.quadrature[:, :, rows], dtype=float)
+    for name in ("zeta", "mass", "omega_std", "zeta_std", "quadrature", "collinearity"):
         if (values := getattr(raw, name)) is not None:
             arrays[name] = values
     with store.transaction():

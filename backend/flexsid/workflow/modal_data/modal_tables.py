@@ -281,6 +281,7 @@ class Modes:
 
     ``omega_std`` and ``zeta_std`` are standard deviations, ``shape_std`` those of the shapes
     relative to their rms; None where the table has none, NaN where a mode has none.
+    ``collinearity`` is the modal phase collinearity of complex shapes.
     """
 
     table: ModalTable
@@ -292,6 +293,7 @@ class Modes:
     omega_std: np.ndarray | None = None
     zeta_std: np.ndarray | None = None
     shape_std: np.ndarray | None = None
+    collinearity: np.ndarray | None = None
 
 
 def open_modes(store: Store, table: ModalTable) -> Modes:
@@ -305,7 +307,7 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
     table = apply_corrections(store, table)
     if "omega" not in table.arrays:
         raise BadInput(f"table '{table.name}' has no frequencies", code="no-frequencies")
-    arrays = _read_arrays(store, table, ("omega", "zeta", "mass", *DEVIATIONS))
+    arrays = _read_arrays(store, table, ("omega", "zeta", "mass", "collinearity", *DEVIATIONS))
     tracking = _read_tracking(store, table) or _track_shapes(store, table, arrays["omega"])
     sorted_arrays = {name: tracking.sort(values) for name, values in arrays.items()}
     return Modes(
@@ -315,6 +317,7 @@ def open_modes(store: Store, table: ModalTable) -> Modes:
         zeta=sorted_arrays.get("zeta"),
         mass=sorted_arrays.get("mass"),
         tracking=tracking,
+        collinearity=sorted_arrays.get("collinearity"),
         **{name: sorted_arrays.get(name) for name in DEVIATIONS},
     )
 
@@ -360,6 +363,15 @@ def interpolate_shape(
     return total
 
 
+def interpolate_quadrature(store: Store, modes: Modes, fuel: float) -> np.ndarray | None:
+    """Interpolate the quadrature parts of complex shapes, (n_modes, n_nodes, 6) in body axes."""
+    name = modes.table.arrays.get("quadrature")
+    if name is None:
+        return None
+    aligned = modes.tracking.align(np.asarray(store.arrays.get(name), dtype=float))
+    return sum_weighted_rows(compute_fuel_weights(modes.fuel, fuel), aligned)
+
+
 def read_nodes(store: Store, table: ModalTable) -> np.ndarray:
     """Read the nodes of a table, (n_nodes, 3) in structural axes. [m]
 
@@ -388,7 +400,7 @@ def _interpolate_shapes(store: Store, modes: Modes, fuels: Iterable[float]) -> I
 
 
 def interpolate_deviation(modes: Modes, name: str, fuel: float) -> np.ndarray:
-    """Interpolate one of ``DEVIATIONS`` at a fuel fraction; NaN where it is not known."""
+    """Interpolate one of ``DEVIATIONS``, or the collinearity; NaN where it is not known."""
     values = getattr(modes, name)
     if values is None:
         return np.full(len(modes.table.numbers), np.nan)
@@ -433,6 +445,9 @@ def gather_modes_over_fuel(
             node_ids=node_ids,
             nodes=nodes,
             shapes=shapes * TO_STRUCTURE,
+            quadrature=None
+            if (quadrature := interpolate_quadrature(store, modes, fuel)) is None
+            else quadrature * TO_STRUCTURE,
             lines=drawn,
         )
 

@@ -31,6 +31,7 @@ def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeA
     zeta = interpolate_damping(store, modes, fuel)
     mass = None if modes.mass is None else interpolate(modes.fuel, modes.mass, fuel)
     deviations = [interpolate_deviation(modes, name, fuel) for name in DEVIATIONS]
+    collinearity = interpolate_deviation(modes, "collinearity", fuel)
     followed = modes.tracking.assurance.min(axis=0)
     names = list_mode_names(table)
     reasons = [*table.reasons, *[""] * len(table.numbers)]
@@ -47,6 +48,7 @@ def list_modes_at(store: Store, modal_table_id: int, fuel: float) -> tuple[ModeA
             shape_std=finite_or_none(deviations[2][index]),
             mass_kg_m2=None if mass is None else float(mass[index]),
             followed=float(followed[index]) if modes.fuel.size > 1 else None,
+            collinearity=finite_or_none(collinearity[index]),
         )
         for index, number in enumerate(table.numbers)
     ]

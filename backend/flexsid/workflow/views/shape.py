@@ -6,6 +6,7 @@ import numpy as np
 
 from flexsid.errors import UnknownRecord
 from flexsid.importers.modal_data.options import TO_BODY
+from flexsid.records import finite_or_none
 from flexsid.records.modal_data import DrawnShape, ModalTable, SensorSight
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.node_selection import connect_neighbours, select_spread_nodes
@@ -13,6 +14,8 @@ from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.workflow.modal_data.modal_import import SHOWN
 from flexsid.workflow.modal_data.modal_tables import (
     Modes,
+    interpolate_deviation,
+    interpolate_quadrature,
     interpolate_shape,
     list_mode_names,
     open_modes,
@@ -47,6 +50,9 @@ def read_shape(
         lines = store.arrays.get(table.arrays["lines"])
         lines = lines if lines.size else connect_neighbours(nodes)
     displacement = shape[:, :3] * TO_BODY  # back to structural axes
+    quadrature = interpolate_quadrature(store, modes, fuel)
+    ahead = None if quadrature is None else quadrature[mode, :, :3] * TO_BODY
+    largest = np.sum(displacement**2, axis=1) + (0.0 if ahead is None else np.sum(ahead**2, axis=1))
     weights = compute_fuel_weights(modes.fuel, fuel)
     omega = sum_weighted_rows(weights, modes.omega)[mode]
     return DrawnShape(
@@ -59,9 +65,11 @@ def read_shape(
         nodes_m=nodes[rows],
         displacement_m=displacement[rows],
         lines=np.asarray(lines),
-        largest_m=float(np.linalg.norm(displacement, axis=1).max()),
+        largest_m=float(np.sqrt(largest.max())),
         span_m=float(np.ptp(nodes, axis=0).max()),
         sensors=_list_sensors(store, modes, mode, fuel),
+        quadrature_m=None if ahead is None else ahead[rows],
+        collinearity=finite_or_none(interpolate_deviation(modes, "collinearity", fuel)[mode]),
     )
 
 
@@ -73,6 +81,10 @@ def _list_sensors(store: Store, modes: Modes, mode: int, fuel: float) -> tuple[S
     points = modes.tracking.align(np.asarray(store.arrays.get(table.arrays["shape"]), float))
     weights = compute_fuel_weights(modes.fuel, fuel)
     shape = sum_weighted_rows(weights, points)[mode]
+    ahead = None
+    if "point_quadrature" in table.arrays:
+        parts = np.asarray(store.arrays.get(table.arrays["point_quadrature"]), float)
+        ahead = sum_weighted_rows(weights, modes.tracking.align(parts))[mode]
     return tuple(
         SensorSight(
             sensor=sensor.name,
@@ -81,6 +93,7 @@ def _list_sensors(store: Store, modes: Modes, mode: int, fuel: float) -> tuple[S
             location_m=sensor.location_m,
             phi_m=_to_triple(shape[row, :3]),
             nu_rad=_to_triple(shape[row, 3:]),
+            quadrature_m=None if ahead is None else _to_triple(ahead[row, :3]),
         )
         for sensor in aircraft.sensors
         if sensor.model.senses != "strain" and sensor.point in table.points

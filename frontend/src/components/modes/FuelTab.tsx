@@ -100,6 +100,13 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
     },
     numeric("mass", "Generalised mass", (row) => significant(row.mass_kg_m2, 4), "kg m²"),
     numeric("followed", "Lowest MAC over fuel", (row) => fixed(row.followed, 3)),
+    {
+      ...numeric<ModeAtFuel>("collinearity", "Phase collinearity", (row) =>
+        fixed(row.collinearity, 3),
+      ),
+      help: "Phase collinearity",
+      onlyIf: (row) => row.collinearity !== null,
+    },
     { key: "reason", header: "Why", wraps: true, render: (row) => row.reason },
     {
       key: "correct",

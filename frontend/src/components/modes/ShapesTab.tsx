@@ -171,6 +171,8 @@ function Drawn({ table, number, fuel, ...view }: OneProps & { number: number }) 
             <Text size="xs" className="quiet">
               {data.name}, {fixed(data.frequency_hz, 3)} Hz; {data.nodes_m.length} of {data.n_nodes}{" "}
               nodes
+              {data.quadrature_m !== null &&
+                `; complex, phase collinearity ${fixed(data.collinearity, 3)}`}
             </Text>
             {[false, true].map((moving) => (
               <Button

@@ -316,7 +316,8 @@ function Found({ found, query, poles, usable, onChange }: FoundProps) {
             { key: "orders", header: "Orders", numeric: true, render: (row) => row.n_orders },
             {
               key: "real",
-              header: "Collinearity",
+              header: "Phase collinearity",
+              help: "Phase collinearity",
               numeric: true,
               render: (row) => fixed(row.collinearity, 3),
             },
