@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 from sqlalchemy import event
 from sqlalchemy.engine import Connection
 
@@ -20,7 +21,7 @@ from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import backup as copies
-from flexsid.storage import leases, queue
+from flexsid.storage import leases, queue, tables
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
@@ -166,6 +167,23 @@ def test_postgresql_with_asynchronous_commit_is_reconfigured(database_url: str) 
     with again.transaction() as connection:
         assert connection.exec_driver_sql("SHOW synchronous_commit").scalar() == "on"
     again.close()
+
+
+@pytest.mark.parametrize("backend", ["postgresql"])
+def test_a_transaction_that_stands_still_ends_and_holds_nobody(
+    database_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of a server that is stopped, or whose computer is gone, in the middle of a change."""
+    monkeypatch.setattr("flexsid.storage.database._LONGEST_PAUSE_S", 1)
+    with closing(Store.open(database_url)) as stopped, closing(Store.open(database_url)) as other:
+        change = sa.update(tables.leases).values(holder="changed")
+        with pytest.raises(DatabaseUnavailable), stopped.database.transaction() as connection:  # noqa: PT012
+            connection.execute(change)
+            with other.database.transaction() as waiting:
+                waiting.execute(change.values(holder="other"))
+            connection.execute(change)
+        with other.database.reading() as connection:
+            assert set(connection.scalars(sa.select(tables.leases.c.holder))) == {"other"}
 
 
 def test_empty_file_is_damage(tmp_path: Path) -> None:

@@ -35,6 +35,10 @@ from flexsid.storage.files import DatabaseUnavailable
 
 _WRITES = "flexsid_writes"
 _LAX = "flexsid_lax"
+_LONGEST_PAUSE_S = 60
+"""Longest pause within a transaction on PostgreSQL, which then ends it: a stopped process, or one
+on a computer that is gone, would hold its locks for hours. [s]"""
+_ENDED = "25P03"  # of a transaction that paused for longer
 _ALONE = 0x666C6578  # any number not used by other advisory locks
 
 
@@ -85,7 +89,8 @@ def translate_errors() -> Iterator[None]:
         yield
     except DatabaseError as error:
         # Other subclasses denote an invalid statement, not an unavailable database.
-        if type(error) not in (DatabaseError, OperationalError):
+        is_ended = getattr(error.orig, "sqlstate", None) == _ENDED
+        if type(error) not in (DatabaseError, OperationalError) and not is_ended:
             raise
         raise DatabaseUnavailable(f"the database does not respond: {error.orig}") from error
 
@@ -160,8 +165,12 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: Any, _record: object) -> None:
-        # A server may be configured to acknowledge commits before they are on disk.
         with connection.cursor() as cursor:
+            cursor.execute(
+                "SELECT set_config('idle_in_transaction_session_timeout', %s, false)",
+                (f"{_LONGEST_PAUSE_S}s",),
+            )
+            # A server may be configured to acknowledge commits before they are on disk.
             cursor.execute(
                 "SELECT set_config('synchronous_commit', 'on', false)"
                 " WHERE current_setting('synchronous_commit') = 'off'"
