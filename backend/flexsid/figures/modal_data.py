@@ -37,6 +37,7 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
     """Draw frequencies and damping of the modes over fuel, with crossings circled."""
     frequency = of_unit("Frequency", "Hz")
     data: list[Spec] = []
+    over_fuel = "lines" if value.fuel.size > 1 else "markers"
     for index, name in enumerate(value.names):
         colour, _ = style.of_index(index)
         dash = "solid" if value.symmetric[index] else "dash"
@@ -59,8 +60,9 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
             hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.2f}} %<extra></extra>"
             data.append(
                 scatter(
-                    value.fuel, 100.0 * value.damping[:, index], "lines", row=2,
-                    showlegend=False, line=line, hovertemplate=hover, **shared,
+                    value.fuel, 100.0 * value.damping[:, index], over_fuel, row=2,
+                    showlegend=False, line=line, marker={"color": colour, "size": 4},
+                    hovertemplate=hover, **shared,
                 )
             )  # fmt: skip
     ring = {"symbol": "circle-open", "size": 14, "color": style.FLAG, "line": {"width": 2}}
@@ -88,7 +90,8 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
         )
     titles = (frequency.axis_title, "Damping ratio [%]")
     axes = [{**title(text), "rangemode": "tozero"} for text in titles]
-    layout = stack(title("Fuel fraction [1]"), axes, [3, 1], meta={"rows": 3})
+    fuel = {**title("Fuel fraction [1]"), "range": [-0.02, 1.02]}
+    layout = stack(fuel, axes, [3, 1], meta={"rows": 3})
     return {"data": data, "layout": layout}
 
 

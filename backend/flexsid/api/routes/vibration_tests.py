@@ -220,9 +220,10 @@ def request_orthogonality(
         upload_id=upload_id, query=body.make_record(orthogonality.OrthogonalityQuery)
     )
     find_folder(context.store, upload_id)
-    table = context.store.modal_tables.get(body.modal_table_id)
-    with storing_in_campaign(table.aircraft_id):
-        return submit_job(context, ORTHOGONALITY, request, analyst, table.name)
+    tables = orthogonality.list_compared_tables(context.store, request.query)
+    title = f"{' and '.join(table.name for table in tables)}, matrix {body.mass}"
+    with storing_in_campaign(tables[0].aircraft_id):
+        return submit_job(context, ORTHOGONALITY, request, analyst, title)
 
 
 @router.get("/orthogonality/{job_id}")
