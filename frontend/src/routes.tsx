@@ -5,6 +5,7 @@ import {
   createRouter,
   lazyRouteComponent,
   redirect,
+  retainSearchParams,
 } from "@tanstack/react-router";
 import { PageError } from "./components/PageError";
 import { AppFrame } from "./components/AppFrame";
@@ -50,6 +51,8 @@ const page: typeof lazyRouteComponent = (load, name) => lazyRouteComponent(retry
 
 const root = createRootRoute({
   validateSearch: frameView,
+  // A link in other units opens further pages in them, too.
+  search: { middlewares: [retainSearchParams(["units", "frequency_unit"])] },
   component: AppFrame,
   notFoundComponent: NotFoundPage,
   errorComponent: PageError,

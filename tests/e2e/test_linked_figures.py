@@ -65,6 +65,18 @@ def test_units_of_the_address_hold_in_figures_tables_and_windows(page: Page):
     expect(page.locator("dl.facts").first).to_contain_text(re.compile(r"Airspeed[\d.]+ kt"))
 
 
+def test_units_of_a_link_hold_on_the_pages_that_follow(page: Page):
+    page.goto("/maneuvers/2?units=us")
+    page.get_by_role("link", name="Compare", exact=True).click()
+    expect(page).to_have_url(re.compile(r"/compare.*units=us"))
+    page.goto("/excitation?units=us")
+    page.get_by_role("tab").nth(1).click()
+    expect(page).to_have_url(re.compile(r"\?(?=.*units=us).*from="))
+    page.get_by_test_id("units").click()
+    page.get_by_test_id("units-metric").click()
+    expect(page).not_to_have_url(re.compile("units="))
+
+
 def test_units_that_a_user_prefers_hold_on_every_page(page: Page):
     page.goto("/campaign")
     page.get_by_test_id("units").click()
