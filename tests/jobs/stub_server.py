@@ -20,4 +20,4 @@ if __name__ == "__main__":
         lease_timeout_s=float(lease_timeout),
     )
     dispatcher.start()
-    time.sleep(120)
+    time.sleep(600)
