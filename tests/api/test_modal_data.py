@@ -315,7 +315,7 @@ def test_complex_modes_are_drawn_and_exported_with_their_phases(client: TestClie
         assert abs(phase) == pytest.approx(1.0)
         assert drawn == pytest.approx(phase * truth, abs=1e-6)
         # In phase with the largest motion.
-        assert np.linalg.norm(drawn.real) >= np.linalg.norm(np.real(truth))
+        assert np.linalg.norm(np.real(drawn)) >= np.linalg.norm(np.real(truth))
     for form in ("uff", "uff-single", "csv"):
         written = client.get(f"/api/v1/modal-tables/{table}/file?form={form}").content
         identity = upload(client, (f"back.{form.partition('-')[0]}", written))

@@ -43,7 +43,7 @@ from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
-from flexsid.workflow.modal_data.orthogonality import OrthogonalityQuery, OrthogonalityRequest
+from flexsid.workflow.modal_data.orthogonality import OrthogonalityComputation, OrthogonalityQuery
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 from flexsid.workflow.review.database_backup import BackupRequest
@@ -171,7 +171,7 @@ def _estimate_responses(store: Store, folder: Path) -> Job:
 def _compute_orthogonality(store: Store, folder: Path) -> Job:
     file = folder / "mass.npz"
     np.savez(file, mass=np.eye(399))
-    request = OrthogonalityRequest(
+    request = OrthogonalityComputation(
         upload_id=add_upload(store, [file], [file.name]).id,
         query=OrthogonalityQuery(modal_table_id=1, mass="mass"),
     )

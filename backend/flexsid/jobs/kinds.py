@@ -310,7 +310,7 @@ MODES = Kind(
 ORTHOGONALITY = Kind(
     name="orthogonality",
     label="Orthogonality",
-    request=orthogonality.OrthogonalityRequest,
+    request=orthogonality.OrthogonalityComputation,
     prepare=lambda store, job, request: orthogonality.prepare_orthogonality(
         store, uploads.open_upload(store, request.upload_id), request.query
     ),

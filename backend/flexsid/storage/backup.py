@@ -16,6 +16,7 @@ from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.row_seals import add_seal_function
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
@@ -219,6 +220,7 @@ def _make_ready(ready: Path, target: Path) -> None:
         closing(sqlite3.connect(target)) as present,
         closing(sqlite3.connect(ready, isolation_level=None)) as restored,
     ):
+        add_seal_function(restored)
         size = present.execute("PRAGMA page_size").fetchone()[0]
         epoch = 0
         if present.execute("SELECT 1 FROM sqlite_master WHERE name = 'leases'").fetchone():

@@ -32,6 +32,7 @@ from flexsid.errors import BadInput
 from flexsid.storage.access import add_access_control
 from flexsid.storage.audit_recording import add_recording, recording_changes
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.row_seals import add_seal_function
 
 _WRITES = "flexsid_writes"
 _LAX = "flexsid_lax"
@@ -124,6 +125,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
         connection.isolation_level = None  # transactions begin explicitly
+        add_seal_function(connection)
         for pragma in (
             "busy_timeout = 30000",
             "journal_mode = WAL",

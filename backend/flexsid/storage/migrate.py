@@ -20,6 +20,7 @@ import flexsid
 from flexsid.errors import FlexsidError
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
+from flexsid.storage.row_seals import drop_seals, seal_rows
 from flexsid.storage.tables import metadata
 
 _log = logging.getLogger(__name__)
@@ -85,12 +86,16 @@ def migrate_to(url: str, target: str) -> str:
             else:
                 copy = _copy_database(file, present)
             config.attributes["connection"] = connection
+            drop_seals(connection)
             going_down = target == "base" or (
                 present is not None
                 and requested in {s.revision for s in scripts.iterate_revisions(present, "base")}
             )
             (command.downgrade if going_down else command.upgrade)(config, target)
-            return _present_revision(connection, scripts) or "base"
+            reached = _present_revision(connection, scripts)
+            if reached == scripts.get_current_head():
+                seal_rows(connection)
+            return reached or "base"
     except BaseException:
         if copy is not None:  # the transaction has left the database as it was
             copy.unlink(missing_ok=True)

@@ -24,6 +24,17 @@ from flexsid.storage.columns import (
     text,
 )
 
+# Checksums of the rows of all tables on SQLite, written by triggers.
+
+row_seals = sa.Table(
+    "row_seals",
+    metadata,
+    sa.Column("table_name", sa.String(64), primary_key=True),
+    sa.Column("key", sa.String, primary_key=True),
+    sa.Column("seal", sa.LargeBinary(8), nullable=False),
+    sqlite_with_rowid=False,
+)
+
 # Aircraft, flights and maneuvers, with samples, quality and tags.
 
 arrays = sa.Table(

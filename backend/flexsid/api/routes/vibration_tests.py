@@ -216,7 +216,7 @@ def request_orthogonality(
     context: TheContext, upload_id: UploadId, body: OrthogonalityRequest, analyst: TheAnalyst
 ) -> Json:
     """Queue the orthogonality of mode shapes, or of two sources, over a mass matrix of files."""
-    request = orthogonality.OrthogonalityRequest(
+    request = orthogonality.OrthogonalityComputation(
         upload_id=upload_id, query=body.make_record(orthogonality.OrthogonalityQuery)
     )
     find_folder(context.store, upload_id)

@@ -76,7 +76,7 @@ class OrthogonalityTask:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OrthogonalityRequest:
+class OrthogonalityComputation:
     """Upload of the matrices, and what is compared over them."""
 
     upload_id: str

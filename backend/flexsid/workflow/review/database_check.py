@@ -1,4 +1,4 @@
-"""Integrity check of a database: pages, references, arrays, results, inputs, decisions, clock."""
+"""Integrity check of a database: pages, rows, references, arrays, results, decisions, clock."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from flexsid.storage.audit_log import read_events
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.event_chain import is_chain_intact
+from flexsid.storage.row_seals import find_changed_rows
 from flexsid.storage.run_results import SEALED, is_altered
 from flexsid.storage.store import Store
 from flexsid.workflow.review.audit import replay
@@ -41,9 +42,10 @@ class DatabaseProblem:
 
 
 def check_database(store: Store) -> list[DatabaseProblem]:
-    """Check pages, references, samples, results, their inputs, decisions, and the clock."""
+    """Check pages, rows, references, samples, results, their inputs, decisions, and the clock."""
     return [
         *_check_pages(store.database),
+        *_check_rows(store.database),
         *_check_references(store.database),
         *_check_arrays(store.database),
         *_check_results(store.database),
@@ -78,6 +80,17 @@ def _check_pages(database: Database) -> Iterator[DatabaseProblem]:
                 " detected; pg_checksums --enable adds them while it is stopped."
             )
             yield DatabaseProblem("no-checksums", "database", text, is_damage=False)
+
+
+def _check_rows(database: Database) -> Iterator[DatabaseProblem]:
+    with database.reading() as connection:
+        for changed in find_changed_rows(connection):
+            first = "" if changed.key is None else f" (the first: {changed.key})"
+            text = (
+                f"{changed.count} rows of {changed.table}{first} were changed or lost by the"
+                f" disk or another program; {_REPAIR}."
+            )
+            yield DatabaseProblem("damaged-row", changed.table, text)
 
 
 def _check_references(database: Database) -> Iterator[DatabaseProblem]:

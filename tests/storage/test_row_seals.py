@@ -1,0 +1,111 @@
+"""A bit that the disk or another program changes is found, in any column of any row."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from flexsid.storage.row_seals import ChangedRows, find_changed_rows
+from flexsid.storage.store import Store
+from flexsid.storage.tables import metadata
+
+_WITHOUT_SEALS = ("arrays", "leases", "row_seals")
+
+
+pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
+
+
+@pytest.fixture
+def written(flown_url: str) -> Iterator[sqlite3.Connection]:
+    """A connection of another program to a campaign."""
+    with closing(sqlite3.connect(flown_url.removeprefix("sqlite:///"))) as connection:
+        yield connection
+
+
+def find(url: str) -> list[ChangedRows]:
+    with closing(Store.open(url)) as store, store.database.reading() as connection:
+        return list(find_changed_rows(connection))
+
+
+def drop_triggers(connection: sqlite3.Connection) -> None:
+    """Let another connection change rows as the disk does."""
+    names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'")
+    for (name,) in names.fetchall():
+        connection.execute(f"DROP TRIGGER {name}")
+    connection.commit()
+
+
+def change(connection: sqlite3.Connection, statement: str, *values: object) -> None:
+    assert connection.execute(statement, values).rowcount == 1
+    connection.commit()
+
+
+def test_no_row_of_a_campaign_has_another_seal(flown_url: str) -> None:
+    assert find(flown_url) == []
+
+
+def flip(value: object) -> object:
+    if isinstance(value, str):
+        return chr(ord(value[0]) ^ 1) + value[1:]
+    return value + 1 if isinstance(value, int | float) else None
+
+
+def test_every_column_with_a_value_is_sealed(flown_url: str, written: sqlite3.Connection) -> None:
+    drop_triggers(written)
+    changed = 0
+    with closing(Store.open(flown_url)) as store:
+        for table in metadata.sorted_tables:
+            for column in () if table.name in _WITHOUT_SEALS else table.columns:
+                if column.primary_key or column.foreign_keys or column.unique:
+                    continue
+                query = f'SELECT rowid, "{column.name}" FROM {table} WHERE "{column.name}" <> \'\''
+                for row, value in written.execute(f"{query} LIMIT 1").fetchall():
+                    statement = f'UPDATE {table} SET "{column.name}" = ? WHERE rowid = {row}'
+                    change(written, statement, flip(value))
+                    with store.database.reading() as connection:
+                        (found,) = find_changed_rows(connection)
+                    assert (found.table, found.count) == (table.name, 1), column
+                    change(written, statement, value)
+                    changed += 1
+        with store.database.reading() as connection:
+            assert not list(find_changed_rows(connection))
+    assert changed > 100
+
+
+def test_lost_and_added_rows_are_found(flown_url: str, written: sqlite3.Connection) -> None:
+    drop_triggers(written)
+    change(written, "DELETE FROM channels WHERE id = 3")
+    assert find(flown_url) == [ChangedRows("channels", 1, None)]
+    change(written, "INSERT INTO maneuver_tags VALUES (1, 'approved')")
+    assert ChangedRows("maneuver_tags", 1, "1,approved") in find(flown_url)
+
+
+def test_text_that_is_damaged_is_found(flown_url: str, written: sqlite3.Connection) -> None:
+    drop_triggers(written)
+    change(written, "UPDATE maneuvers SET note = CAST(x'c328' AS TEXT) WHERE id = 1")
+    assert [changed.table for changed in find(flown_url)] == ["maneuvers"]
+
+
+def test_changes_and_cascades_of_the_workbench_are_sealed(flown_url: str) -> None:
+    with closing(Store.open(flown_url)) as store:
+        again = store.maneuvers.add(replace(store.maneuvers.get(1), id=None, label="flown twice"))
+        with store.database.transaction() as connection:
+            connection.execute(sa.text("UPDATE maneuvers SET note = 'again' WHERE id = 1"))
+            tag = sa.text("INSERT INTO maneuver_tags VALUES (:id, 'good')")
+            connection.execute(tag, {"id": again.id})
+            connection.execute(sa.text("DELETE FROM maneuvers WHERE id = :id"), {"id": again.id})
+            left = connection.execute(sa.text("SELECT count(*) FROM maneuver_tags")).scalar()
+        assert left == 0
+    assert find(flown_url) == []
+
+
+def test_a_program_without_seals_cannot_write(written: sqlite3.Connection) -> None:
+    with pytest.raises(sqlite3.OperationalError, match="flexsid_seal"):
+        written.execute("UPDATE maneuvers SET note = 'edited' WHERE id = 1")
+    assert Path(written.execute("PRAGMA database_list").fetchone()[2]).exists()
