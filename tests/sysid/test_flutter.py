@@ -324,6 +324,47 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
     assert predict_flutter(exact, (25.0, 80.0)).modal_std == 0.0
 
 
+@pytest.mark.parametrize("n_runs", [1, 2, 3])
+def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(n_runs: int):
+    """Frequencies 3 % wrong: one run compensates them, several tell them from derivatives."""
+    true = flex28(4)
+    truth = predict_flutter(IdentifiedModes(true, everything(true, 1e-6)), (25.0, 80.0))
+    assert truth.crossing is not None
+    relative = 0.03 * np.array([1.0, -1.0, 0.6, -0.3])
+    rng = np.random.default_rng(5)
+    parts = []
+    for share in (1.0, 0.75, 0.6)[:n_runs]:
+        at = replace(true.condition, airspeed=share * true.condition.airspeed)
+        omega = true.modes.omega * (1.0 + relative)
+        wrong = replace(true.modes, omega=omega, zeta=true.modes.zeta / (1.0 + relative))
+        lift = at.dynamic_pressure * at.area * at.chord
+        slopes = 2.0 * omega**2 * true.modes.mass / lift
+        values = true.derivatives.values.copy()
+        own = 2 + np.arange(4)
+        values[own, own] += (omega**2 - true.modes.omega**2) * true.modes.mass / lift
+        known = everything(true, 1e-3)
+        scatter = rng.multivariate_normal(np.zeros(known.rows.size), known.covariance)
+        values[known.rows, known.columns] += scatter
+        table = replace(true.derivatives, values=values)
+        aircraft = replace(true, condition=at, modes=wrong, derivatives=table)
+        stiffness = StiffnessError(np.full(4, 0.03), at.dynamic_pressure, slopes)
+        parts.append(IdentifiedModes(aircraft, known, stiffness))
+    found = fuse_identified(parts, replace(parts[0].aircraft, condition=true.condition))
+    prediction = predict_flutter(found, (25.0, 80.0))
+    assert prediction.crossing is not None
+    assert prediction.interval is not None
+    assert prediction.interval[0] < truth.crossing.airspeed < prediction.interval[1]
+    share = prediction.total_std / truth.crossing.airspeed
+    assert share > 0.01 if n_runs == 1 else share < 0.004
+    if n_runs > 1:
+        assert found.aircraft.modes.omega == pytest.approx(true.modes.omega, rel=2e-3)
+        alone = fuse_identified(
+            [replace(p, stiffness=replace(p.stiffness, slopes=None)) for p in parts],
+            replace(parts[0].aircraft, condition=true.condition),
+        )
+        assert predict_flutter(alone, (25.0, 80.0)).total_std > 3.0 * prediction.total_std
+
+
 def test_an_error_as_large_as_the_speed_is_called_not_known():
     aircraft = flex28(4)
     blurred = predict_flutter(IdentifiedModes(aircraft, everything(aircraft, 5.0)), (25.0, 80.0))

@@ -10,6 +10,7 @@ import hashlib
 import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
@@ -80,7 +81,7 @@ def find_changed_rows(connection: Connection) -> Iterator[ChangedRows]:
         try:
             n_sealed, n_changed, key = connection.exec_driver_sql(query).one()
             n_lost = connection.exec_driver_sql(seals).scalar_one() - n_sealed
-        except DatabaseError:  # a text that is not UTF-8 any more
+        except DatabaseError:  # a number that has become a text, which is not UTF-8
             n_changed, n_lost, key = 1, 0, None
         if n_changed or n_lost:
             yield ChangedRows(table.name, (n_changed or 0) + n_lost, key)
@@ -108,5 +109,12 @@ def _key(table: sa.Table, row: str = "") -> str:
 
 
 def _seal(table: sa.Table, row: str = "") -> str:
-    columns = ", ".join(f'{row}"{one.name}"' for one in table.columns)
-    return f"{_FUNCTION}({columns})"
+    return f"{_FUNCTION}({', '.join(_read(one, row) for one in table.columns)})"
+
+
+def _read(column: sa.Column[Any], row: str) -> str:
+    """Read a value; a text as its bytes, which may be no valid text any more."""
+    value = f'{row}"{column.name}"'
+    if isinstance(column.type, sa.Integer | sa.Float | sa.Boolean | sa.LargeBinary):
+        return value
+    return f"CASE typeof({value}) WHEN 'text' THEN CAST({value} AS BLOB) ELSE {value} END"

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.sysid.stability.flight_evidence import (
     FlownInstability,
     FlownPoint,
@@ -30,6 +31,7 @@ _TREND_POINTS = 3  # dynamic pressures needed for a straight line through deriva
 _TREND_SPAN = 0.1  # of the largest dynamic pressure: least range of a straight line
 _UNRESOLVED_SHARE = 0.3  # of a flutter speed: with a larger error it is not identifiable
 _LARGEST_EXTRAPOLATION = 2.0  # of the largest dynamic pressure flown, of a straight line
+_LARGEST_ERROR = 0.3  # of a frequency of a modal table, relative
 _MOST_PREDICTIONS = 30  # of a fixed-point iteration
 
 
@@ -37,11 +39,15 @@ _MOST_PREDICTIONS = 30  # of a fixed-point iteration
 class StiffnessError:
     """Relative standard deviations of the frequencies in vacuo, in the order of the modes.
 
-    ``pressure`` is the dynamic pressure that the derivatives were estimated at. [Pa]
+    ``pressure`` is the dynamic pressure that the derivatives were estimated at [Pa]; of fused
+    runs that of each mode at which its error is independent of the derivatives. ``slopes`` are the
+    changes of estimated C_Qi_etai with the relative error of a frequency, where runs of the same
+    modal table are fused.
     """
 
     relative_std: Float[np.ndarray, " n_modes"]
-    pressure: float
+    pressure: float | Float[np.ndarray, " n_modes"]
+    slopes: Float[np.ndarray, " n_modes"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,6 +301,12 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
     Where the runs scatter by more than their errors, the covariance is widened by the
     ratio (Birge), for a structure that is too small changes with the condition. A prior that
     the runs share counts once.
+
+    Runs of one modal table share the errors of its frequencies. Data of one dynamic pressure
+    determine omega^2 - k_i C_Qi_etai only (``compute_modal_errors``): with omega_t of the table
+    and omega^2 = omega_t^2 (1 - 2 d) the estimate is C_Qi_etai + 2 omega_t^2 d / k_i. Runs at
+    several dynamic pressures tell both apart: d is estimated with its standard deviation as prior,
+    and the frequency is corrected by it.
     """
     return _fuse(parts, to, np.ones((len(parts), 1)))
 
@@ -318,12 +330,89 @@ def _fuse(
         )
     table = to.derivatives.values.copy()
     priors = [part.prior for part in parts]
-    table[place], covariance = _fit_weighted(values, covariances, lines, priors)
-    return replace(
-        fused,
-        aircraft=replace(to, derivatives=replace(to.derivatives, values=table)),
-        uncertain=replace(first, covariance=covariance),
-    )
+    shared = _find_shared_errors(parts)
+    table[place], covariance, of_table = _fit_weighted(values, covariances, lines, priors, shared)
+    aircraft = replace(to, derivatives=replace(to.derivatives, values=table))
+    if shared is not None and of_table is not None and fused.stiffness is not None:
+        aircraft = replace(aircraft, modes=_correct_frequencies(to, shared, of_table))
+        stiffness = _reduce_errors(fused.stiffness, parts, shared, of_table)
+        fused = replace(fused, stiffness=stiffness)
+    return replace(fused, aircraft=aircraft, uncertain=replace(first, covariance=covariance))
+
+
+@dataclass(frozen=True, slots=True)
+class _SharedErrors:
+    """Relative errors of frequencies that all parts share, and what they change.
+
+    ``modes`` are indices of modes, ``rows`` those of their C_Qi_etai among the derivatives,
+    ``slopes`` (n_parts, n) their changes, ``std`` the standard deviations of the errors.
+    """
+
+    modes: Int[np.ndarray, " n"]
+    rows: Int[np.ndarray, " n"]
+    slopes: Float[np.ndarray, "n_parts n"]
+    std: Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True, slots=True)
+class _EstimatedErrors:
+    """Estimates of shared errors with standard deviations.
+
+    ``gains`` are the changes of their C_Qi_etai with them, within the common error of both.
+    """
+
+    values: Float[np.ndarray, " n"]
+    std: Float[np.ndarray, " n"]
+    gains: Float[np.ndarray, " n"]
+
+
+def _find_shared_errors(parts: Sequence[IdentifiedModes]) -> _SharedErrors | None:
+    """Find the frequencies of one modal table with an error whose C_Qi_etai all parts estimated."""
+    errors = [part.stiffness for part in parts]
+    known = [error for error in errors if error is not None and error.slopes is not None]
+    if len(parts) < 2 or len(known) < len(parts) or parts[0].aircraft.shape is not None:
+        return None
+    first = parts[0].aircraft.derivatives.body.size
+    uncertain = parts[0].uncertain
+    places = list(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
+    std = np.stack([error.relative_std for error in known])
+    same = np.all(np.isclose(std, std[0], rtol=1e-9), axis=0) & (std[0] > 0.0)
+    modes = [
+        k for k in range(std.shape[1]) if same[k] and (first + k, first + k) in parts[0].places
+    ]
+    if not modes:
+        return None
+    slopes = np.stack([np.asarray(error.slopes, dtype=float) for error in known])
+    rows = [places.index((first + k, first + k)) for k in modes]
+    return _SharedErrors(np.array(modes), np.array(rows), slopes[:, modes], std[0, modes])
+
+
+def _correct_frequencies(
+    to: Aeroelastic, shared: _SharedErrors, found: _EstimatedErrors
+) -> StructuralModes:
+    """Return the modes with frequencies without the estimated errors, and 2 zeta omega as is."""
+    factors: dict[str, float] = {}
+    for k, error in zip(shared.modes.tolist(), found.values.tolist(), strict=True):
+        number = to.modes.numbers[k]
+        factor = float(np.sqrt(1.0 - 2.0 * min(error, _LARGEST_ERROR)))
+        factors |= {f"omega_{number}": factor, f"zeta_{number}": 1.0 / factor}
+    return to.modes.tuned(factors)
+
+
+def _reduce_errors(
+    stiffness: StiffnessError,
+    parts: Sequence[IdentifiedModes],
+    shared: _SharedErrors,
+    found: _EstimatedErrors,
+) -> StiffnessError:
+    """Return the errors that are left, at the dynamic pressures where they are independent."""
+    std = stiffness.relative_std.copy()
+    pressure = np.full(std.size, stiffness.pressure)
+    flown = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
+    products = np.mean(shared.slopes * flown[:, None], axis=0)
+    std[shared.modes] = found.std
+    pressure[shared.modes] = products / found.gains
+    return StiffnessError(std, pressure)
 
 
 def refuse_other_structures(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> None:
@@ -355,7 +444,7 @@ def _average_stiffness(parts: Sequence[IdentifiedModes]) -> StiffnessError | Non
         return None
     return StiffnessError(
         np.mean([one.relative_std for one in known], axis=0),
-        float(np.mean([one.pressure for one in known])),
+        float(np.mean([np.mean(one.pressure) for one in known])),
     )
 
 
@@ -429,7 +518,7 @@ def compute_weighted_mean(
     covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
 ) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
     """Compute the mean weighted by information, and its covariance widened by Birge's ratio."""
-    return _fit_weighted(values, covariances, np.ones((len(values), 1)))
+    return _fit_weighted(values, covariances, np.ones((len(values), 1)))[:2]
 
 
 def _fit_weighted(
@@ -437,47 +526,76 @@ def _fit_weighted(
     covariances: Sequence[Float[np.ndarray, "n_theta n_theta"]],
     lines: Float[np.ndarray, "n_parts n_powers"],
     priors: Sequence[DerivativePrior | None] | None = None,
-) -> tuple[Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"]]:
+    shared: _SharedErrors | None = None,
+) -> tuple[
+    Float[np.ndarray, " n_theta"], Float[np.ndarray, "n_theta n_theta"], _EstimatedErrors | None
+]:
     """Generalised least squares of every value on the columns of ``lines``.
 
-    Returns the coefficients of the first column, and their covariance widened by Birge's ratio.
+    Returns the coefficients of the first column, their covariance widened by Birge's ratio, and
+    the estimates of shared errors, for given values of which the covariance holds.
 
     Notes
     -----
     The data of a part have the information C^-1 - P and the moment C^-1 theta - P mu. The mean
-    of the priors is added once, with mean zero for the further columns.
+    of the priors is added once, with mean zero for the further columns. Shared errors are further
+    unknowns with their standard deviations as priors.
     """
     n_parts, n_powers = lines.shape
     if n_parts == 1:
-        return values[0], covariances[0]
+        return values[0], covariances[0], None
     scale = np.sqrt(np.mean([np.diag(C) for C in covariances], axis=0))
     if not (scale > 0.0).all():
         raise NotIdentifiable("a derivative without standard error cannot be weighted")
     n, outer = scale.size, np.outer(scale, scale)
     known = [prior for prior in priors or () if prior is not None]
-    shared = np.mean([prior.precision for prior in known], axis=0) * scale**2 if known else 0.0
-    information = np.kron(np.eye(n_powers), np.diag(np.broadcast_to(shared, n)))
-    moment = np.zeros(n_powers * n)
+    common = np.mean([prior.precision for prior in known], axis=0) * scale**2 if known else 0.0
+    n_shared = 0 if shared is None else shared.modes.size
+    size = n_powers * n
+    information = np.zeros((size + n_shared, size + n_shared))
+    information[:size, :size] = np.kron(np.eye(n_powers), np.diag(np.broadcast_to(common, n)))
+    moment = np.zeros(size + n_shared)
     if known:
-        moment[:n] = shared * np.mean([prior.mean for prior in known], axis=0) / scale
+        moment[:n] = common * np.mean([prior.mean for prior in known], axis=0) / scale
+    if shared is not None:
+        information[size:, size:] = np.diag(shared.std**-2.0)
     parts = [
         _separate_data(C / outer, value, scale, prior)
         for C, value, prior in zip(
             covariances, values / scale, priors or [None] * n_parts, strict=True
         )
     ]
-    for part, line in zip(parts, lines, strict=True):
-        information += np.kron(np.outer(line, line), part.information)
-        moment += np.kron(line, part.moment)
-    solved = np.linalg.solve(information, moment).reshape(n_powers, n)
+    designs = []
+    for k, line in enumerate(lines):
+        changes = np.zeros((n, n_shared))
+        if shared is not None:
+            changes[shared.rows, np.arange(n_shared)] = shared.slopes[k] / scale[shared.rows]
+        designs.append(np.hstack([np.kron(line, np.eye(n)), changes]))
+    for part, design in zip(parts, designs, strict=True):
+        information += design.T @ part.information @ design
+        moment += design.T @ part.moment
+    solved = np.linalg.solve(information, moment)
     chi_square = sum(
-        part.compute_chi_square(line @ solved) for part, line in zip(parts, lines, strict=True)
+        part.compute_chi_square(design @ solved)
+        for part, design in zip(parts, designs, strict=True)
     )
+    if shared is not None:
+        chi_square += float(np.sum((solved[size:] / shared.std) ** 2))
     n_data = sum(float(part.shares.sum()) for part in parts)
     if not n_data > 0.0:
         raise NotIdentifiable("the runs have no data beyond the prior that they share")
     birge = max(1.0, chi_square / (n_data * (1.0 - n_powers / n_parts)))
-    return solved[0] * scale, birge * np.linalg.inv(information)[:n, :n] * outer
+    covariance = birge * np.linalg.inv(information)
+    values_at, own = solved[:n] * scale, covariance[:n, :n]
+    if shared is None:
+        return values_at, own * outer, None
+    gains = np.linalg.solve(covariance[size:, size:], covariance[size:, :n]).T
+    errors = _EstimatedErrors(
+        solved[size:],
+        np.sqrt(np.diag(covariance[size:, size:])),
+        -gains[shared.rows, np.arange(n_shared)] * scale[shared.rows],
+    )
+    return values_at, (own - gains @ covariance[size:, :n]) * outer, errors
 
 
 @dataclass(frozen=True, slots=True)

@@ -536,8 +536,10 @@ def _fuse(
         else:
             envelope = _get_envelope(store, flown_parts, at)
             factors = _compute_factors(store, flown_parts[-1], at.fuel, fuel)
+            # A global model is one of derivatives with the frequencies of the modal table.
+            as_in_table = fuse_identified([_drop_slopes(part) for part in parts], to)
             found = _fuse_at_crossing(
-                at, lambda q: envelope.fuse(constant, np.array([q, fuel]), factors)
+                at, lambda q: envelope.fuse(as_in_table, np.array([q, fuel]), factors)
             )
             excluded = _describe_outlying(envelope, flown_parts)
             note = f"Derivatives are those of a global model{excluded}"
@@ -551,6 +553,12 @@ def _fuse(
         return found, f"{note}; constant derivatives predict no flutter."
     error = f" ± {2.0 * held.airspeed_std:.2f}" if np.isfinite(held.airspeed_std) else ""
     return found, f"{note}; constant derivatives predict {held.crossing.airspeed:.2f}{error} m/s."
+
+
+def _drop_slopes(found: IdentifiedModes) -> IdentifiedModes:
+    """Return a run whose frequencies are not corrected when it is fused."""
+    stiffness = found.stiffness
+    return replace(found, stiffness=stiffness and replace(stiffness, slopes=None))
 
 
 def _fuse_at_crossing(at: _At, fuse: Callable[[float], IdentifiedModes]) -> IdentifiedModes:

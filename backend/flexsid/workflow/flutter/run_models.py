@@ -13,6 +13,7 @@ from flexsid.records.run import EstimationRun, Progress, RetainedModes
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
+from flexsid.sysid.model.modal_errors import compute_modal_errors
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.flutter_prediction import (
     DerivativePrior,
@@ -103,10 +104,15 @@ def scale_to_fuel(store: Store, part: RunModel, fuel: float) -> IdentifiedModes:
     moved = replace(table, values=table.values * factor)
     known = part.found.uncertain
     own, prior = factor[known.rows, known.columns], part.found.prior
+    modal = table.body.size + np.arange(len(table.modes))
+    stiffness = part.found.stiffness
+    if stiffness is not None and stiffness.slopes is not None:
+        stiffness = replace(stiffness, slopes=stiffness.slopes * factor[modal, modal])
     return replace(
         part.found,
         aircraft=replace(part.found.aircraft, derivatives=moved),
         uncertain=replace(known, covariance=known.covariance * np.outer(own, own)),
+        stiffness=stiffness,
         prior=prior and replace(prior, mean=own * prior.mean, precision=prior.precision / own**2),
     )
 
@@ -284,9 +290,21 @@ def _build_identified_modes(
     return IdentifiedModes(
         Aeroelastic(model.condition, model.modes, derivatives, model.shape),
         UncertainDerivatives(where[:, 0], where[:, 1], covariance[np.ix_(selected, selected)]),
-        StiffnessError(np.array(relative_std), model.condition.dynamic_pressure),
+        StiffnessError(
+            np.array(relative_std),
+            model.condition.dynamic_pressure,
+            _compute_stiffness_slopes(model),
+        ),
         _get_prior(retained, priors or {}, [names[k] for k in selected]),
     )
+
+
+def _compute_stiffness_slopes(model: AeroelasticModel) -> np.ndarray:
+    """Compute the change of each C_Qi_etai with the relative error of the mode's frequency."""
+    n = len(model.modes.numbers)
+    errors = compute_modal_errors(model, np.ones(n), np.zeros(n)).values
+    row = model.body.size + np.arange(n)
+    return errors[row, row]
 
 
 def _get_prior(
