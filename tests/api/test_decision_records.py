@@ -7,11 +7,11 @@ import json
 from dataclasses import replace
 
 import pytest
-import sqlalchemy as sa
 from sqlalchemy.exc import DBAPIError
 from tests.api.team import Act, proposal, propose, set_rules, vote
 
 from flexsid.errors import BadInput
+from flexsid.storage.database import make_engine, parse_url
 from flexsid.storage.store import Store
 from flexsid.workflow.review.signed_files import check_signed_file
 
@@ -105,7 +105,7 @@ def test_audit_trail_contains_all_events(act: Act) -> None:
 
 def test_database_refuses_to_change_events(act: Act, flown_url: str) -> None:
     decision = propose(act)
-    engine = sa.create_engine(flown_url)
+    engine = make_engine(parse_url(flown_url))
     for statement in (
         "UPDATE decision_events SET text = 'changed'",
         "DELETE FROM decision_events",

@@ -326,7 +326,7 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
 
 @pytest.mark.parametrize("n_runs", [1, 2, 3])
 def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(n_runs: int):
-    """Frequencies 3 % wrong: one run compensates them, several tell them from derivatives."""
+    """Frequencies 3 % wrong: one run compensates them, several separate them from derivatives."""
     true = flex28(4)
     truth = predict_flutter(IdentifiedModes(true, everything(true, 1e-6)), (25.0, 80.0))
     assert truth.crossing is not None

@@ -137,6 +137,7 @@ _BY_COLUMN: dict[str, tuple[str, str]] = {
 WITHOUT_CAMPAIGN = frozenset(
     {
         *("arrays", "leases", "looks"),  # named by content; of the dispatcher; by analyst
+        "row_seals",  # written by triggers
         *("accounts", "memberships", "login_sessions", "api_tokens", "login_failures"),
     }
 )

@@ -305,7 +305,7 @@ def fuse_identified(parts: Sequence[IdentifiedModes], to: Aeroelastic) -> Identi
     Runs of one modal table share the errors of its frequencies. Data of one dynamic pressure
     determine omega^2 - k_i C_Qi_etai only (``compute_modal_errors``): with omega_t of the table
     and omega^2 = omega_t^2 (1 - 2 d) the estimate is C_Qi_etai + 2 omega_t^2 d / k_i. Runs at
-    several dynamic pressures tell both apart: d is estimated with its standard deviation as prior,
+    several dynamic pressures separate both: d is estimated with its standard deviation as prior,
     and the frequency is corrected by it.
     """
     return _fuse(parts, to, np.ones((len(parts), 1)))
