@@ -1,7 +1,7 @@
 """Row seals: a checksum of each row of an SQLite database, written by triggers.
 
 Samples and results have hashes of their own; a bit of the disk that changes any other column would
-not be noticed. PostgreSQL has checksums of its pages.
+not be noticed. PostgreSQL has checksums of its pages where they are enabled.
 """
 
 from __future__ import annotations
