@@ -16,12 +16,11 @@ from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, fuse_identified
 from flexsid.sysid.stability.envelope_fusion import fit_envelope
 from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
-    IdentifiedModes,
     fuse_at_crossing,
-    fuse_identified,
     predict_flutter,
 )
 from flexsid.sysid.stability.root_errors import UncertainDerivatives

@@ -41,18 +41,14 @@ from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, fuse_identified
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.flutter_prediction import (
-    IdentifiedModes,
-    compute_structure_spread,
-    fuse_identified,
-    predict_flutter,
-)
+from flexsid.sysid.stability.flutter_prediction import compute_structure_spread, predict_flutter
 from flexsid.sysid.stability.root_errors import (
     UncertainDerivatives,
     estimate_root_bands,

@@ -7,8 +7,8 @@ import pytest
 from identified_campaign import FUEL, DriftingAircraft, plan_runs, predict_flutter_speed
 
 from flexsid.errors import BadInput
+from flexsid.sysid.stability.derivative_fusion import DerivativePrior
 from flexsid.sysid.stability.envelope_fusion import fit_envelope, remove_prior
-from flexsid.sysid.stability.flutter_prediction import DerivativePrior
 
 
 def measure(seed: int, drift: float, n_runs: int) -> tuple[float, bool]:

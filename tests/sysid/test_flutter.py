@@ -15,6 +15,14 @@ from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.modes.shapes import StructuralModes
+from flexsid.sysid.stability.derivative_fusion import (
+    DerivativePrior,
+    IdentifiedModes,
+    StiffnessError,
+    compute_weighted_mean,
+    fuse_identified,
+    fuse_with_trend,
+)
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.flutter_extrapolation import TestPoint as Point
 from flexsid.sysid.stability.flutter_extrapolation import (
@@ -22,16 +30,7 @@ from flexsid.sysid.stability.flutter_extrapolation import (
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.flutter_prediction import (
-    DerivativePrior,
-    IdentifiedModes,
-    StiffnessError,
-    compute_structure_spread,
-    compute_weighted_mean,
-    fuse_identified,
-    fuse_with_trend,
-    predict_flutter,
-)
+from flexsid.sysid.stability.flutter_prediction import compute_structure_spread, predict_flutter
 from flexsid.sysid.stability.root_errors import (
     UncertainDerivatives,
     estimate_crossing_error,

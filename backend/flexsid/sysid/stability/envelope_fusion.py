@@ -15,7 +15,7 @@ from flexsid.sysid.global_model.fit import GlobalModel, RunEstimates, fit_global
 from flexsid.sysid.global_model.outlying_runs import find_outlying_runs
 from flexsid.sysid.global_model.selection import LEAST_RUNS
 from flexsid.sysid.model.derivatives import coefficients, variables
-from flexsid.sysid.stability.flutter_prediction import (
+from flexsid.sysid.stability.derivative_fusion import (
     DerivativePrior,
     IdentifiedModes,
     refuse_other_structures,

@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.leakage import fit_with_leakage_correction, remove_leakage
 from flexsid.sysid.estimation.likelihood import FitSettings, Report
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.stability.flutter_prediction import compute_weighted_mean
+from flexsid.sysid.stability.derivative_fusion import compute_weighted_mean
 from flexsid.sysid.structure_determination.equation import assign_combs
 from flexsid.sysid.structure_determination.likelihood import expand_values, select_candidates
 

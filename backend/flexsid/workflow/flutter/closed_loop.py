@@ -17,7 +17,8 @@ from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.stability.flutter_prediction import IdentifiedModes, compute_structure_spread
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
+from flexsid.sysid.stability.flutter_prediction import compute_structure_spread
 from flexsid.sysid.stability.loop_sweep import (
     Loop,
     LoopPoint,

@@ -29,9 +29,7 @@ from flexsid.sysid.stability.flutter_extrapolation import (
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
-from flexsid.sysid.stability.flutter_prediction import (
-    FlutterPrediction,
-)
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.sysid.stability.root_tracking import FlutterCrossing, track_roots
 from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.flutter_models import (

@@ -15,15 +15,17 @@ from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.global_model.selection import LEAST_RUNS
+from flexsid.sysid.stability.derivative_fusion import (
+    IdentifiedModes,
+    fuse_identified,
+    fuse_with_trend,
+)
 from flexsid.sysid.stability.envelope_fusion import EnvelopeModel, fit_envelope
 from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
-    IdentifiedModes,
     compute_structure_spread,
     fuse_at_crossing,
-    fuse_identified,
-    fuse_with_trend,
     predict_flutter,
 )
 from flexsid.sysid.stability.state_family import Aeroelastic

@@ -17,12 +17,12 @@ from flexsid.records.flutter import (
     TestedRoot,
 )
 from flexsid.storage.store import Store
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
 from flexsid.sysid.stability.equivalent import (
     EquivalentMode,
     compute_equivalent_modes,
     fit_in_vacuo_mode,
 )
-from flexsid.sysid.stability.flutter_prediction import IdentifiedModes
 from flexsid.sysid.stability.root_errors import RootBands, estimate_root_bands
 from flexsid.sysid.stability.root_tracking import (
     RootLocus,

@@ -22,12 +22,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.model.frequency_shape import FrequencyShape
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.stability.flutter_prediction import (
-    FlutterPrediction,
-    IdentifiedModes,
-    StiffnessError,
-    predict_flutter,
-)
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
 from flexsid.sysid.stability.rational_crossing import AGREEMENT, find_rational_crossing
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_root_bands
 from flexsid.sysid.stability.state_family import Aeroelastic

@@ -14,12 +14,12 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 from flexsid.sysid.model.modal_errors import compute_modal_errors
-from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.flutter_prediction import (
+from flexsid.sysid.stability.derivative_fusion import (
     DerivativePrior,
     IdentifiedModes,
     StiffnessError,
 )
+from flexsid.sysid.stability.flight_evidence import FlownPoint
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.derivative_predictions import (

@@ -23,11 +23,8 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.growing_record import GrowingSpectra
-from flexsid.sysid.stability.flutter_prediction import (
-    FlutterPrediction,
-    IdentifiedModes,
-    predict_flutter,
-)
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.state_family import Aeroelastic

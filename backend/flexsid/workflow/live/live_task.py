@@ -16,7 +16,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.stability.flutter_prediction import StiffnessError
+from flexsid.sysid.stability.derivative_fusion import StiffnessError
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.fits.estimation_task import (

@@ -32,11 +32,8 @@ from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion
 from flexsid.sysid.spectra.collinearity import find_near_dependencies
-from flexsid.sysid.stability.flutter_prediction import (
-    IdentifiedModes,
-    compute_weighted_mean,
-    predict_flutter,
-)
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, compute_weighted_mean
+from flexsid.sysid.stability.flutter_prediction import predict_flutter
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.sysid.structure_determination.candidates import (

@@ -6,11 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.stability.flutter_prediction import (
-    FlutterPrediction,
-    IdentifiedModes,
-    predict_flutter,
-)
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.fits.estimation_task import EstimationTask
