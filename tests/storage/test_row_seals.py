@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from flexsid.storage.row_seals import ChangedRows, find_changed_rows
+from flexsid.cli.main import main
+from flexsid.storage.backup import backup
+from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.row_seals import ChangedRows, drop_seals, find_changed_rows, seal_rows
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 
@@ -33,16 +36,15 @@ def find(url: str) -> list[ChangedRows]:
         return list(find_changed_rows(connection))
 
 
-def drop_triggers(connection: sqlite3.Connection) -> None:
-    """Let another connection change rows as the disk does."""
-    names = connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'")
-    for (name,) in names.fetchall():
-        connection.execute(f"DROP TRIGGER {name}")
-    connection.commit()
-
-
 def change(connection: sqlite3.Connection, statement: str, *values: object) -> None:
+    """Change one row as the disk does, which knows no triggers."""
+    query = "SELECT name, sql FROM sqlite_master WHERE type = 'trigger'"
+    triggers = connection.execute(query).fetchall()
+    for name, _ in triggers:
+        connection.execute(f"DROP TRIGGER {name}")
     assert connection.execute(statement, values).rowcount == 1
+    for _, trigger in triggers:
+        connection.execute(trigger)
     connection.commit()
 
 
@@ -57,7 +59,6 @@ def flip(value: object) -> object:
 
 
 def test_every_column_with_a_value_is_sealed(flown_url: str, written: sqlite3.Connection) -> None:
-    drop_triggers(written)
     changed = 0
     with closing(Store.open(flown_url)) as store:
         for table in metadata.sorted_tables:
@@ -70,7 +71,7 @@ def test_every_column_with_a_value_is_sealed(flown_url: str, written: sqlite3.Co
                     change(written, statement, flip(value))
                     with store.database.reading() as connection:
                         (found,) = find_changed_rows(connection)
-                    assert (found.table, found.count) == (table.name, 1), column
+                    assert (found.table, len(found.keys)) == (table.name, 1), column
                     change(written, statement, value)
                     changed += 1
         with store.database.reading() as connection:
@@ -79,15 +80,13 @@ def test_every_column_with_a_value_is_sealed(flown_url: str, written: sqlite3.Co
 
 
 def test_lost_and_added_rows_are_found(flown_url: str, written: sqlite3.Connection) -> None:
-    drop_triggers(written)
     change(written, "DELETE FROM channels WHERE id = 3")
-    assert find(flown_url) == [ChangedRows("channels", 1, None)]
+    assert find(flown_url) == [ChangedRows("channels", ("3",))]
     change(written, "INSERT INTO maneuver_tags VALUES (1, 'approved')")
-    assert ChangedRows("maneuver_tags", 1, "1,approved") in find(flown_url)
+    assert ChangedRows("maneuver_tags", ("1,approved",)) in find(flown_url)
 
 
 def test_text_that_is_damaged_is_found(flown_url: str, written: sqlite3.Connection) -> None:
-    drop_triggers(written)
     change(written, "UPDATE maneuvers SET note = CAST(x'c328' AS TEXT) WHERE id = 1")
     assert [changed.table for changed in find(flown_url)] == ["maneuvers"]
 
@@ -109,3 +108,29 @@ def test_a_program_without_seals_cannot_write(written: sqlite3.Connection) -> No
     with pytest.raises(sqlite3.OperationalError, match="flexsid_seal"):
         written.execute("UPDATE maneuvers SET note = 'edited' WHERE id = 1")
     assert Path(written.execute("PRAGMA database_list").fetchone()[2]).exists()
+
+
+def test_a_changed_row_survives_a_migration_as_such_until_it_is_accepted(
+    flown_url: str, written: sqlite3.Connection, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change(written, "UPDATE maneuvers SET note = 'flipped' WHERE id = 1")
+    change(written, "DELETE FROM channels WHERE id = 3")
+    expected = [ChangedRows("channels", ("3",)), ChangedRows("maneuvers", ("1",))]
+    assert find(flown_url) == expected
+    with closing(Store.open(flown_url)) as store, store.database.transaction() as connection:
+        seal_rows(connection, drop_seals(connection))
+    assert find(flown_url) == expected
+    assert main(["check", "--database", flown_url]) == 1
+    main(["check", "--accept-rows", "--database", flown_url])
+    assert "as they are: 1 rows of maneuvers (the first: 1)" in capsys.readouterr().err
+    assert find(flown_url) == []
+
+
+def test_a_backup_with_a_changed_row_is_not_written(
+    flown_url: str, written: sqlite3.Connection, tmp_path: Path
+) -> None:
+    backup(flown_url, tmp_path / "sound.db")
+    change(written, "UPDATE maneuvers SET note = 'flipped' WHERE id = 1")
+    with pytest.raises(DatabaseUnavailable, match="1 rows of maneuvers"):
+        backup(flown_url, tmp_path / "damaged.db")
+    assert not (tmp_path / "damaged.db").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from flexsid.cli.database import open_store
@@ -10,6 +11,7 @@ from flexsid.cli.output import print_result
 from flexsid.settings import Settings
 from flexsid.storage import backup as copies
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.row_seals import accept_changed_rows
 from flexsid.workflow.review.database_check import check_database
 
 
@@ -24,6 +26,11 @@ def migrate(settings: Settings, arguments: argparse.Namespace) -> int:
 def check(settings: Settings, arguments: argparse.Namespace) -> int:
     """Check the database for damage; return 1 if there is any."""
     with open_store(settings) as store:
+        if arguments.accept_rows:
+            with store.database.transaction() as connection:
+                accepted = accept_changed_rows(connection)
+            for rows in accepted:
+                print(f"accepted as they are: {rows}", file=sys.stderr)
         found = check_database(store)
     damage = [one for one in found if one.is_damage]
     lines = [f"{'damage' if one.is_damage else 'note'}: {one.text}" for one in found]
@@ -37,7 +44,8 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
     """Back the database up into a new file."""
     file = arguments.file
     size = copies.backup(settings.database, Path(file))
-    text = f"{file} holds the database, {size / 1e6:.1f} MB; pages, references and samples checked"
+    checked = "pages, rows, references and samples checked"
+    text = f"{file} holds the database, {size / 1e6:.1f} MB; {checked}"
     print_result([text], {"file": file, "bytes": size}, as_json=arguments.json)
     return 0
 

@@ -95,7 +95,11 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "upgrade the database to the current schema, after a backup copy"
     add("migrate", "backup:migrate", summary)
 
-    add("check", "backup:check", "check the database for damage: hashes, references, decisions")
+    summary = "check the database for damage: hashes, references, decisions"
+    meaning = "take changed rows as they are, after they were inspected and corrected"
+    add("check", "backup:check", summary).add_argument(
+        "--accept-rows", action="store_true", help=meaning
+    )
 
     summary = "check a signed file, or the installation against published values"
     _add_verify_options(add("verify", "verify:verify", summary))

@@ -10,13 +10,15 @@ from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
+import sqlalchemy as sa
+
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import parse_url, sqlite_file
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.row_seals import add_seal_function
+from flexsid.storage.row_seals import add_seal_function, find_changed_rows
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
@@ -48,7 +50,7 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
     Conflict
         If the file exists.
     DatabaseUnavailable
-        If the copy or its samples are damaged; the copy is deleted then.
+        If the copy, its rows or samples are damaged; the copy is deleted then.
     """
     source = find_file(url)
     if not source.is_file():
@@ -61,11 +63,11 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
             _copy(source, partial)
             report(Progress(fraction=0.3, message="Checking pages"))
             check(partial)
-            report(Progress(fraction=0.5, message="Checking samples"))
+            report(Progress(fraction=0.5, message="Checking rows and samples"))
             damaged = find_damaged(partial)
             if damaged:
                 raise DatabaseUnavailable(
-                    f"{target} was not written: samples in {source} are damaged:"
+                    f"{target} was not written: {source} is damaged:"
                     f" {', '.join(damaged[:5])}; run `flexsid check` to list all and the remedies",
                     code="damaged-data",
                 )
@@ -80,8 +82,8 @@ def restore(url: str, source: Path) -> Path | None:
     Servers on the database continue with the restored content; their running jobs
     are dropped, and runs that were running in the backup are queued again.
 
-    Damaged samples in the backup cause a warning, not an error: no other copy may exist,
-    and damaged samples are not used.
+    Damaged rows and samples in the backup cause a warning, not an error: no other copy may
+    exist, and damaged samples are not used.
 
     Returns
     -------
@@ -105,11 +107,10 @@ def restore(url: str, source: Path) -> Path | None:
     damaged = find_damaged(source)
     if damaged:
         _log.warning(
-            "%d arrays in %s are damaged (the first: %s) and are not used;"
-            " run `flexsid check` to list the maneuvers to be imported again",
-            len(damaged),
+            "%s is damaged (%s); damaged samples are not used; run `flexsid check` to list the"
+            " maneuvers to be imported again, and the rows that were changed",
             source,
-            damaged[0],
+            ", ".join(damaged[:5]),
         )
     previous = None
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
@@ -178,12 +179,20 @@ def check(file: Path) -> None:
 
 
 def find_damaged(file: Path) -> list[str]:
-    """Return the names of arrays whose content does not match their hash."""
-    with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
-        rows = opened.execute("SELECT hash, dtype, shape, unit, data FROM arrays")
-        return [
-            name
-            for name, dtype, shape, unit, data in rows
+    """Describe the rows that differ from their seals, and name the arrays that do from theirs."""
+
+    def open_file() -> sqlite3.Connection:
+        opened = sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)
+        add_seal_function(opened)
+        return opened
+
+    engine = sa.create_engine("sqlite://", creator=open_file, poolclass=sa.NullPool)
+    with engine.connect() as connection:
+        rows = [str(changed) for changed in find_changed_rows(connection)]
+        arrays = connection.exec_driver_sql("SELECT hash, dtype, shape, unit, data FROM arrays")
+        return rows + [
+            f"samples {name}"
+            for name, dtype, shape, unit, data in arrays
             if hash_array(dtype, json.loads(shape), unit, data) != name
         ]
 

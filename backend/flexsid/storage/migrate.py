@@ -86,7 +86,7 @@ def migrate_to(url: str, target: str) -> str:
             else:
                 copy = _copy_database(file, present)
             config.attributes["connection"] = connection
-            drop_seals(connection)
+            damaged = drop_seals(connection)
             going_down = target == "base" or (
                 present is not None
                 and requested in {s.revision for s in scripts.iterate_revisions(present, "base")}
@@ -94,7 +94,7 @@ def migrate_to(url: str, target: str) -> str:
             (command.downgrade if going_down else command.upgrade)(config, target)
             reached = _present_revision(connection, scripts)
             if reached == scripts.get_current_head():
-                seal_rows(connection)
+                seal_rows(connection, damaged)
             return reached or "base"
     except BaseException:
         if copy is not None:  # the transaction has left the database as it was

@@ -7,8 +7,9 @@ not be noticed. PostgreSQL has checksums of its pages where they are enabled.
 from __future__ import annotations
 
 import hashlib
+import re
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,17 +20,26 @@ from sqlalchemy.exc import DatabaseError
 from flexsid.storage.tables import metadata, row_seals
 
 _FUNCTION = "flexsid_seal"
+_TRIGGER = re.compile(
+    rf"VALUES \('(?P<table>\w+)', (?P<key>.*), (?P<seal>{_FUNCTION}\(.*\))\) ON CONF"
+)
+_NO_SEAL = bytes(8)
+_UNKNOWN = ""  # key of a row
 # Named by their content, or changed each second.
 _WITHOUT_SEALS = frozenset({"arrays", "leases", row_seals.name})
 
 
 @dataclass(frozen=True, slots=True)
 class ChangedRows:
-    """Rows of a table that differ from their seals; ``key`` is the id of the first, if known."""
+    """Rows of a table that differ from their seals; a key is empty if it cannot be read."""
 
     table: str
-    count: int
-    key: str | None
+    keys: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Describe table, number and first key."""
+        first = f" (the first: {self.keys[0]})" if self.keys[0] else ""
+        return f"{len(self.keys)} rows of {self.table}{first}"
 
 
 def add_seal_function(connection: sqlite3.Connection) -> None:
@@ -41,17 +51,22 @@ def _compute_seal(*values: str | float | bytes | None) -> bytes:
     return hashlib.blake2b(repr(values).encode(), digest_size=8).digest()
 
 
-def drop_seals(connection: Connection) -> None:
-    """Drop all triggers of seals, before a migration."""
+def drop_seals(connection: Connection) -> dict[str, tuple[str, ...]]:
+    """Drop all triggers of seals, before a migration; return the keys of changed rows by table."""
     if connection.dialect.name != "sqlite":
-        return
+        return {}
+    changed = {one.table: one.keys for one in find_changed_rows(connection)}
     query = f"SELECT name FROM sqlite_master WHERE type = 'trigger' AND sql LIKE '%{row_seals}%'"
     for name in connection.exec_driver_sql(query).scalars().all():
         connection.exec_driver_sql(f'DROP TRIGGER "{name}"')
+    return changed
 
 
-def seal_rows(connection: Connection) -> None:
-    """Seal all rows, and create the triggers that seal what changes, after a migration."""
+def seal_rows(connection: Connection, changed: Mapping[str, Sequence[str]] | None = None) -> None:
+    """Seal all rows, and create the triggers that seal what changes, after a migration.
+
+    Rows that were ``changed`` before, by table, remain so.
+    """
     if connection.dialect.name != "sqlite":
         return
     connection.execute(sa.delete(row_seals))
@@ -64,27 +79,52 @@ def seal_rows(connection: Connection) -> None:
                 f"CREATE TRIGGER {row_seals}_{table}_{event.lower()} AFTER {event} ON {table}"
                 f" BEGIN {statement}; END"
             )
+    for table, keys in (changed or {}).items():
+        for key in keys:
+            connection.exec_driver_sql(
+                f"INSERT OR REPLACE INTO {row_seals} VALUES (?, ?, ?)", (table, key, _NO_SEAL)
+            )
+
+
+def accept_changed_rows(connection: Connection) -> list[ChangedRows]:
+    """Seal all rows as they are; return those that differed from their seals."""
+    changed = list(find_changed_rows(connection))
+    if changed:
+        drop_seals(connection)
+        seal_rows(connection)
+    return changed
 
 
 def find_changed_rows(connection: Connection) -> Iterator[ChangedRows]:
-    """Find the tables of SQLite with rows that were changed, added or lost unnoticed."""
+    """Find the tables of SQLite with rows that were changed, added or lost unnoticed.
+
+    A database of an earlier schema is compared as its own triggers sealed it.
+    """
     if connection.dialect.name != "sqlite":
         return
-    for table in _list_tables():
-        query = (
-            "SELECT count(s.key), sum(s.seal IS NOT r.seal),"
-            " min(CASE WHEN s.seal IS NOT r.seal THEN r.key END) FROM"
-            f" (SELECT {_key(table)} AS key, {_seal(table)} AS seal FROM {table}) AS r"
-            f" LEFT JOIN {row_seals} AS s ON s.table_name = '{table}' AND s.key = r.key"
+    for name, key, seal in _read_triggers(connection):
+        seals = f"(SELECT key, seal FROM {row_seals} WHERE table_name = '{name}')"
+        changed = (
+            f"SELECT r.key FROM (SELECT {key} AS key, {seal} AS seal FROM {name}) AS r"
+            f" LEFT JOIN {seals} AS s ON s.key = r.key WHERE s.seal IS NOT r.seal"
         )
-        seals = f"SELECT count(*) FROM {row_seals} WHERE table_name = '{table}'"
+        lost = f"SELECT key FROM {seals} WHERE key NOT IN (SELECT {key} FROM {name})"
         try:
-            n_sealed, n_changed, key = connection.exec_driver_sql(query).one()
-            n_lost = connection.exec_driver_sql(seals).scalar_one() - n_sealed
+            keys = connection.exec_driver_sql(f"{changed} UNION ALL {lost}").scalars().all()
         except DatabaseError:  # a number that has become a text, which is not UTF-8
-            n_changed, n_lost, key = 1, 0, None
-        if n_changed or n_lost:
-            yield ChangedRows(table.name, (n_changed or 0) + n_lost, key)
+            keys = [_UNKNOWN]
+        if keys:
+            yield ChangedRows(name, tuple(keys))
+
+
+def _read_triggers(connection: Connection) -> Iterator[tuple[str, str, str]]:
+    """Yield each sealed table with the expressions of key and seal of a row."""
+    query = f"SELECT sql FROM sqlite_master WHERE name LIKE '{row_seals}_%_insert' ORDER BY name"
+    for trigger in connection.exec_driver_sql(query).scalars().all():
+        found = _TRIGGER.search(trigger)
+        if found is not None:
+            key, seal = (found[part].replace("NEW.", "") for part in ("key", "seal"))
+            yield found["table"], key, seal
 
 
 def _list_tables() -> Iterator[sa.Table]:

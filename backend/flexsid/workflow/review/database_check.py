@@ -85,10 +85,9 @@ def _check_pages(database: Database) -> Iterator[DatabaseProblem]:
 def _check_rows(database: Database) -> Iterator[DatabaseProblem]:
     with database.reading() as connection:
         for changed in find_changed_rows(connection):
-            first = "" if changed.key is None else f" (the first: {changed.key})"
             text = (
-                f"{changed.count} rows of {changed.table}{first} were changed or lost by the"
-                f" disk or another program; {_REPAIR}."
+                f"{changed} were changed or lost by the disk or another program; {_REPAIR}, or"
+                " correct the records and run `flexsid check --accept-rows`."
             )
             yield DatabaseProblem("damaged-row", changed.table, text)
 
