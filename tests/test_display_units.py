@@ -8,6 +8,7 @@ from flexsid.display_units import (
     DisplayUnits,
     FrequencyUnit,
     UnitSystem,
+    display_sentence,
     display_unit,
     list_display_units,
     show_in,
@@ -67,3 +68,11 @@ def test_quotients_of_channels_follow() -> None:
     with show_in(DisplayUnits(UnitSystem.SI)):
         ratio = quantities.ratio(quantities.of_channel("az_ofs"), quantities.of_channel("wf4s"))
     assert (ratio.unit, ratio.factor) == ("(m/s²)/rad", pytest.approx(1.0))
+
+
+def test_airspeeds_of_sentences_are_converted_with_their_decimals() -> None:
+    sentence = "Flutter at 59.0 ± 2.2 m/s, 19.1 rad/s; from 20 to 60.5 m/s, 3 m/s²."
+    assert display_sentence(sentence) == sentence
+    with show_in(US):
+        converted = "Flutter at 114.7 ± 4.3 kt, 19.1 rad/s; from 39 to 117.6 kt, 3 m/s²."
+        assert display_sentence(sentence) == converted

@@ -12,6 +12,7 @@ Phases are in degrees, and poles in rad/s, in every system.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -79,6 +80,7 @@ _SHOWN: dict[UnitSystem, dict[str, str]] = {
 }
 """Display unit of each SI unit; those that are not named are displayed as they are."""
 
+_AIRSPEEDS = re.compile(r"(\d+(?:\.\d+)?)(?:( ± | to | and )(\d+(?:\.\d+)?))? m/s(?![²2])")
 _DEFAULT = DisplayUnits()
 _units: ContextVar[DisplayUnits] = ContextVar("display_units", default=_DEFAULT)
 
@@ -109,6 +111,26 @@ def display_unit(unit: str) -> tuple[str, float]:
     if not is_known(shown):
         return shown, 1.0
     return shown, lookup(unit).factor / lookup(shown).factor
+
+
+def display_sentence(text: str) -> str:
+    """Convert the airspeeds of a stored sentence, e.g. "at 59.0 ± 2.2 m/s", for display."""
+    name, factor = display_unit("m/s")
+    if name == "m/s":
+        return text
+
+    def convert(found: re.Match[str]) -> str:
+        first, joint, second = found.groups()
+        return f"{_convert(first, factor)}{joint or ''}{_convert(second, factor)} {name}"
+
+    return _AIRSPEEDS.sub(convert, text)
+
+
+def _convert(number: str | None, factor: float) -> str:
+    """Convert a number with its decimals; none of a missing one."""
+    if number is None:
+        return ""
+    return f"{float(number) * factor:.{len(number.partition('.')[2])}f}"
 
 
 def list_display_units() -> dict[str, tuple[str, float]]:

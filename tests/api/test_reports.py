@@ -93,6 +93,15 @@ def test_report_of_a_run_is_in_the_units_that_are_asked_for(client: TestClient) 
     assert "Frequency [Hz]" not in us
 
 
+def test_reports_of_the_campaign_are_in_the_units_that_are_asked_for(client: TestClient) -> None:
+    us = client.get("/api/v1/reports/campaign?units=us").text
+    metric = client.get("/api/v1/reports/campaign").text
+    for text, units in ((us, ("kt", "psf")), (metric, ("m/s", "Pa"))):
+        assert f"V [{units[0]}]" in text
+        assert f"q̄ [{units[1]}]" in text
+        assert re.search(rf"<dt>Airspeed</dt><dd>[\d.]+ to [\d.]+ {units[0]}</dd>", text)
+
+
 def test_custom_template_is_used(flown_url: str, tmp_path: Path) -> None:
     own = tmp_path / "own.html"
     own.write_text("<title>$title</title>$style ACME $body$script")

@@ -392,9 +392,9 @@ def _add_report_options(command: argparse.ArgumentParser) -> None:
     option("--controller", type=int, metavar="ID", help="controller of a closed loop")
     option("--next", type=float, metavar="M/S", help="next test point of a flutter report")
     option("--fuel", type=float, metavar="SHARE", help="fuel fraction of flutter and closed loop")
-    meaning = "units of the report of a run: metric with deg and g, US customary, or SI with rad"
+    meaning = "units of the report: metric with deg and g, US customary, or SI with rad"
     option("--units", choices=("metric", "us", "si"), help=meaning)
-    meaning = "unit of frequencies in the report of a run"
+    meaning = "unit of frequencies in the report"
     option("--frequency-unit", choices=("Hz", "rad/s"), help=meaning)
     meaning = "custom template; start from `flexsid report template`"
     option("--template", metavar="FILE", help=meaning)

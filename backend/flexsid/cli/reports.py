@@ -47,10 +47,6 @@ def _encode_report(settings: Settings, arguments: argparse.Namespace, suffix: st
 
 
 def _read_units(arguments: argparse.Namespace) -> DisplayUnits:
-    if arguments.kind != "run" and (arguments.units or arguments.frequency_unit):
-        raise BadInput(
-            f"--units and --frequency-unit are of the report of a run, not of {arguments.kind}"
-        )
     return DisplayUnits(
         UnitSystem(arguments.units or UnitSystem.METRIC),
         FrequencyUnit(arguments.frequency_unit or FrequencyUnit.HERTZ),

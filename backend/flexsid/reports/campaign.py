@@ -7,7 +7,19 @@ from typing import Unpack
 from flexsid.errors import Conflict
 from flexsid.records.quality import GroundTestVerdict
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Facts, Part, Report, ReportTable, Section, Words, draw, listed
+from flexsid.reports.content import (
+    Facts,
+    Part,
+    Report,
+    ReportTable,
+    Section,
+    Words,
+    converted,
+    draw,
+    heading,
+    listed,
+    shown,
+)
 from flexsid.reports.estimated import list_latest_runs, report_estimates
 from flexsid.storage.maneuver_list import LatestRun, ManeuverFilters, ManeuverItem
 from flexsid.storage.quality_list import SORT_FIELDS, select_qualities
@@ -84,7 +96,7 @@ def _summarise(flown: list[ManeuverItem]) -> tuple[tuple[str, str], ...]:
     fuels = [item.fuel_fraction for item in flown]
     with_runs = sum(item.n_runs > 0 for item in flown)
     return (
-        ("Airspeed", f"{min(speeds):.1f} to {max(speeds):.1f} m/s"),
+        ("Airspeed", f"{converted(min(speeds), 'm/s', 3)} to {shown(max(speeds), 'm/s', 3)}"),
         ("V/V_f", f"{min(ratios):.2f} to {max(ratios):.2f}" if ratios else "–"),
         ("Fuel fraction", f"{min(fuels):.2f} to {max(fuels):.2f}"),
         ("Flight test aids", listed(sorted({item.fta for item in flown if item.fta is not None}))),
@@ -105,11 +117,11 @@ def _list_flights(store: Store, flown: list[ManeuverItem]) -> ReportTable:
                 "–" if flight.flown_on is None else flight.flown_on.isoformat(),
                 flight.description or "–",
                 str(len(cards)),
-                f"{fastest:.1f}",
+                converted(fastest, "m/s", 3),
             )
         )
     return ReportTable(
-        ("flight", "flown on", "", "maneuvers", "fastest [m/s]"),
+        ("flight", "flown on", "", "maneuvers", heading("fastest", "m/s")),
         tuple(rows),
         "Flights with the maneuvers of this report",
         numbers_from=3,
@@ -130,16 +142,26 @@ def _list_maneuvers(flown: list[ManeuverItem], verdicts: dict[int, str]) -> Repo
                 item.label,
                 str(item.flight_number),
                 "–" if item.fta is None else str(item.fta),
-                f"{item.airspeed_m_s:.2f}",
+                converted(item.airspeed_m_s, "m/s"),
                 "–" if item.airspeed_ratio is None else f"{item.airspeed_ratio:.3f}",
-                f"{item.dynamic_pressure_pa:.0f}",
+                converted(item.dynamic_pressure_pa, "Pa"),
                 f"{item.fuel_fraction:.2f}",
                 verdicts.get(item.id, "–"),
                 listed(_format_method(method, run) for method, run in item.runs.items() if run),
             )
         )
     return ReportTable(
-        ("maneuver", "flight", "FTA", "V [m/s]", "V/V_f", "q̄ [Pa]", "fuel", "data", "estimated by"),
+        (
+            "maneuver",
+            "flight",
+            "FTA",
+            heading("V", "m/s"),
+            "V/V_f",
+            heading("q̄", "Pa"),
+            "fuel",
+            "data",
+            "estimated by",
+        ),
         tuple(rows),
         "Maneuvers with flight condition, data quality, and latest runs",
     )

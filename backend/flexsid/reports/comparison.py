@@ -11,8 +11,10 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
+    converted,
     draw,
     estimate,
+    heading,
     listed,
     moment,
     number,
@@ -162,11 +164,11 @@ def _list_sources(store: Store, compared: Comparison) -> ReportTable:
             run = store.runs.get(source.run_id)
             maneuver = store.maneuvers.get(run.maneuver_id)
             what, where = find_estimator(run.method).title, maneuver.label
-            speed = f"{maneuver.condition.airspeed_m_s:.2f}"
+            speed = converted(maneuver.condition.airspeed_m_s, "m/s")
             fuel = f"{maneuver.condition.fuel_fraction:.2f}"
         rows.append((source.label, what, where, speed, fuel))
     return ReportTable(
-        ("source", "kind", "maneuver", "airspeed [m/s]", "fuel fraction"),
+        ("source", "kind", "maneuver", heading("airspeed", "m/s"), "fuel fraction"),
         tuple(rows),
         "Sources",
         numbers_from=3,

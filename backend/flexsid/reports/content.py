@@ -103,8 +103,17 @@ def number(value: float | None, digits: int = 4) -> str:
 
 def shown(value: float | None, unit: str, digits: int = 4) -> str:
     """Format a value in an SI unit, or in Hz, with its display unit."""
-    name, factor = display_unit(unit)
-    return f"{number(None if value is None else factor * value, digits)} {name}"
+    return f"{converted(value, unit, digits)} {display_unit(unit)[0]}"
+
+
+def converted(value: float | None, unit: str, digits: int = 4) -> str:
+    """Format a value in an SI unit, or in Hz, in its display unit, which a heading names."""
+    return number(None if value is None else display_unit(unit)[1] * value, digits)
+
+
+def heading(name: str, unit: str) -> str:
+    """Return the heading of a column with values in an SI unit, or in Hz."""
+    return f"{name} [{display_unit(unit)[0]}]"
 
 
 def estimate(value: float, std_error: float | None) -> tuple[str, str]:

@@ -22,6 +22,7 @@ from flexsid.reports.content import (
     listed,
     moment,
     number,
+    shown,
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
@@ -215,9 +216,9 @@ def _report_reference(reference: ReferenceComparison, flutter: FlutterEvidence) 
         )
     if reference.flutter_change_m_s is not None:
         yield Words(
-            f"Flutter speed {number(flutter.airspeed_m_s, 3)} m/s, before"
-            f" {number(reference.flutter.airspeed_m_s, 3)} m/s: a change of"
-            f" {reference.flutter_change_m_s:+.1f} m/s."
+            f"Flutter speed {shown(flutter.airspeed_m_s, 'm/s', 3)}, before"
+            f" {shown(reference.flutter.airspeed_m_s, 'm/s', 3)}: a change of"
+            f" {shown(reference.flutter_change_m_s, 'm/s', 2)}."
         )
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from flexsid.display_units import display_sentence
 from flexsid.errors import FlexsidError
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import FLUTTER
 from flexsid.records.comparison import Against
 from flexsid.records.run import Method, RunState
-from flexsid.reports.content import Part, ReportTable, Section, Words, draw
+from flexsid.reports.content import Part, ReportTable, Section, Words, converted, draw, heading
 from flexsid.storage.maneuver_list import LatestRun, ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
@@ -68,18 +69,20 @@ def _report_flutter(store: Store, estimated: Sequence[ManeuverItem]) -> Iterator
             f" ({error.code}); predict flutter from them, then write this report again."
         )
         return
-    yield Words(f"From {len(fastest)} runs of {method.value}: {prediction.sentence}")
-    yield Words(prediction.test_point_margin)
+    yield Words(
+        f"From {len(fastest)} runs of {method.value}: {display_sentence(prediction.sentence)}"
+    )
+    yield Words(display_sentence(prediction.test_point_margin))
     yield draw("Roots over airspeed", store, "v-omega-zeta", run_ids=run_ids)
     yield ReportTable(
-        ("run", "maneuver", "airspeed [m/s]", "flutter speed [m/s]", "σ [m/s]"),
+        ("run", "maneuver", *(heading(name, "m/s") for name in ("airspeed", "flutter speed", "σ"))),
         tuple(
             (
                 str(one.run_id),
                 one.label,
-                f"{one.tested_m_s:.1f}",
-                "–" if one.airspeed_m_s is None else f"{one.airspeed_m_s:.1f}",
-                "–" if one.airspeed_std_m_s is None else f"{one.airspeed_std_m_s:.1f}",
+                converted(one.tested_m_s, "m/s", 3),
+                converted(one.airspeed_m_s, "m/s", 3),
+                converted(one.airspeed_std_m_s, "m/s", 2),
             )
             for one in prediction.runs
         ),

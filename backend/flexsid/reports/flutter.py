@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from flexsid.display_units import display_sentence
 from flexsid.jobs.kind import find_job, get_result
 from flexsid.jobs.kinds import CLOSED_LOOP, FLUTTER
 from flexsid.records import finite_or_none
@@ -21,10 +22,13 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
+    converted,
     draw,
+    heading,
     listed,
     moment,
     number,
+    shown,
 )
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
@@ -132,37 +136,34 @@ def _summarise_flutter(store: Store, query: FlutterQuery, found: Flutter) -> Ite
     elif found.airspeed_m_s is not None and found.low_m_s is None:
         yield Words("The interval of the flutter speed is unknown.", warns=True)
     yield from _warn_of_runs(store, query.run_ids)
-    yield Words(found.sentence)
+    yield Words(display_sentence(found.sentence))
     frequency = found.frequency_rad_s
     yield Facts(
         (
-            ("Flutter speed", f"{number(found.airspeed_m_s)} m/s"),
+            ("Flutter speed", shown(found.airspeed_m_s, "m/s")),
             ("95 % interval", _format_interval(found.low_m_s, found.high_m_s)),
-            ("σ of the derivatives", f"{number(found.airspeed_std_m_s, 2)} m/s"),
-            ("Spread of model structures", f"{number(found.spread_m_s, 2)} m/s"),
-            ("σ of the modal frequencies", f"{number(found.modal_std_m_s, 2)} m/s"),
-            (
-                "Frequency",
-                "–" if frequency is None else f"{number(frequency / (2.0 * pi), 3)} Hz",
-            ),
+            ("σ of the derivatives", shown(found.airspeed_std_m_s, "m/s", 2)),
+            ("Spread of model structures", shown(found.spread_m_s, "m/s", 2)),
+            ("σ of the modal frequencies", shown(found.modal_std_m_s, "m/s", 2)),
+            ("Frequency", shown(frequency and frequency / (2.0 * pi), "Hz", 3)),
             ("Mechanism", found.mechanism or "–"),
             ("Fuel fraction", number(found.fuel_fraction, 3)),
-            ("Air density", f"{number(found.density_kg_m3)} kg/m³"),
-            ("Fastest point flown", f"{number(found.tested_m_s)} m/s"),
-            ("Predicted before flight", f"{number(found.predicted_flutter_m_s)} m/s"),
+            ("Air density", shown(found.density_kg_m3, "kg/m3")),
+            ("Fastest point flown", shown(found.tested_m_s, "m/s")),
+            ("Predicted before flight", shown(found.predicted_flutter_m_s, "m/s")),
         )
     )
     yield Words(_LIMITS)
 
 
 def _word_next_point(found: Flutter) -> Part:
+    margin = display_sentence(found.test_point_margin)
     if found.safe:
         return Words(
-            f"{found.test_point_margin} The models predict no instability up to this point, with"
-            " 95 % probability."
+            f"{margin} The models predict no instability up to this point, with 95 % probability."
         )
     return Words(
-        f"{found.test_point_margin} The models do not exclude an instability up to this point:"
+        f"{margin} The models do not exclude an instability up to this point:"
         " review the evidence before flying it.",
         warns=True,
     )
@@ -174,23 +175,25 @@ def _summarise_closed_loop(
     yield from _warn_of_runs(store, query.flutter.run_ids)
     if found.lost_m_s is not None and found.low_m_s is None:
         yield Words("The interval of the stability limit is unknown.", warns=True)
-    yield Words(found.sentence)
+    yield Words(display_sentence(found.sentence))
     yield Facts(
         (
             ("Controller", found.controller),
-            ("Stability limit", f"{number(found.lost_m_s)} m/s"),
+            ("Stability limit", shown(found.lost_m_s, "m/s")),
             ("95 % interval", _format_interval(found.low_m_s, found.high_m_s)),
-            ("Spread of model structures", f"{number(found.spread_m_s, 2)} m/s"),
+            ("Spread of model structures", shown(found.spread_m_s, "m/s", 2)),
             ("Fuel fraction", number(found.fuel_fraction, 3)),
-            ("Air density", f"{number(found.density_kg_m3)} kg/m³"),
-            ("Fastest point flown", f"{number(found.tested_m_s)} m/s"),
+            ("Air density", shown(found.density_kg_m3, "kg/m3")),
+            ("Fastest point flown", shown(found.tested_m_s, "m/s")),
         )
     )
     yield Words(_LIMITS)
 
 
 def _format_interval(low: float | None, high: float | None) -> str:
-    return "–" if low is None or high is None else f"{number(low)} to {number(high)} m/s"
+    if low is None or high is None:
+        return "–"
+    return f"{converted(low, 'm/s')} to {shown(high, 'm/s')}"
 
 
 def _warn_of_runs(store: Store, run_ids: Sequence[int]) -> Iterator[Part]:
@@ -231,16 +234,25 @@ def _report_runs(
                 listed(run.structure.modes, "none"),
                 run.state.value if result is None else result.fit.outcome,
                 "–" if result is None else result.adequacy.state.value,
-                number(maneuver.condition.airspeed_m_s, 3),
+                converted(maneuver.condition.airspeed_m_s, "m/s", 3),
                 number(maneuver.condition.fuel_fraction, 2),
-                "–" if forecast is None else number(forecast.airspeed_m_s, 3),
-                "–" if forecast is None else number(forecast.airspeed_std_m_s, 2),
+                "–" if forecast is None else converted(forecast.airspeed_m_s, "m/s", 3),
+                "–" if forecast is None else converted(forecast.airspeed_std_m_s, "m/s", 2),
             )
         )
         texts = () if result is None else result.fit.warnings
         warnings += [(str(run_id), text) for text in texts]
-    head = ("run", "maneuver", "method", "modes", "outcome", "adequacy", "airspeed [m/s]", "fuel")
-    of_run = ("flutter [m/s]", "σ [m/s]")
+    head = (
+        "run",
+        "maneuver",
+        "method",
+        "modes",
+        "outcome",
+        "adequacy",
+        heading("airspeed", "m/s"),
+        "fuel",
+    )
+    of_run = (heading("flutter", "m/s"), heading("σ", "m/s"))
     width = len(head) + (len(of_run) if forecasts else 0)
     yield ReportTable(
         (*head, *of_run)[:width],
@@ -278,12 +290,12 @@ def _draw_roots(store: Store, arguments: dict[str, Any]) -> Iterator[Part]:
 
 def _tabulate_progress(found: Flutter) -> ReportTable:
     return ReportTable(
-        ("flown up to [m/s]", "runs", "flutter speed [m/s]", "95 % interval"),
+        (heading("flown up to", "m/s"), "runs", heading("flutter speed", "m/s"), "95 % interval"),
         tuple(
             (
-                number(one.tested_m_s, 3),
+                converted(one.tested_m_s, "m/s", 3),
                 str(one.n_runs),
-                number(one.airspeed_m_s, 3),
+                converted(one.airspeed_m_s, "m/s", 3),
                 _format_interval(one.low_m_s, one.high_m_s),
             )
             for one in found.progress
@@ -295,14 +307,14 @@ def _tabulate_progress(found: Flutter) -> ReportTable:
 
 def _tabulate_structures(found: Flutter) -> ReportTable:
     return ReportTable(
-        ("modes", "runs", "preferred", "flutter speed [m/s]", "σ [m/s]"),
+        ("modes", "runs", "preferred", heading("flutter speed", "m/s"), heading("σ", "m/s")),
         tuple(
             (
                 listed(one.modes, "none"),
                 listed(one.run_ids),
                 "yes" if one.preferred else "second fit" if one.check else "no",
-                number(one.airspeed_m_s, 3),
-                number(one.airspeed_std_m_s, 2),
+                converted(one.airspeed_m_s, "m/s", 3),
+                converted(one.airspeed_std_m_s, "m/s", 2),
             )
             for one in found.structures
         ),
@@ -313,8 +325,11 @@ def _tabulate_structures(found: Flutter) -> ReportTable:
 
 def _tabulate_methods(found: Flutter) -> ReportTable:
     return ReportTable(
-        ("method", "flutter speed [m/s]", "remark"),
-        tuple((one.name, number(one.airspeed_m_s, 3), one.sentence) for one in found.trackers),
+        ("method", heading("flutter speed", "m/s"), "remark"),
+        tuple(
+            (one.name, converted(one.airspeed_m_s, "m/s", 3), display_sentence(one.sentence))
+            for one in found.trackers
+        ),
         "Classical methods, without a structural model",
         numbers_from=3,
     )
@@ -328,7 +343,7 @@ def _tabulate_margin(found: ClosedLoop, margin: LoopMargin) -> ReportTable:
 
     rows = [
         (
-            number(float(speed), 3),
+            converted(float(speed), "m/s", 3),
             "yes" if found.growth[k] < 0.0 else "no",
             with_error(20.0 * log10(gain) if gain > 0.0 else np.nan, _DB * margin.gain_std[k]),
             with_error(np.degrees(margin.phase_rad[k]), np.degrees(margin.phase_std_rad[k])),
@@ -337,7 +352,7 @@ def _tabulate_margin(found: ClosedLoop, margin: LoopMargin) -> ReportTable:
         for k, (speed, gain) in enumerate(zip(found.airspeed_m_s, margin.gain, strict=True))
     ]
     return ReportTable(
-        ("airspeed [m/s]", "stable", "gain [dB]", "phase [deg]", "disk"),
+        (heading("airspeed", "m/s"), "stable", "gain [dB]", "phase [deg]", "disk"),
         tuple(rows),
         f"Margins of the loop of {margin.surface}, ±2 standard errors",
         numbers_from=2,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from flexsid.display_units import display_unit
 from flexsid.records.live import (
     LiveEstimate,
     LiveTestPoint,
@@ -17,10 +18,12 @@ from flexsid.reports.content import (
     ReportTable,
     Section,
     Words,
+    converted,
     draw,
     estimate,
+    heading,
     moment,
-    number,
+    shown,
 )
 from flexsid.storage.store import Store
 from flexsid.workflow.live.sortie import FlownStream, read_sortie
@@ -93,7 +96,7 @@ def _summarise(sortie: FlownStream) -> Iterator[Part]:
             ("Started", moment(stream.created_at)),
             ("Stopped", moment(stream.stopped_at)),
             ("Test points", str(len(sortie.test_points))),
-            ("Next test point", f"{number(stream.next_airspeed_m_s)} m/s"),
+            ("Next test point", shown(stream.next_airspeed_m_s, "m/s")),
             ("Alarms", str(len(sortie.alarms))),
             ("Lost frames", "–" if last is None else str(last.lost_frames)),
             ("Late frames", "–" if last is None else str(last.late_frames)),
@@ -119,7 +122,7 @@ def _report_test_points(store: Store, sortie: FlownStream) -> Iterator[Part]:
             )
         )
     yield ReportTable(
-        ("maneuver", "status", "time [s]", *_ESTIMATE_HEAD, "run"),
+        ("maneuver", "status", "time [s]", *_head_estimates(), "run"),
         tuple(rows),
         "Test points with the last estimate of each, ± 2 standard errors",
         numbers_from=2,
@@ -129,16 +132,18 @@ def _report_test_points(store: Store, sortie: FlownStream) -> Iterator[Part]:
             yield Words(f"{point.start_s:.1f} s: {point.message}", warns=True)
 
 
-_ESTIMATE_HEAD = ("V [m/s]", "V_f [m/s]", "least damped", "damping ratio", "P(unstable) [%]")
+def _head_estimates() -> tuple[str, ...]:
+    speeds = heading("V", "m/s"), heading("V_f", "m/s")
+    return (*speeds, "least damped", "damping ratio", "P(unstable) [%]")
 
 
 def _describe_estimate(found: LiveEstimate | None) -> tuple[str, ...]:
     """Format airspeed, flutter speed and the least damped mode of an estimate."""
     if found is None:
-        return ("–",) * len(_ESTIMATE_HEAD)
+        return ("–",) * len(_head_estimates())
     speeds = (
-        "–" if found.condition is None else f"{found.condition.airspeed_m_s:.1f}",
-        _format_interval(found.flutter_m_s, found.flutter_std_m_s),
+        converted(found.condition and found.condition.airspeed_m_s, "m/s", 3),
+        _format_interval(found.flutter_m_s, found.flutter_std_m_s, display_unit("m/s")[1]),
     )
     mode = min(found.modes, key=lambda mode: mode.damping, default=None)
     if mode is None:
@@ -153,10 +158,10 @@ def _describe_estimate(found: LiveEstimate | None) -> tuple[str, ...]:
     )
 
 
-def _format_interval(value: float | None, std: float | None) -> str:
+def _format_interval(value: float | None, std: float | None, factor: float = 1.0) -> str:
     if value is None:
         return "none"
-    written, error = estimate(value, None if std is None else 2.0 * std)
+    written, error = estimate(factor * value, None if std is None else 2.0 * factor * std)
     return f"{written} ± {error}"
 
 
@@ -184,7 +189,7 @@ def _tabulate_estimates(sortie: FlownStream) -> Part:
             )
         )
     return ReportTable(
-        ("time [s]", "of maneuver [s]", *_ESTIMATE_HEAD, "delay [s]"),
+        ("time [s]", "of maneuver [s]", *_head_estimates(), "delay [s]"),
         tuple(rows),
         f"Estimates every {_STEP_S:g} s; the delay is that from the last sample to the estimate",
         numbers_from=0,

@@ -7,7 +7,7 @@ import { Facts } from "./ConditionFacts";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
 import { ProblemAlert } from "./ProblemAlert";
-import { Quantity, quantityFact } from "./Quantity";
+import { Quantity, quantityFact, Sentence } from "./Quantity";
 import { Section } from "./Section";
 
 /** The flutter analysis of a prediction: its job, then its result. */
@@ -48,7 +48,7 @@ function PredictedFlutter({ result }: { result: Result }) {
       }
     >
       <Alert variant="light" role="status" mb="sm" data-testid="predicted-flutter">
-        {result.sentence}
+        <Sentence text={result.sentence} />
       </Alert>
       <Facts
         facts={[

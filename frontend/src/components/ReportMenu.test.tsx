@@ -1,6 +1,7 @@
 import { screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { afterEach, expect, it, vi } from "vitest";
+import { storeUnits } from "../api/units";
 import { show } from "../test/render";
 import { ReportMenu } from "./ReportMenu";
 
@@ -13,6 +14,7 @@ const JOB = {
 
 afterEach(() => {
   vi.unstubAllGlobals();
+  localStorage.clear();
 });
 
 it("prints a PDF by a job, which can be cancelled, and links to the file", async () => {
@@ -29,7 +31,8 @@ it("prints a PDF by a job, which can be cancelled, and links to the file", async
       }),
     );
   });
-  await show(<ReportMenu of="run/3" query={{ units: "us" }} />);
+  storeUnits({ units: "us", frequency_unit: "Hz" });
+  await show(<ReportMenu of="run/3" />);
   await userEvent.click(screen.getByTestId("report"));
   const page = await screen.findByTestId("report-html");
   expect(page).toHaveAttribute("href", "/api/v1/reports/run/3?units=us");

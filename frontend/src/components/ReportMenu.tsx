@@ -3,6 +3,7 @@ import { useState } from "react";
 import { address, type QueryValue } from "../api/client";
 import { usePrintReport } from "../api/commands";
 import type { Job } from "../api/types";
+import { useUnitParameters } from "../api/units";
 import { JobWait } from "./JobWait";
 import { ProblemAlert } from "./ProblemAlert";
 
@@ -12,9 +13,10 @@ interface Props {
   query?: Record<string, QueryValue>;
 }
 
-/** Download of a page as one report file: at once as a web page, printed by a job as a PDF. */
+/** Download of a page as one report in display units: at once as a web page, or printed as a PDF. */
 export function ReportMenu({ of, query }: Props) {
   const print = usePrintReport();
+  const path = address(`reports/${of}`, { ...query, ...useUnitParameters() });
   const [ended, setEnded] = useState<Job>();
   return (
     <>
@@ -27,7 +29,7 @@ export function ReportMenu({ of, query }: Props) {
         <Menu.Dropdown>
           <Menu.Item
             component="a"
-            href={address(`reports/${of}`, query)}
+            href={path}
             target="_blank"
             rel="noopener"
             data-testid="report-html"
@@ -38,7 +40,7 @@ export function ReportMenu({ of, query }: Props) {
             data-testid="report-pdf"
             onClick={() => {
               setEnded(undefined);
-              print.mutate(address(`reports/${of}`, query));
+              print.mutate(path);
             }}
           >
             PDF

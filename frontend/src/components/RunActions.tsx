@@ -2,7 +2,6 @@ import { Button, Menu } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { runsQuery } from "../api/queries";
 import type { Run } from "../api/types";
-import { useUnitParameters } from "../api/units";
 import { csv, saveText } from "../lib/csv";
 import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "./ButtonLink";
@@ -17,7 +16,6 @@ export function RunActions({ run }: { run: Run }) {
   const methods = latestPerMethod(others.data ?? []).filter(
     (one) => one.method !== run.method || one.axis !== axis,
   );
-  const units = useUnitParameters();
   const done = run.state === "succeeded";
   return (
     <>
@@ -31,7 +29,7 @@ export function RunActions({ run }: { run: Run }) {
         Run again with changes
       </ButtonLink>
       <TemplateMenu run={run} />
-      {done && <ReportMenu of={`run/${run.id}`} query={{ ...units }} />}
+      {done && <ReportMenu of={`run/${run.id}`} />}
       {done && (
         <Menu position="bottom-end">
           <Menu.Target>

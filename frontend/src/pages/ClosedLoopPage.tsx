@@ -19,7 +19,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
-import { Quantity, quantity } from "../components/Quantity";
+import { Quantity, quantity, Sentence } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { degrees, fixed } from "../lib/format";
@@ -252,7 +252,7 @@ function Stability({ result }: { result: ClosedLoopStability }) {
         variant="light"
         color={result.lost_m_s === null ? "green" : "yellow"}
         role="status"
-        title={result.sentence}
+        title={<Sentence text={result.sentence} />}
         styles={{ title: { color: "var(--mantine-color-text)" } }}
         data-testid="closed-loop-result"
       >

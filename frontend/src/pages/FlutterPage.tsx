@@ -29,7 +29,7 @@ import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
 import { StoredPredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
-import { quantity, UnitName, WithInterval } from "../components/Quantity";
+import { Quantity, quantity, Sentence, UnitName, WithInterval } from "../components/Quantity";
 import { ReportMenu } from "../components/ReportMenu";
 import { Section } from "../components/Section";
 import { converted, fixed, hertz, percent } from "../lib/format";
@@ -324,12 +324,13 @@ function Prediction({ result }: { result: Flutter }) {
         color={safe ? "green" : "red.9"}
         variant={safe ? "light" : "filled"}
         role={safe ? "status" : "alert"}
-        title={result.test_point_margin}
+        title={<Sentence text={result.test_point_margin} />}
         data-testid="next-point"
         styles={{ title: safe ? { color: "var(--mantine-color-text)" } : {} }}
       >
-        {result.sentence} At {percent(result.fuel_fraction)} % fuel and an air density of{" "}
-        {fixed(result.density_kg_m3, 3)} kg/m³.{marginText(result)}
+        <Sentence text={result.sentence} /> At {percent(result.fuel_fraction)} % fuel and an air
+        density of <Quantity value={result.density_kg_m3} unit="kg/m3" decimals={3} named />.
+        <Sentence text={marginText(result)} />
       </Alert>
       <Section
         title="Model structures"
@@ -438,7 +439,7 @@ const FLUTTER: Column<{
   numeric: true,
   render: (one) =>
     one.airspeed_m_s === null ? (
-      one.sentence
+      <Sentence text={one.sentence} />
     ) : (
       <WithInterval
         value={one.airspeed_m_s}
@@ -531,7 +532,12 @@ function Methods({ result }: { result: Flutter }) {
   const columns: Column<typeof before>[] = [
     { key: "method", header: "Method", render: (one) => one.name },
     quantity("flutter", "Flutter", (one) => one.airspeed_m_s, "m/s", 2),
-    { key: "basis", header: "Basis", wraps: true, render: (one) => one.sentence },
+    {
+      key: "basis",
+      header: "Basis",
+      wraps: true,
+      render: (one) => <Sentence text={one.sentence} />,
+    },
   ];
   return (
     <DataTable

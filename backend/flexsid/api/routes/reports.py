@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from datetime import UTC, datetime
-from functools import wraps
+from inspect import Parameter, signature
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Response, status
@@ -23,7 +23,7 @@ from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity, Json
 from flexsid.api.submission import submit_job
-from flexsid.display_units import show_in
+from flexsid.display_units import DisplayUnits, show_in
 from flexsid.errors import UnknownRecord
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import REPORT
@@ -56,9 +56,8 @@ _POLICY = (
 _HTML, _PDF = "text/html", "application/pdf"
 
 
-def _report_run(store: TheStore, run_id: Identity, units: TheUnits) -> Report:
-    with show_in(units):
-        return reports.run_report(store, run_id)
+def _report_run(store: TheStore, run_id: Identity) -> Report:
+    return reports.run_report(store, run_id)
 
 
 def _report_comparison(
@@ -101,12 +100,19 @@ def _report_run_card(store: TheStore, design_id: Identity, level: Level = 1) -> 
 
 
 def _add_report(path: str, name: str, make: Callable[..., Report], content: str) -> None:
-    """Add the routes of a report: ``report_{name}`` returns it, ``print_{name}`` prints it."""
+    """Add the routes of a report: ``report_{name}`` returns it, ``print_{name}`` prints it.
 
-    @wraps(make)
-    def make_once(*arguments: Any, **named: Any) -> Report:
-        with reading_once():
-            return make(*arguments, **named)
+    Both take the display units.
+    """
+
+    def make_once(*, units: DisplayUnits, **named: Any) -> Report:
+        with show_in(units), reading_once():
+            return make(**named)
+
+    given = signature(make, eval_str=True)
+    of_units = Parameter("units", Parameter.KEYWORD_ONLY, annotation=TheUnits)
+    parameters = (*given.parameters.values(), of_units)
+    make_once.__signature__ = given.replace(parameters=parameters)  # pyright: ignore[reportFunctionMemberAccess]
 
     def read(context: TheContext, report: Any, form: Form = "html") -> Response:
         document = reports.to_document(report, context.report_template)
