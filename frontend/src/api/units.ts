@@ -63,13 +63,11 @@ const OTHERS: Partial<Record<string, [string, number]>> = {
   g: ["m/s2", 9.80665],
 };
 
-export type Convert = (unit: string) => { name: string; factor: number };
-
 /** Name and factor of the display unit of a unit: displayed = factor * value in the unit. */
-export function useConversion(): Convert {
+export function useConversion() {
   const { data } = useQuery(displayUnitsQuery(useDisplayUnits()));
   return useCallback(
-    (unit) => {
+    (unit: string): { name: string; factor: number } => {
       const [base, size] = OTHERS[unit] ?? [unit, 1];
       const found = data?.find((one) => one.unit === base);
       if (found === undefined || found.display_unit === unit) return { name: unit, factor: 1 };

@@ -1,5 +1,8 @@
-import { Button, Group, Select, Text, TextInput } from "@mantine/core";
+import { Button, Group, Select, Text } from "@mantine/core";
+import { typedNumber } from "../lib/format";
 import { QUANTITIES, type TypedLimits } from "../lib/limits";
+import { NumberField } from "./NumberField";
+import { UnitName } from "./Quantity";
 
 interface Props {
   value: TypedLimits;
@@ -22,29 +25,36 @@ export function LimitsInput({ value, onChange }: Props) {
       )}
       {limited.map(({ key, label, unit }) => {
         const [low, high] = value[key] ?? ["", ""];
-        const caption = unit === "" ? label : `${label} [${unit}]`;
         return (
           <Group key={key} gap="xs">
             <Text size="sm" w={150}>
-              {caption}
+              {label}
+              {unit !== "" && (
+                <>
+                  {" "}
+                  [<UnitName unit={unit} />]
+                </>
+              )}
             </Text>
-            <TextInput
+            <NumberField
               aria-label={`${label} from`}
               w={90}
-              inputMode="decimal"
-              value={low}
-              onChange={(event) => {
-                onChange({ ...value, [key]: [event.currentTarget.value, high] });
+              hideControls
+              unit={unit}
+              value={typedNumber(low)}
+              onChange={(next) => {
+                onChange({ ...value, [key]: [write(next), high] });
               }}
             />
             <Text size="sm">to</Text>
-            <TextInput
+            <NumberField
               aria-label={`${label} to`}
               w={90}
-              inputMode="decimal"
-              value={high}
-              onChange={(event) => {
-                onChange({ ...value, [key]: [low, event.currentTarget.value] });
+              hideControls
+              unit={unit}
+              value={typedNumber(high)}
+              onChange={(next) => {
+                onChange({ ...value, [key]: [low, write(next)] });
               }}
             />
             <Button
@@ -75,4 +85,8 @@ export function LimitsInput({ value, onChange }: Props) {
       )}
     </div>
   );
+}
+
+function write(value: number | undefined): string {
+  return value === undefined ? "" : String(value);
 }

@@ -1,3 +1,4 @@
+import { useConversion } from "../api/units";
 import { proposalDifferences, type StoredProposal } from "../lib/proposal";
 import { DataTable } from "./DataTable";
 
@@ -9,6 +10,7 @@ interface Props {
 
 /** What differs between two proposals, part by part. */
 export function ProposalDifference({ before, after, names }: Props) {
+  const convert = useConversion();
   return (
     <DataTable
       label={`${names[0]} and ${names[1]}`}
@@ -17,7 +19,7 @@ export function ProposalDifference({ before, after, names }: Props) {
         { key: "before", header: names[0], render: (one) => one.before },
         { key: "after", header: names[1], render: (one) => one.after },
       ]}
-      rows={proposalDifferences(before, after)}
+      rows={proposalDifferences(before, after, convert)}
       rowKey={(one) => one.part}
     />
   );

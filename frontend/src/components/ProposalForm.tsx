@@ -21,6 +21,7 @@ import {
   structureVersionsQuery,
 } from "../api/queries";
 import type { ModelStructure, ProposalRequest } from "../api/types";
+import { useConversion } from "../api/units";
 import { limitsText, typed } from "../lib/limits";
 import { figuresOf, proposalOf, type ProposalDraft, type Reference } from "../lib/proposal";
 import { integer } from "../lib/urlState";
@@ -195,6 +196,7 @@ function RangeOfRuns({
   onChange: (part: Partial<ProposalDraft>) => void;
 }) {
   const evidence = useQuery(proposalEvidenceQuery(draft.structure, draft.runs));
+  const convert = useConversion();
   if (draft.structure === null || draft.runs.length === 0) {
     return (
       <Text size="xs" className="quiet">
@@ -206,7 +208,7 @@ function RangeOfRuns({
     <Loaded query={evidence} rows={1}>
       {({ limits }) => (
         <Group gap="xs">
-          <Text size="sm">The runs cover {limitsText(limits).toLowerCase()}.</Text>
+          <Text size="sm">The runs cover {limitsText(limits, convert)}.</Text>
           <Button
             variant="default"
             size="compact-xs"

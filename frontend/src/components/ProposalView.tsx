@@ -4,6 +4,7 @@ import { Link } from "@tanstack/react-router";
 import { aircraftQuery, voteEvidenceQuery } from "../api/queries";
 import type { ReactNode } from "react";
 import type { Decision, Proposal } from "../api/types";
+import { useConversion } from "../api/units";
 import { derivativeNames } from "../lib/derivatives";
 import { limitsText } from "../lib/limits";
 import { differences } from "../lib/structure";
@@ -39,10 +40,16 @@ export function ProposalView({ decision, ...props }: Props) {
 }
 
 /** Rows of facts of every proposal. */
-function reviewFacts({ proposal, decision }: { proposal: Proposal; decision: Decision }) {
+function useReviewFacts({ proposal, decision }: { proposal: Proposal; decision: Decision }) {
+  const convert = useConversion();
   const { rules } = decision;
   return [
-    ["For", proposal.structure === null ? "the envelope of its runs" : limitsText(proposal.limits)],
+    [
+      "For",
+      proposal.structure === null
+        ? "the envelope of its runs"
+        : limitsText(proposal.limits, convert),
+    ],
     ["Axis", decision.axis],
     ["By", decision.authors.join(", ")],
     ["Revision", decision.revision],
@@ -61,6 +68,7 @@ function reviewFacts({ proposal, decision }: { proposal: Proposal; decision: Dec
 
 function GlobalModelProposal({ decision, model }: { decision: Decision; model: GlobalModel }) {
   const { proposal } = decision;
+  const facts = useReviewFacts({ proposal, decision });
   const outlying = model.runs.filter((run) => run.is_outlying).map((run) => run.run_id);
   return (
     <Section title="Proposal">
@@ -74,7 +82,7 @@ function GlobalModelProposal({ decision, model }: { decision: Decision; model: G
           ],
           ["Runs", model.runs.length],
           ["Outlying runs, excluded", outlying.join(", ") || "none"],
-          ...reviewFacts({ proposal, decision }),
+          ...facts,
         ]}
       />
       <Text mt="sm" size="sm">
@@ -96,6 +104,7 @@ function StructureProposal({ decision, structure, derivative, onDerivative }: St
   const craft = aircraft.data?.find((one) => one.id === decision.aircraft_id);
   const surfaces = craft?.surfaces.map((one) => one.name) ?? [];
   const { proposal, changes } = decision;
+  const facts = useReviewFacts({ proposal, decision });
   const { modes, inputs: named, axis } = structure.structure;
   const inputs = named.length > 0 ? named : surfaces;
   const all = derivativeNames(modes, inputs, axis);
@@ -133,7 +142,7 @@ function StructureProposal({ decision, structure, derivative, onDerivative }: St
                 />
               ),
             ],
-            ...reviewFacts({ proposal, decision }),
+            ...facts,
           ]}
         />
         <Text mt="sm" style={{ whiteSpace: "pre-wrap", overflowWrap: "anywhere" }}>

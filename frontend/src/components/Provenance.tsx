@@ -4,6 +4,7 @@ import type { Run } from "../api/types";
 import { dateTime, elapsed } from "../lib/format";
 import { heldAt, heldText } from "../lib/structure";
 import { Facts } from "./ConditionFacts";
+import { Band } from "./Quantity";
 import { Section } from "./Section";
 import { StructureLink } from "./StructureLink";
 
@@ -47,7 +48,10 @@ export function Provenance({ run }: { run: Run }) {
               ? []
               : [["Template", templateText(run.template)] as [string, ReactNode]]),
             ["Start", settings.start.replaceAll("-", " ")],
-            ["Band", settings.band_hz?.join(" to ") ?? "as excited", settings.band_hz ? "Hz" : ""],
+            [
+              "Band",
+              settings.band_hz == null ? "as excited" : <Band key="band" hz={settings.band_hz} />,
+            ],
             ["Maximum iterations", settings.max_iterations],
             ["Noise", settings.noise],
             ["Modal table", run.modal_table_id ?? "default"],

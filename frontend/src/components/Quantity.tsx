@@ -22,6 +22,16 @@ export function Quantity({ value, unit, decimals, named }: Props) {
   return <>{named === true ? `${shown} ${name}` : shown}</>;
 }
 
+/** A band of frequencies in the display unit. */
+export function Band({ hz }: { hz: readonly number[] }) {
+  return (
+    <>
+      <Quantity value={hz[0]} unit="Hz" decimals={2} /> to{" "}
+      <Quantity value={hz[1]} unit="Hz" decimals={2} named />
+    </>
+  );
+}
+
 /** Name of the display unit of an SI unit, or of Hz. */
 export function UnitName({ unit }: { unit: string }) {
   return <>{useConversion()(unit).name}</>;

@@ -1,8 +1,10 @@
-import { Group, MultiSelect, Select, Stack, TextInput } from "@mantine/core";
+import { Group, MultiSelect, Select, Stack } from "@mantine/core";
 import type { Maneuver, Prediction } from "../api/types";
 import { excitedInputs, named } from "../lib/channels";
+import { typedNumber } from "../lib/format";
 import { bandOf, STARTS, type RunDraft, type Start } from "../lib/runDraft";
 import { integer } from "../lib/urlState";
+import { NumberField } from "./NumberField";
 import { Section } from "./Section";
 
 const START_NAMES: Record<Start, string> = {
@@ -62,16 +64,17 @@ export function RunData({ maneuver, outputs, predictions, draft, fromRun, onChan
         />
         <Group grow align="flex-start">
           {(["from", "to"] as const).map((end, index) => (
-            <TextInput
+            <NumberField
               key={end}
-              label={`Band ${end} [Hz]`}
+              label={`Band ${end}`}
+              unit="Hz"
               placeholder="excited band"
-              inputMode="decimal"
+              hideControls
               error={"fault" in band}
-              value={draft.band[index]}
-              onChange={(event) => {
+              value={typedNumber(draft.band[index])}
+              onChange={(value) => {
                 const next: [string, string] = [...draft.band];
-                next[index] = event.currentTarget.value;
+                next[index] = value === undefined ? "" : String(value);
                 onChange({ band: next });
               }}
             />

@@ -1,6 +1,7 @@
 import { Alert, Text } from "@mantine/core";
 import type { RunProposal } from "../api/types";
 import { fixed } from "../lib/format";
+import { Band, Quantity } from "./Quantity";
 import { Section } from "./Section";
 
 interface Props {
@@ -11,14 +12,13 @@ interface Props {
 
 /** Excited band, modes in the band, and data per parameter of the proposed model. */
 export function RunProposalNote({ proposal, modes }: Props) {
-  const [low = 0, high = 0] = proposal.basis.band_hz;
   const above = proposal.modes.filter((mode) => modes.includes(mode.number) && !mode.in_band);
   return (
-    <Section title="Proposal" note={`${fixed(low, 2)} to ${fixed(high, 2)} Hz`}>
+    <Section title="Proposal" note={<Band hz={proposal.basis.band_hz} />}>
       <Text size="sm" data-testid="run-proposal">
         {proposal.basis.reasons.join(" ")} {proposal.n_parameters} parameters, {proposal.n_lines}{" "}
         excited frequencies, {fixed(proposal.lines_per_parameter, 1)} per parameter of an equation,{" "}
-        {fixed(proposal.resolution_hz, 3)} Hz apart.
+        <Quantity value={proposal.resolution_hz} unit="Hz" decimals={3} named /> apart.
       </Text>
       {above.length > 0 && (
         <Alert color="orange" variant="light" mt="sm" data-testid="above-band">

@@ -96,3 +96,12 @@ export function duration(seconds: number): string {
 /** `1 run`, `3 runs`. */
 export const count = (number: number, noun: string): string =>
   `${number} ${noun}${number === 1 ? "" : "s"}`;
+
+/** Name of the display unit of a unit, and displayed value over value in the unit. */
+export type Convert = (unit: string) => { name: string; factor: number };
+
+/** The number that a text of a draft is; undefined where nothing, or no number, is typed. */
+export function typedNumber(text: string | undefined): number | undefined {
+  const value = text === undefined || text.trim() === "" ? NaN : Number(text.replace(",", "."));
+  return Number.isFinite(value) ? value : undefined;
+}

@@ -23,5 +23,10 @@ describe("limits of conditions", () => {
       "Dynamic pressure 0 to 400 Pa, Fuel 0 to 50 %",
     );
     expect(limitsText({})).toBe("All conditions");
+    const knots = (name: string) =>
+      name === "m/s" ? { name: "kt", factor: 3600 / 1852 } : { name, factor: 1 };
+    expect(limitsText({ airspeed_m_s: [1852 / 3600, 18520 / 3600] }, knots)).toBe(
+      "Airspeed 1 to 10 kt",
+    );
   });
 });

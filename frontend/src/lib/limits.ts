@@ -1,5 +1,5 @@
 /** Ranges of conditions: stored (SI), typed and parsed. */
-import { fixed } from "./format";
+import { fixed, type Convert } from "./format";
 
 export const QUANTITIES = [
   { key: "dynamic_pressure_pa", label: "Dynamic pressure", unit: "Pa", factor: 1 },
@@ -13,17 +13,20 @@ type QuantityKey = (typeof QUANTITIES)[number]["key"];
 /** Limits as the API has them: closed intervals by quantity. */
 export type Limits = Partial<Record<QuantityKey, readonly (number | string)[]>>;
 
-/** Limits as they are typed, in display units. */
+/** Limits as they are typed, in the units of ``QUANTITIES``. */
 export type TypedLimits = Partial<Record<QuantityKey, [string, string]>>;
 
-export function limitsText(limits: Limits): string {
+const unconverted: Convert = (name) => ({ name, factor: 1 });
+
+export function limitsText(limits: Limits, convert: Convert = unconverted): string {
   const parts = QUANTITIES.flatMap(({ key, label, unit, factor }) => {
     const pair = limits[key];
     if (pair === undefined) return [];
+    const display = convert(unit);
     const [low, high] = pair.map((value) =>
-      String(Number((Number(value) * factor).toPrecision(4))),
+      String(Number((Number(value) * factor * display.factor).toPrecision(4))),
     );
-    return [`${label} ${low} to ${high} ${unit}`.trim()];
+    return [`${label} ${low} to ${high} ${display.name}`.trim()];
   });
   return parts.length > 0 ? parts.join(", ") : "All conditions";
 }

@@ -1,5 +1,6 @@
 /** A proposal while it is written, and what differs between two. */
 import { axisNames } from "./derivatives";
+import type { Convert } from "./format";
 import type { Limits, TypedLimits } from "./limits";
 import { limitsText, readLimits, typed } from "./limits";
 
@@ -149,7 +150,7 @@ const PART_NAMES: Record<ProposalPart, string> = {
   figure_ids: "Figures",
 };
 
-function partText(proposal: StoredProposal, part: ProposalPart): string {
+function partText(proposal: StoredProposal, part: ProposalPart, convert?: Convert): string {
   const reference = (one: Reference | null) =>
     one === null ? "none" : `structure ${one.id}, version ${one.version}`;
   switch (part) {
@@ -159,7 +160,7 @@ function partText(proposal: StoredProposal, part: ProposalPart): string {
     case "global_model_id":
       return proposal.global_model_id === null ? "none" : String(proposal.global_model_id);
     case "limits":
-      return limitsText(proposal.limits);
+      return limitsText(proposal.limits, convert);
     case "title":
     case "reasoning":
       return proposal[part];
@@ -170,12 +171,16 @@ function partText(proposal: StoredProposal, part: ProposalPart): string {
   }
 }
 
-export function proposalDifferences(before: StoredProposal, after: StoredProposal) {
+export function proposalDifferences(
+  before: StoredProposal,
+  after: StoredProposal,
+  convert?: Convert,
+) {
   return PROPOSAL_PARTS.map((part) => ({
     part,
     what: PART_NAMES[part],
-    before: partText(before, part),
-    after: partText(after, part),
+    before: partText(before, part, convert),
+    after: partText(after, part, convert),
   })).filter((one) => one.before !== one.after);
 }
 
