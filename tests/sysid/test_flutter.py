@@ -323,9 +323,15 @@ def test_an_error_of_a_modal_frequency_moves_flutter_by_what_the_interval_counts
     assert predict_flutter(exact, (25.0, 80.0)).modal_std == 0.0
 
 
+@pytest.mark.parametrize("retained", [0, 2])
 @pytest.mark.parametrize("n_runs", [1, 2, 3])
-def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(n_runs: int):
-    """Frequencies 3 % wrong: one run compensates them, several separate them from derivatives."""
+def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(
+    n_runs: int, retained: int
+):
+    """Frequencies 3 % wrong: one run compensates them, several separate them from derivatives.
+
+    So are those of retained modes, whose derivatives are nuisance parameters.
+    """
     true = flex28(4)
     truth = predict_flutter(IdentifiedModes(true, everything(true, 1e-6)), (25.0, 80.0))
     assert truth.crossing is not None
@@ -347,7 +353,9 @@ def test_runs_at_several_airspeeds_correct_the_frequencies_of_the_modal_table(n_
         table = replace(true.derivatives, values=values)
         aircraft = replace(true, condition=at, modes=wrong, derivatives=table)
         stiffness = StiffnessError(np.full(4, 0.03), at.dynamic_pressure, slopes)
-        parts.append(IdentifiedModes(aircraft, known, stiffness))
+        none = np.zeros(known.rows.size)
+        prior = DerivativePrior(none, none, nuisance=known.rows >= 2 + 4 - retained)
+        parts.append(IdentifiedModes(aircraft, known, stiffness, prior))
     found = fuse_identified(parts, replace(parts[0].aircraft, condition=true.condition))
     prediction = predict_flutter(found, (25.0, 80.0))
     assert prediction.crossing is not None

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 
-FEM_FREQUENCY = 0.02
+FEM_FREQUENCY = 0.03
 """Relative standard deviation of frequencies of a finite element model.
 
 Models that were not updated differ from ground vibration tests by 1 to 3 %."""

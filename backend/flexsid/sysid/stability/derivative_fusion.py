@@ -23,7 +23,8 @@ class StiffnessError:
     """Relative standard deviations of the frequencies in vacuo, in the order of the modes.
 
     ``pressure`` is the dynamic pressure that the derivatives were estimated at [Pa]; of fused
-    runs that of each mode at which its error is independent of the derivatives. ``slopes`` are the
+    runs that of each mode at which its error is independent of the derivatives, infinite where no
+    derivative compensates it. ``slopes`` are the
     changes of estimated C_Qi_etai with the relative error of a frequency, where runs of the same
     modal table are fused.
     """
@@ -175,9 +176,7 @@ def _find_shared_errors(parts: Sequence[IdentifiedModes]) -> _SharedErrors | Non
     places = list(zip(uncertain.rows.tolist(), uncertain.columns.tolist(), strict=True))
     std = np.stack([error.relative_std for error in known])
     same = np.all(np.isclose(std, std[0], rtol=1e-9), axis=0) & (std[0] > 0.0)
-    modes = [
-        k for k in range(std.shape[1]) if same[k] and (first + k, first + k) in parts[0].places
-    ]
+    modes = [k for k in range(std.shape[1]) if same[k] and (first + k, first + k) in places]
     if not modes:
         return None
     slopes = np.stack([np.asarray(error.slopes, dtype=float) for error in known])
@@ -205,11 +204,15 @@ def _reduce_errors(
 ) -> StiffnessError:
     """Return the errors that are left, at the dynamic pressures where they are independent."""
     std = stiffness.relative_std.copy()
-    pressure = np.full(std.size, stiffness.pressure)
+    first = parts[0].aircraft.derivatives.body.size
+    own = [(first + k, first + k) in parts[0].places for k in range(std.size)]
+    pressure = np.where(own, stiffness.pressure, np.inf)
     flown = np.array([part.aircraft.condition.dynamic_pressure for part in parts])
     products = np.mean(shared.slopes * flown[:, None], axis=0)
     std[shared.modes] = found.std
-    pressure[shared.modes] = products / found.gains
+    compensated = found.gains != 0.0
+    pressure[shared.modes] = np.inf
+    pressure[shared.modes[compensated]] = products[compensated] / found.gains[compensated]
     return StiffnessError(std, pressure)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
 from flexsid.sysid.stability.flight_evidence import (
     FlownInstability,
     FlownPoint,
@@ -204,11 +204,8 @@ def _modal_std(found: IdentifiedModes, crossing: FlutterCrossing, density: float
     aircraft, stiffness = found.aircraft, found.stiffness
     air = aircraft.condition.density if density is None else density
     pressure = 0.5 * air * crossing.airspeed**2
-    own = found.places
     modes = aircraft.modes
-    first = aircraft.derivatives.body.size
-    is_estimated = [(first + k, first + k) in own for k in range(len(modes.numbers))]
-    left = np.where(is_estimated, 1.0 - pressure / stiffness.pressure, 1.0)
+    left = 1.0 - pressure / _find_independent_pressures(found, stiffness)
     change = 2.0 * modes.omega**2 * stiffness.relative_std * left
     slopes = compute_frequency_slopes(aircraft, crossing, density)
     return float(np.sqrt(np.sum((slopes * change) ** 2)))
@@ -242,6 +239,18 @@ def fuse_at_crossing(
             return found
         speed = float(0.5 * (speed + aim))
     return fuse(0.5 * density * speed**2)
+
+
+def _find_independent_pressures(
+    found: IdentifiedModes, stiffness: StiffnessError
+) -> Float[np.ndarray, " n_modes"]:
+    """Dynamic pressures at which errors of frequencies and of derivatives are independent. [Pa]"""
+    if isinstance(stiffness.pressure, np.ndarray):
+        return stiffness.pressure
+    first = found.aircraft.derivatives.body.size
+    n_modes = len(found.aircraft.modes.numbers)
+    own = [(first + k, first + k) in found.places for k in range(n_modes)]
+    return np.where(own, stiffness.pressure, np.inf)
 
 
 def compute_structure_spread(speeds: Sequence[float], preferred: float) -> float:

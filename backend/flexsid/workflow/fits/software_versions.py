@@ -9,7 +9,7 @@ import scipy
 
 from flexsid import __version__
 
-METHODS = "8"
+METHODS = "9"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs

@@ -524,6 +524,9 @@ def _fuse(
         _share_data(scale_to_fuel(store, part, fuel), shares)
         for part, shares in zip(flown_parts, _count_shared(flown_parts), strict=True)
     ]
+    # The static response of omitted modes changes C_Qi_etai as an error of a frequency does.
+    if any(part.check or part.omitted_modes for part in flown_parts):
+        parts = [_drop_slopes(part) for part in parts]
     to = replace(
         build_loaded_model(at.aircraft, at.modes, flown_parts, fuel, at.density),
         derivatives=parts[-1].aircraft.derivatives,
