@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
