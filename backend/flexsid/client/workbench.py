@@ -631,9 +631,9 @@ class Workbench:
         number
             Id of the run, decision or version of a global model.
         **query
-            ``run_ids`` and ``prediction_ids`` of a comparison; ``run_ids`` of a stored flutter
-            prediction or closed-loop analysis, ``controller_id`` of the latter; filters of a
-            campaign.
+            ``units`` and ``frequency_unit``; ``run_ids`` and ``prediction_ids`` of a comparison;
+            ``run_ids`` of a stored flutter prediction or closed-loop analysis, ``controller_id``
+            of the latter; filters of a campaign.
         """
         form = Path(file).suffix.removeprefix(".")
         if form not in ("html", "pdf"):
