@@ -7,6 +7,7 @@ import html
 import json
 import re
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -122,11 +123,16 @@ def _commands() -> str:
     return "\n".join(lines)
 
 
-def _rest() -> str:
+@cache
+def _describe_interface() -> dict[str, Any]:
     from flexsid.api.app import create_app
     from flexsid.settings import Settings
 
-    schema = create_app(Settings()).openapi()
+    return create_app(Settings()).openapi()
+
+
+def _rest() -> str:
+    schema = _describe_interface()
     lines = [
         "# REST",
         "",
@@ -146,11 +152,9 @@ def _rest() -> str:
 
 
 def _permissions() -> str:
-    from flexsid.api.app import create_app
     from flexsid.api.permissions import write_permissions
-    from flexsid.settings import Settings
 
-    return write_permissions(create_app(Settings()).openapi()["paths"])
+    return write_permissions(_describe_interface()["paths"])
 
 
 def _operation(path: str, method: str, operation: dict[str, Any]) -> list[str]:

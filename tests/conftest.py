@@ -17,6 +17,7 @@ import numpy as np
 import postgresql as postgresql_server
 import pytest
 from preloaded import use_preloaded
+from shape_checks import check_first_calls
 from threadpoolctl import threadpool_limits
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surface
@@ -139,6 +140,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return next(begins, len(_LONGEST))
 
     items.sort(key=rank)
+
+
+def pytest_runtest_setup() -> None:
+    check_first_calls()
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

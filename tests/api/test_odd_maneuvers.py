@@ -75,7 +75,9 @@ def _stuck(dead: str, value: float = 3.1) -> Samples:
 
 
 @pytest.mark.parametrize("backend", ["sqlite"])
-@pytest.mark.parametrize("dead", ["q", "az_egi", "bfs"])
+@pytest.mark.parametrize(
+    "dead", ["q", *(pytest.param(name, marks=pytest.mark.long) for name in ("az_egi", "bfs"))]
+)
 def test_constant_channel_is_reported(flown_url: str, serve: Serve, dead: str) -> None:
     _store_copy(flown_url, _stuck(dead), "longitudinal")
     with serve(flown_url) as client:

@@ -25,6 +25,7 @@ HAS_RUNS = True
 
 SCREENSHOTS = Path(__file__).parent / "screenshots" / "pages"
 WIDTHS = (1440, 1024)
+THEMES = ("light", "dark")
 # Every rule once; that of the theme in the other theme, too. Nothing else differs in the other
 # combinations, which are shown for screenshots only.
 _ALL = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
@@ -114,14 +115,23 @@ def visited(browser: Browser, server: str) -> Iterator[Page]:
         yield page
 
 
-@pytest.mark.parametrize("name", PAGES)
+# Tabs of a page share its colours; `make test-long` walks them in the dark theme, too.
+IS_PHOTOGRAPHED = bool(os.environ.get("FLEXSID_SCREENSHOTS"))
+TABS = {name for name, address in PAGES.items() if "tab=" in address and not IS_PHOTOGRAPHED}
+CASES = [
+    *((name, THEMES[:1] if name in TABS else THEMES) for name in PAGES),
+    *(pytest.param(name, THEMES, marks=pytest.mark.long) for name in PAGES if name in TABS),
+]
+
+
+@pytest.mark.parametrize(("name", "themes"), CASES)
 def test_a_page_has_no_errors_overflow_or_violations(
-    visited: Page, records: dict[str, str], name: str
+    visited: Page, records: dict[str, str], name: str, themes: tuple[str, ...]
 ):
     refused = 404 if name == "no-such-record" else None
     with watched(visited, refused):
         _open(visited, name, PAGES[name].format(**records))
-        _walk(visited, name)
+        _walk(visited, name, themes)
 
 
 def _open(page: Page, name: str, address: str) -> None:
@@ -169,25 +179,24 @@ def _switch_theme(page: Page) -> None:
     page.mouse.move(0, 0)
 
 
-def _walk(page: Page, name: str) -> None:
+def _walk(page: Page, name: str, themes: tuple[str, ...]) -> None:
     axe = _axe()
-    is_photographed = bool(os.environ.get("FLEXSID_SCREENSHOTS"))
-    for theme in ("light", "dark"):
+    for theme in themes:
         expect(page.locator("html")).to_have_attribute("data-mantine-color-scheme", theme)
         for width in WIDTHS:
             rules = AXE_RULES.get((theme, width))
-            if rules is None and not is_photographed:
+            if rules is None and not IS_PHOTOGRAPHED:
                 continue
             page.set_viewport_size({"width": width, "height": 900})
             _settled(page)
             where = f"{name} at {width} pixels, {theme}"
             _fits(page, where)
-            if is_photographed:
+            if IS_PHOTOGRAPHED:
                 _shoot(page, f"{name}-{theme}-{width}")
             if rules is not None:
                 found = _violations(page, axe, rules)
                 assert not found, f"{where}:\n" + "\n".join(found)
-        if theme == "light":
+        if theme != themes[-1]:
             page.set_viewport_size({"width": WIDTHS[0], "height": 900})
             _switch_theme(page)
 

@@ -64,7 +64,7 @@ def judge(found: Estimates, truth: np.ndarray) -> None:
         assert apart[sure].max() < 3.0, (one, other)
 
 
-@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("count", [2, pytest.param(4, marks=pytest.mark.long)])
 def test_fta_506_at_low_speed_gives_the_truth_back(store: Store, count: int):
     flight = _flight(store)
     flown = fly(airspeed_ratio=0.65, fuel=0.5, fta=506, modes_in_truth=count, seed=5)

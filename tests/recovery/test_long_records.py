@@ -120,7 +120,7 @@ def test_a_record_of_small_motion_gives_every_derivative_and_the_phugoid(
     assert poles["PH"] == pytest.approx(PHUGOID, rel=0.005)
 
 
-@pytest.mark.parametrize("method", [Method.EE, Method.OE])
+@pytest.mark.parametrize("method", [pytest.param(Method.EE, marks=pytest.mark.long), Method.OE])
 def test_the_truth_is_within_the_standard_errors_of_a_noisy_record(
     store: Store, tmp_path: Path, method: Method
 ) -> None:

@@ -78,7 +78,13 @@ def add_design(
 
 
 @pytest.mark.parametrize(
-    "design", [TAILED_40_FT, TAILLESS_10_FT, GLIDER_20_FT], ids=lambda d: d.name
+    "design",
+    [
+        pytest.param(TAILED_40_FT, marks=pytest.mark.long),
+        TAILLESS_10_FT,
+        pytest.param(GLIDER_20_FT, marks=pytest.mark.long),
+    ],
+    ids=lambda d: d.name,
 )
 def test_few_sensors_and_a_prediction_that_is_30_percent_wrong(store: Store, design: Design):
     maneuver_id, truth = add_design(store, design, seed=1)

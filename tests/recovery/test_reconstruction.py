@@ -54,7 +54,10 @@ def flight_id(store: Store) -> int:
     return flight.id
 
 
-@pytest.mark.parametrize(("ratio", "peak_deg", "seed", "fta"), EXCITED)
+@pytest.mark.parametrize(
+    ("ratio", "peak_deg", "seed", "fta"),
+    [pytest.param(*case, marks=pytest.mark.long) for case in EXCITED[:-1]] + EXCITED[-1:],
+)
 def test_modal_motion_is_reconstructed_with_valid_standard_errors(
     store: Store, flight_id: int, ratio: float, peak_deg: float, seed: int, fta: int
 ):

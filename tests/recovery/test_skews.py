@@ -28,7 +28,13 @@ others = pytest.mark.skipif(
 
 @others
 @pytest.mark.parametrize(
-    "name", ["065Vf_n2_fta506", "065Vf_n4_fta506", "080Vf_n8_fta503", "109Vf_n8_fta506"]
+    "name",
+    [
+        "065Vf_n2_fta506",
+        pytest.param("065Vf_n4_fta506", marks=pytest.mark.long),
+        pytest.param("080Vf_n8_fta503", marks=pytest.mark.long),
+        "109Vf_n8_fta506",
+    ],
 )
 def test_skews_on_every_channel_come_back(store: Store, name: str):
     add_aircraft(store)

@@ -55,6 +55,10 @@ SURFACES = {
 }
 
 
+def _long(*case: object):
+    return pytest.param(*case, marks=pytest.mark.long)
+
+
 @pytest.fixture(scope="module")
 def own_lattice() -> tuple[FrequencyShape, DerivativeTable]:
     """C(k) of the project's lattice on the boxes of the data set."""
@@ -137,7 +141,7 @@ def predict(task: EstimationTask, found: ComputedRun) -> tuple[float, float]:
 
 @pytest.mark.parametrize(
     ("name", "percent"),
-    [("065Vf_n2_fta506", 1.5), ("080Vf_n2_fta506", 1.0), ("095Vf_n2_fta506", 1.0)],
+    [_long("065Vf_n2_fta506", 1.5), ("080Vf_n2_fta506", 1.0), ("095Vf_n2_fta506", 1.0)],
 )
 def test_flutter_and_factors_from_one_maneuver(store: Store, own_lattice, name: str, percent):
     shape, start = own_lattice
@@ -195,10 +199,10 @@ def test_a_quasi_steady_model_of_these_records_is_suspect(store: Store):
 @pytest.mark.parametrize(
     ("name", "band_hz", "verdict"),
     [
-        ("080Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
-        ("095Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
+        _long("080Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
+        _long("095Vf_n2_fta506", None, AerodynamicsVerdict.SHAPED),
         ("080Vf_n2_fta506_gust", None, AerodynamicsVerdict.SHAPED),
-        ("080Vf_n2_fta506", (0.2, 2.0), AerodynamicsVerdict.NOT_DECIDED),
+        _long("080Vf_n2_fta506", (0.2, 2.0), AerodynamicsVerdict.NOT_DECIDED),
         ("../../flex28/records/065Vf_n2_fta506", None, AerodynamicsVerdict.QUASI_STEADY),
     ],
 )

@@ -42,7 +42,11 @@ def predicted_r_squared(store: Store, run: EstimationRun) -> float:
 
 
 @pytest.mark.parametrize(
-    "method", [Method.OE, Method.FRE, pytest.param(Method.EE, marks=pytest.mark.long)]
+    "method",
+    [
+        Method.OE,
+        *(pytest.param(other, marks=pytest.mark.long) for other in (Method.FRE, Method.EE)),
+    ],
 )
 def test_held_out_frequencies_are_predicted_almost_as_well_as_fitted_ones(
     store: Store, method: Method

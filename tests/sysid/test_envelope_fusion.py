@@ -25,7 +25,7 @@ def measure(seed: int, drift: float, n_runs: int) -> tuple[float, bool]:
     return prediction.crossing.airspeed / expected - 1.0, low < expected < high
 
 
-@pytest.mark.parametrize("drift", [0.0, 0.3])
+@pytest.mark.parametrize("drift", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
 def test_flutter_of_slow_runs_is_that_of_the_truth(drift: float):
     error, inside = measure(0, drift, 20)
     assert abs(error) < 0.015

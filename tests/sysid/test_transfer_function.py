@@ -31,7 +31,7 @@ def test_a_response_without_noise_gives_the_function_back():
     np.testing.assert_allclose(found.response(OMEGA), H, rtol=1e-9)
 
 
-@pytest.mark.parametrize("colour", [0.0, 2.0])
+@pytest.mark.parametrize("colour", [pytest.param(0.0, marks=pytest.mark.long), 2.0])
 @pytest.mark.parametrize("fits", [80, pytest.param(1000, marks=pytest.mark.long)])
 def test_two_standard_errors_hold_the_truth(fits, colour):
     """Also where noise rises over frequency, but only its mean was known."""

@@ -55,7 +55,7 @@ def compute_errors(
     return (band.values - [truth[name] for name in own]) / band.std_errors
 
 
-@pytest.mark.parametrize("uneven", [0.0, 0.5])
+@pytest.mark.parametrize("uneven", [pytest.param(0.0, marks=pytest.mark.long), 0.5])
 @pytest.mark.parametrize("fits", [12, pytest.param(100, marks=pytest.mark.long)])
 def test_standard_errors_hold_where_noise_is_not_declared(make_case, fits, uneven):
     case = make_case(3, n_outputs=14)

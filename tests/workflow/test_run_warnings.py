@@ -69,7 +69,7 @@ def test_frequency_response_error_of_some_inputs_finds_the_truth(
     assert 0.5 < np.sqrt(np.mean(error**2)) < 1.4
 
 
-@pytest.mark.parametrize("method", [Method.EE, Method.OE])
+@pytest.mark.parametrize("method", [Method.EE, pytest.param(Method.OE, marks=pytest.mark.long)])
 def test_a_surface_with_the_wrong_sign_is_named(ask: Ask, flown_url: str, method: Method) -> None:
     def list_reversed() -> list[str]:
         warnings = compute_run(ask(method, modes=(7,)), lambda progress: None).warnings

@@ -115,7 +115,7 @@ def test_the_prediction_of_the_own_maneuver_is_the_fit_of_the_run(store: Store, 
             assert one.r_squared == pytest.approx(stored, abs=1e-4)
 
 
-@pytest.mark.parametrize("method", [Method.OE, Method.FRE])
+@pytest.mark.parametrize("method", [pytest.param(Method.OE, marks=pytest.mark.long), Method.FRE])
 def test_held_out_frequencies_are_predicted_as_well_as_fitted_ones(
     store: Store, estimate: Estimate, method: Method
 ):
