@@ -76,3 +76,6 @@ def test_airspeeds_of_sentences_are_converted_with_their_decimals() -> None:
     with show_in(US):
         converted = "Flutter at 114.7 ± 4.3 kt, 19.1 rad/s; from 39 to 117.6 kt, 3 m/s²."
         assert display_sentence(sentence) == converted
+    with show_in(DisplayUnits(frequency=FrequencyUnit.RADIANS)):
+        mode = "0.5 to 5.25 Hz were excited; SW1B (3.14 Hz) at 59.0 m/s"
+        assert display_sentence(mode).startswith("3.1 to 32.99 rad/s were excited; SW1B (19.73")

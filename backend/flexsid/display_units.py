@@ -80,7 +80,7 @@ _SHOWN: dict[UnitSystem, dict[str, str]] = {
 }
 """Display unit of each SI unit; those that are not named are displayed as they are."""
 
-_AIRSPEEDS = re.compile(r"(\d+(?:\.\d+)?)(?:( ± | to | and )(\d+(?:\.\d+)?))? m/s(?![²2])")
+_QUANTITIES = re.compile(r"(\d+(?:\.\d+)?)(?:( ± | to | and )(\d+(?:\.\d+)?))? (m/s(?![²2])|Hz)")
 _DEFAULT = DisplayUnits()
 _units: ContextVar[DisplayUnits] = ContextVar("display_units", default=_DEFAULT)
 
@@ -114,16 +114,16 @@ def display_unit(unit: str) -> tuple[str, float]:
 
 
 def display_sentence(text: str) -> str:
-    """Convert the airspeeds of a stored sentence, e.g. "at 59.0 ± 2.2 m/s", for display."""
-    name, factor = display_unit("m/s")
-    if name == "m/s":
-        return text
+    """Convert airspeeds and Hz of a stored sentence, e.g. "at 59.0 ± 2.2 m/s", for display."""
 
     def convert(found: re.Match[str]) -> str:
-        first, joint, second = found.groups()
+        first, joint, second, unit = found.groups()
+        name, factor = display_unit(unit)
+        if name == unit:
+            return found[0]
         return f"{_convert(first, factor)}{joint or ''}{_convert(second, factor)} {name}"
 
-    return _AIRSPEEDS.sub(convert, text)
+    return _QUANTITIES.sub(convert, text)
 
 
 def _convert(number: str | None, factor: float) -> str:

@@ -91,6 +91,22 @@ def test_text_that_is_damaged_is_found(flown_url: str, written: sqlite3.Connecti
     assert [changed.table for changed in find(flown_url)] == ["maneuvers"]
 
 
+def test_rows_whose_triggers_are_lost_are_not_called_intact(
+    flown_url: str, written: sqlite3.Connection
+) -> None:
+    """A trigger of one event suffices to compare rows; without any, all are to be inspected."""
+    written.execute("DROP TRIGGER row_seals_channels_insert")
+    assert find(flown_url) == []
+    change(written, "DELETE FROM channels WHERE id = 3")
+    assert find(flown_url) == [ChangedRows("channels", ("3",))]
+    written.execute("DROP TRIGGER row_seals_maneuvers_insert")
+    written.execute("DROP TRIGGER row_seals_maneuvers_update")
+    assert ChangedRows("maneuvers", ("1",)) in find(flown_url)
+    assert main(["check", "--accept-rows", "--database", flown_url]) == 0
+    change(written, "UPDATE maneuvers SET note = 'flipped' WHERE id = 1")
+    assert find(flown_url) == [ChangedRows("maneuvers", ("1",))]
+
+
 def test_changes_and_cascades_of_the_workbench_are_sealed(flown_url: str) -> None:
     with closing(Store.open(flown_url)) as store:
         again = store.maneuvers.add(replace(store.maneuvers.get(1), id=None, label="flown twice"))

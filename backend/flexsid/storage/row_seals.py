@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,11 +98,14 @@ def accept_changed_rows(connection: Connection) -> list[ChangedRows]:
 def find_changed_rows(connection: Connection) -> Iterator[ChangedRows]:
     """Find the tables of SQLite with rows that were changed, added or lost unnoticed.
 
-    A database of an earlier schema is compared as its own triggers sealed it.
+    A database of an earlier schema is compared as its own triggers sealed it. Where these are
+    lost, no row of the table is known to be as it was sealed: all are returned.
     """
     if connection.dialect.name != "sqlite":
         return
-    for name, key, seal in _read_triggers(connection):
+    compared = {name: (key, seal) for name, key, seal in _read_triggers(connection)}
+    yield from _find_without_triggers(connection, compared)
+    for name, (key, seal) in compared.items():
         seals = f"(SELECT key, seal FROM {row_seals} WHERE table_name = '{name}')"
         changed = (
             f"SELECT r.key FROM (SELECT {key} AS key, {seal} AS seal FROM {name}) AS r"
@@ -117,9 +120,26 @@ def find_changed_rows(connection: Connection) -> Iterator[ChangedRows]:
             yield ChangedRows(name, tuple(keys))
 
 
+def _find_without_triggers(
+    connection: Connection, compared: Collection[str]
+) -> Iterator[ChangedRows]:
+    """Find tables whose rows have seals, but whose triggers are lost."""
+    query = f"SELECT name FROM sqlite_master WHERE name = '{row_seals}'"
+    if connection.exec_driver_sql(query).first() is None:  # a schema before seals
+        return
+    query = f"SELECT DISTINCT table_name FROM {row_seals} ORDER BY table_name"
+    for name in connection.exec_driver_sql(query).scalars().all():
+        if name not in compared:
+            keys = f"SELECT key FROM {row_seals} WHERE table_name = ? ORDER BY key"
+            yield ChangedRows(name, tuple(connection.exec_driver_sql(keys, (name,)).scalars()))
+
+
 def _read_triggers(connection: Connection) -> Iterator[tuple[str, str, str]]:
-    """Yield each sealed table with the expressions of key and seal of a row."""
-    query = f"SELECT sql FROM sqlite_master WHERE name LIKE '{row_seals}_%_insert' ORDER BY name"
+    """Yield each sealed table with the expressions of key and seal of a row.
+
+    The triggers of inserted and updated rows state the same.
+    """
+    query = "SELECT sql FROM sqlite_master WHERE type = 'trigger' ORDER BY name"
     for trigger in connection.exec_driver_sql(query).scalars().all():
         found = _TRIGGER.search(trigger)
         if found is not None:

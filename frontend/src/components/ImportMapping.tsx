@@ -44,6 +44,10 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
   const check = useQuery(mappingCheckQuery(id, settled));
   const checked = check.data;
   const current = settled === text && !check.isPlaceholderData;
+  // Meanwhile the check is that of the mapping before; one that has not passed has no preview.
+  const passed = checked?.problem === null && !check.isPlaceholderData ? settled : undefined;
+  const [previewed, setPreviewed] = useState(passed);
+  if (passed !== undefined && passed !== previewed) setPreviewed(passed);
   const fine =
     current &&
     checked?.problem === null &&
@@ -128,8 +132,8 @@ export function ImportMapping({ found }: { found: UploadDetail }) {
           )}
         </Stack>
       </Section>
-      {checked?.problem === null && checked.channels.length > 0 && (
-        <MappingPreview id={id} mapping={settled} channels={channels} />
+      {checked?.problem === null && checked.channels.length > 0 && previewed !== undefined && (
+        <MappingPreview id={id} mapping={previewed} channels={channels} />
       )}
       <Group justify="space-between" align="end">
         <SaveMapping text={text} usable={current && checked?.problem === null} />

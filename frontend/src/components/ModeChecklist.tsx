@@ -2,8 +2,9 @@ import { Checkbox, Stack, Switch, Table, Text } from "@mantine/core";
 import { useState } from "react";
 import type { ModalTableDetail } from "../api/types";
 import { axisNames } from "../lib/derivatives";
-import { fixed, hertz } from "../lib/format";
+import { hertz } from "../lib/format";
 import { atFuel } from "../lib/modes";
+import { Quantity } from "./Quantity";
 
 interface Props {
   table: ModalTableDetail;
@@ -52,9 +53,7 @@ export function ModeChecklist({ table, axis, fuel, value, onChange }: Props) {
               <Table.Td>{mode.name}</Table.Td>
               <Table.Td ta="right" w={90}>
                 {mode.omega !== undefined && (
-                  <>
-                    {fixed(hertz(mode.omega), 2)} <span className="unit">Hz</span>
-                  </>
+                  <Quantity value={hertz(mode.omega)} unit="Hz" decimals={2} named />
                 )}
               </Table.Td>
             </Table.Tr>

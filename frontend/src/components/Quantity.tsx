@@ -48,16 +48,25 @@ export function WithInterval({ value, std, unit, decimals }: Props & { std: Mayb
   );
 }
 
-const AIRSPEEDS = /(\d+(?:\.\d+)?)(?:( ± | to | and )(\d+(?:\.\d+)?))? m\/s(?![²2])/g;
+const QUANTITIES = /(\d+(?:\.\d+)?)(?:( ± | to | and )(\d+(?:\.\d+)?))? (m\/s(?![²2])|Hz)/g;
 
-/** A sentence of the server, e.g. "at 59.0 ± 2.2 m/s", with airspeeds in the display unit. */
+/** A sentence of the server, e.g. "at 59.0 ± 2.2 m/s", with airspeeds and Hz in display units. */
 export function Sentence({ text }: { text: string }) {
-  const { name, factor } = useConversion()("m/s");
-  const convert = (number: string) =>
-    fixed(factor * Number(number), number.split(".")[1]?.length ?? 0);
-  const inUnits = (_: string, first: string, joint?: string, second?: string) =>
-    `${convert(first)}${joint && second ? joint + convert(second) : ""} ${name}`;
-  return <>{factor === 1 ? text : text.replace(AIRSPEEDS, inUnits)}</>;
+  const conversion = useConversion();
+  const inUnits = (
+    whole: string,
+    first: string,
+    joint: string | undefined,
+    second: string | undefined,
+    unit: string,
+  ) => {
+    const { name, factor } = conversion(unit);
+    const convert = (number: string) =>
+      fixed(factor * Number(number), number.split(".")[1]?.length ?? 0);
+    if (factor === 1) return whole;
+    return `${convert(first)}${joint && second ? joint + convert(second) : ""} ${name}`;
+  };
+  return <>{text.replace(QUANTITIES, inUnits)}</>;
 }
 
 /** A column of a physical quantity. */

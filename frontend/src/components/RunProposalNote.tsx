@@ -1,7 +1,7 @@
 import { Alert, Text } from "@mantine/core";
 import type { RunProposal } from "../api/types";
 import { fixed } from "../lib/format";
-import { Band, Quantity } from "./Quantity";
+import { Band, Quantity, Sentence } from "./Quantity";
 import { Section } from "./Section";
 
 interface Props {
@@ -16,8 +16,9 @@ export function RunProposalNote({ proposal, modes }: Props) {
   return (
     <Section title="Proposal" note={<Band hz={proposal.basis.band_hz} />}>
       <Text size="sm" data-testid="run-proposal">
-        {proposal.basis.reasons.join(" ")} {proposal.n_parameters} parameters, {proposal.n_lines}{" "}
-        excited frequencies, {fixed(proposal.lines_per_parameter, 1)} per parameter of an equation,{" "}
+        <Sentence text={proposal.basis.reasons.join(" ")} /> {proposal.n_parameters} parameters,{" "}
+        {proposal.n_lines} excited frequencies, {fixed(proposal.lines_per_parameter, 1)} per
+        parameter of an equation,{" "}
         <Quantity value={proposal.resolution_hz} unit="Hz" decimals={3} named /> apart.
       </Text>
       {above.length > 0 && (
@@ -28,7 +29,7 @@ export function RunProposalNote({ proposal, modes }: Props) {
       )}
       {proposal.warnings.map((warning) => (
         <Text size="sm" key={warning}>
-          {warning}
+          <Sentence text={warning} />
         </Text>
       ))}
     </Section>

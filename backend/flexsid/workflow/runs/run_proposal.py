@@ -233,7 +233,9 @@ def _select_structure(
 def _describe_mode(mode: ModeInBand) -> str:
     if mode.air_frequency_hz is None:
         return f"{mode.name} ({mode.frequency_hz:.3g} Hz in vacuo)"
-    return f"{mode.name} ({mode.frequency_hz:.3g} Hz in vacuo, {mode.air_frequency_hz:.3g} in air)"
+    return (
+        f"{mode.name} ({mode.frequency_hz:.3g} Hz in vacuo, {mode.air_frequency_hz:.3g} Hz in air)"
+    )
 
 
 def _find_saved_structure(
