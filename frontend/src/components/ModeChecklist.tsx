@@ -51,7 +51,7 @@ export function ModeChecklist({ table, axis, fuel, value, onChange }: Props) {
                 />
               </Table.Td>
               <Table.Td>{mode.name}</Table.Td>
-              <Table.Td ta="right" w={90}>
+              <Table.Td ta="right" style={{ whiteSpace: "nowrap" }}>
                 {mode.omega !== undefined && (
                   <Quantity value={hertz(mode.omega)} unit="Hz" decimals={2} named />
                 )}
