@@ -96,8 +96,7 @@ CORES = $(shell $(BIN)/python -c 'import os; print(os.cpu_count() or 1)')
 # The checks run beside each other; each prints its output when it has ended.
 SYNC = $(if $(filter output-sync,$(.FEATURES)),--output-sync=recurse)
 # Not the files of most tests first, but the longest (tests/conftest.py). Two processes more than
-# cores: tests of servers and of the browser mostly wait, and with one more a third of the time of
-# the cores remained unused.
+# cores: tests of servers and of the browser mostly wait.
 PYTEST = $(BIN)/python -m pytest --dist loadfile --no-loadscope-reorder \
 	--numprocesses $(shell expr $(CORES) + 2)
 
