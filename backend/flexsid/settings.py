@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from ipaddress import ip_address
+from ipaddress import ip_address, ip_network
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -66,6 +66,14 @@ class Settings:
         """Whether browsers use TLS, so that cookies are sent encrypted only."""
         return self.url is not None and self.url.startswith("https://")
 
+    def is_proxy(self, peer: str) -> bool:
+        """Whether the word of this address on the client of a request is taken."""
+        try:
+            address = ip_address(peer)
+        except ValueError:
+            return False
+        return any(address in ip_network(proxy) for proxy in self.proxies)
+
 
 def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
     """Read the variables ``FLEXSID_...``; unset ones have their defaults.
@@ -80,14 +88,14 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
     settings = Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
         port=DEFAULT_PORT if port is None else port,
-        dask=environment.get("FLEXSID_DASK") or None,
+        dask=_read_scheduler(environment.get("FLEXSID_DASK") or None),
         workers=_number(environment, "FLEXSID_WORKERS", "a number of processes", 256),
         report_template=environment.get("FLEXSID_REPORT_TEMPLATE") or None,
         mode=_read_mode(environment.get("FLEXSID_MODE") or Mode.PERSONAL),
         url=_read_url(environment.get("FLEXSID_URL") or None),
         address=_read_address("FLEXSID_ADDRESS", environment.get("FLEXSID_ADDRESS") or LOOPBACK),
         proxies=tuple(
-            _read_address("FLEXSID_PROXIES", part.strip())
+            _read_network("FLEXSID_PROXIES", part.strip())
             for part in (environment.get("FLEXSID_PROXIES") or "").split(",")
             if part.strip()
         ),
@@ -155,7 +163,7 @@ def _read_openid(environment: Mapping[str, str]) -> OpenIdProvider | None:
             "together"
         )
     parts = urlsplit(issuer)
-    is_local = parts.hostname in ("localhost", LOOPBACK)
+    is_local = _is_loopback(parts.hostname or "")
     if parts.scheme != "https" and not (parts.scheme == "http" and is_local):
         raise BadInput(f"FLEXSID_OIDC_ISSUER is {issuer!r}; expected an https:// address")
     return OpenIdProvider(
@@ -182,11 +190,43 @@ def _read_url(text: str | None) -> str | None:
     return f"{parts.scheme}://{parts.netloc.lower()}"
 
 
+def _read_scheduler(text: str | None) -> str | None:
+    """Read the address of a Dask scheduler, on which whoever connects can run any code."""
+    if text is None:
+        return None
+    parts = urlsplit(text)
+    if parts.scheme not in ("tcp", "tls") or not parts.hostname:
+        raise BadInput(f"FLEXSID_DASK is {text!r}; expected one like tls://127.0.0.1:8786")
+    if parts.scheme == "tcp" and not _is_loopback(parts.hostname):
+        raise BadInput(
+            f"FLEXSID_DASK is {text!r}, a scheduler beyond the loopback address without TLS, on "
+            "which whoever connects can run any code; write a certificate by `flexsid "
+            "cluster-certificate FILE`, and use tls://"
+        )
+    return text
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
 def _read_address(name: str, text: str) -> str:
     try:
         return str(ip_address(text))
     except ValueError as error:
         raise BadInput(f"{name} has {text!r}; expected an IP address") from error
+
+
+def _read_network(name: str, text: str) -> str:
+    try:
+        return str(ip_network(text))
+    except ValueError as error:
+        raise BadInput(
+            f"{name} has {text!r}; expected an IP address, or a network such as 10.0.0.0/24"
+        ) from error
 
 
 def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:

@@ -39,7 +39,12 @@ def serve(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> Serve:
 
     def start(url: str) -> TestClient:
         app.state.settings = Settings(database=url)
-        return TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False)
+        return TestClient(
+            app,
+            base_url="http://127.0.0.1:8000",
+            raise_server_exceptions=False,
+            client=("192.0.2.7", 50_000),
+        )
 
     return start
 

@@ -24,7 +24,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import api_tokens, login_failures, login_sessions
 from flexsid.workflow.accounts import accounts, sessions
 
-PEER = "testclient"
+PEER = "192.0.2.7"  # of the test client
 SECRET = "0123456789abcdef0123456789abcdef"
 
 
@@ -399,11 +399,21 @@ def test_password_log_in_exists_in_team_mode_only(ann: Member, app) -> None:
             "FLEXSID_PROXY_SECRET": "short",
         },
         {"FLEXSID_PROXIES": "everybody"},
+        {"FLEXSID_PROXIES": "10.0.0.7/24"},
+        {"FLEXSID_DASK": "tcp://10.0.0.7:8786"},
+        {"FLEXSID_DASK": "tcp://scheduler:8786"},
+        {"FLEXSID_DASK": "10.0.0.7:8786"},
     ],
 )
 def test_settings_that_expose_data_are_refused(environment: dict[str, str]) -> None:
     with pytest.raises(BadInput):
         read_settings(environment)
+
+
+def test_a_network_of_proxies_has_its_addresses_only() -> None:
+    settings = read_settings({"FLEXSID_PROXIES": "127.0.0.1, 10.0.0.0/24, fd00::/64"})
+    assert all(map(settings.is_proxy, ("127.0.0.1", "10.0.0.7", "fd00::7")))
+    assert not any(map(settings.is_proxy, ("127.0.0.2", "10.0.1.7", "fd01::7", "", "proxy")))
 
 
 def test_secrets_are_not_in_the_text_of_the_settings() -> None:

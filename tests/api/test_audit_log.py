@@ -50,7 +50,7 @@ def test_every_change_is_logged_and_reading_is_not(ann: Member, store: Store) ->
     assert ann.post("saved-views", view).status_code == 201
     deleted, added = read_events(store)
     assert (deleted.author, deleted.operation) == ("Ann", "DELETE /api/v1/runs/1")
-    assert (deleted.address, deleted.aircraft_id) == ("testclient", 1)
+    assert (deleted.address, deleted.aircraft_id) == ("192.0.2.7", 1)
     [change] = deleted.changes
     assert (change.table, change.action, change.ids) == ("runs", "update", (1,))
     assert change.before is not None

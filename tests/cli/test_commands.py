@@ -376,6 +376,18 @@ def test_accounts_are_changed_with_an_event_of_the_audit_log(tmp_path: Path, cap
     assert all(event["author"].endswith("(command line)") for event in events)
 
 
+def test_a_certificate_of_a_cluster_is_private_and_is_not_replaced(tmp_path: Path, capsys) -> None:
+    file = tmp_path / "cluster.yaml"
+    assert main(["cluster-certificate", str(file), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["valid_until"] > "2027"
+    assert file.stat().st_mode & 0o777 == 0o600
+    written = file.read_text()
+    assert "exists" in refused(capsys, 2, "cluster-certificate", str(file))
+    assert file.read_text() == written
+    missing = str(tmp_path / "missing" / "cluster.yaml")
+    assert "No such file" in refused(capsys, 2, "cluster-certificate", missing)
+
+
 def test_a_missing_database_is_not_created_by_reading(tmp_path: Path, capsys) -> None:
     file = tmp_path / "folder" / "typo.db"
     for command in (ESTIMATE, ["flutter", "1"], ["report", "run", "1", "--output", "run.html"]):

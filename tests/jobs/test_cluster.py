@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
+import dask
 import dask_cluster
 import postgresql as postgresql_server
 import pytest
+from ruamel.yaml import YAML
 from waiting import wait_until
 
+from flexsid.errors import FlexsidError
 from flexsid.jobs import cluster as cluster_module
 from flexsid.jobs import health
+from flexsid.jobs.cluster_certificate import write_cluster_certificate
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.worker import LoadKinds
@@ -51,7 +56,7 @@ def test_two_dask_workers_share_a_batch_and_one_that_stops_loses_nothing(
     assert {run.state for run in ended} == {RunState.SUCCEEDED}
     places = {run.worker or "" for run in ended}
     assert len(places) == 2
-    assert all(place.startswith("tcp://") for place in places)
+    assert all(place.startswith("tls://") for place in places)
     for run in runs:
         assert run.id is not None
         kinds = [event.kind for event in job_log.read_log(store, run.id)]
@@ -77,6 +82,41 @@ def test_a_database_that_restarts_is_waited_for(
         assert run.id is not None
         kinds = [event.kind for event in job_log.read_log(store, run.id)]
         assert kinds.count("succeeded") == 1
+
+
+@pytest.mark.parametrize("scheme", ["tls", "tcp"])
+def test_a_cluster_refuses_whoever_has_no_certificate(
+    cluster: dask_cluster.Cluster,
+    load_stub: LoadKinds,
+    monkeypatch: pytest.MonkeyPatch,
+    scheme: str,
+) -> None:
+    monkeypatch.setattr(cluster_module, "_CONNECT_S", 1.0)
+    reason = "requires a certificate" if scheme == "tls" else "no Dask scheduler responds"
+    names = [f"distributed.comm.tls.{part}" for part in ("client.cert", "client.key", "ca-file")]
+    nothing = {**dict.fromkeys(names), "distributed.comm.require-encryption": False}
+    with (
+        dask.config.set(nothing),
+        pytest.raises(FlexsidError, match=reason),
+    ):
+        make_workers(load_stub, cluster.address.replace("tls", scheme))
+
+
+def test_a_cluster_refuses_a_certificate_of_another(
+    cluster: dask_cluster.Cluster,
+    load_stub: LoadKinds,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(cluster_module, "_CONNECT_S", 1.0)
+    other = tmp_path / "other.yaml"
+    write_cluster_certificate(other, datetime.now(UTC))
+    tls = YAML(typ="safe").load(other)["distributed"]["comm"]["tls"]
+    with (
+        dask.config.set({f"distributed.comm.tls.{name}": part for name, part in tls.items()}),
+        pytest.raises(FlexsidError, match="no Dask scheduler responds"),
+    ):
+        make_workers(load_stub, cluster.address)
 
 
 def test_a_scheduler_that_goes_away_is_waited_for(

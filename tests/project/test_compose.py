@@ -26,6 +26,7 @@ from waiting import PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
 COMPOSE = ROOT / "docker-compose.yml"
+WRITABLE = {"db": {"database"}, "certificate": {"certificates"}, "web": {"data"}}
 INPUT = re.compile(r"\$\{(\w+)(?::([-?])([^}]*))?\}")
 
 
@@ -53,6 +54,28 @@ def test_only_loopback_ports_are_published() -> None:
             assert port.startswith("127.0.0.1:")
 
 
+def test_containers_are_hardened() -> None:
+    found = services({"DB_PASSWORD": "x"})
+    for name, service in found.items():
+        assert service["read_only"] is True, name
+        assert service["cap_drop"] == ["ALL"], name
+        assert service["security_opt"] == ["no-new-privileges:true"], name
+        assert re.fullmatch(r"\d+[mg]", service["mem_limit"]), name
+        assert service["pids_limit"] > 0, name
+        writable = {part.partition(":")[0] for part in service["volumes"] if part[-3:] != ":ro"}
+        assert writable == WRITABLE.get(name, set()), name
+    assert found["db"]["user"] == "postgres"
+
+
+def test_everything_in_the_image_has_the_hash_of_the_lock() -> None:
+    text = (ROOT / "Dockerfile").read_text()
+    assert "--build-constraint requirements.lock --require-hashes" in text
+    assert "--constraint requirements.lock" in text
+    version = re.search(r"^UV_VERSION := (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert version is not None
+    assert f"uv=={version[1]} " in text
+
+
 def test_scheduler_and_workers_bind_loopback_only() -> None:
     found = services({"DB_PASSWORD": "x"})
     for name in ("scheduler", "worker"):
@@ -65,6 +88,7 @@ def test_scheduler_and_workers_bind_loopback_only() -> None:
     for line in written.splitlines():
         if re.search(r"^\s*dask (scheduler|worker)\b", line):
             assert "--host 127.0.0.1 --dashboard-address 127.0.0.1:0" in line, line
+            assert "tcp://" not in line, line
 
 
 def _check_loopback_only(pids: set[int]) -> None:
@@ -125,7 +149,7 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
         "PORT": str(_free_port()),
     }
     found = services(inputs)
-    assert set(found) == {"db", "scheduler", "worker", "web"}
+    assert set(found) == {"db", "certificate", "scheduler", "worker", "web"}
     name = postgresql.copy()
     running: list[subprocess.Popen[bytes]] = []
     try:
@@ -134,19 +158,22 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
                 n for n, s in found.items() if not set(s.get("depends_on", {})) & set(found)
             )
             service = found.pop(ready)
-            environment = _environment(service, inputs, name)
+            environment = _environment(service, inputs, name, tmp_path)
             if ready == "db":  # the image does what the test cluster has done: create and start
                 assert service["command"][0] == "postgres"
                 environment |= {"PGPORT": inputs["DB_PORT"]}
             else:
-                command = service["command"]
+                command = [_on_this_computer(part, tmp_path) for part in service["command"]]
                 with (tmp_path / ready).open("w") as log:
                     running.append(
                         subprocess.Popen(
                             command, env=environment, cwd=tmp_path, stdout=log, stderr=log
                         )
                     )
-            _wait_until_healthy(ready, service["healthcheck"]["test"], environment, tmp_path)
+            if "healthcheck" in service:
+                _wait_until_healthy(ready, service["healthcheck"]["test"], environment, tmp_path)
+            else:
+                assert running.pop().wait(PATIENCE_S) == 0, (tmp_path / ready).read_text()
         yield inputs | {"PIDS": " ".join(str(process.pid) for process in running)}
     finally:
         for process in reversed(running):
@@ -168,11 +195,14 @@ def services(inputs: dict[str, str]) -> dict[str, Any]:
     return YAML(typ="safe").load(INPUT.sub(fill, "\n".join(lines)))["services"]
 
 
-def _needs(service: dict[str, Any]) -> set[str]:
-    return set(service.get("depends_on", {}))
+def _on_this_computer(text: str, folder: Path) -> str:
+    return text.replace("/certificates", str(folder))
 
 
-def _environment(service: dict[str, Any], inputs: dict[str, str], database: str) -> dict[str, str]:
+def _environment(
+    service: dict[str, Any], inputs: dict[str, str], database: str, folder: Path
+) -> dict[str, str]:
+    own: dict[str, str] = service.get("environment", {})
     environment = {
         **os.environ,
         # Commands of the container are those of this environment.
@@ -184,7 +214,7 @@ def _environment(service: dict[str, Any], inputs: dict[str, str], database: str)
             ]
         ),
         "PYTHONPATH": str(ROOT / "backend"),
-        **service.get("environment", {}),
+        **{key: _on_this_computer(value, folder) for key, value in own.items()},
     }
     if "FLEXSID_DATABASE" in environment:
         address = environment["FLEXSID_DATABASE"]

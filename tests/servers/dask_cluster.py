@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import socket
 import subprocess
 import sys
+import tempfile
 from contextlib import closing
+from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import dask
 from distributed import Client
+from ruamel.yaml import YAML
 from waiting import PATIENCE_S, wait_until
+
+from flexsid.jobs.cluster_certificate import write_cluster_certificate
+
+
+@cache
+def configuration() -> Path:
+    """Certificate of all clusters of the tests, which Dask of this process uses, too."""
+    file = Path(tempfile.mkdtemp(prefix="flexsid-dask-")) / "cluster.yaml"
+    atexit.register(shutil.rmtree, file.parent, ignore_errors=True)
+    write_cluster_certificate(file, datetime.now(UTC))
+    os.environ["DASK_CONFIG"] = str(file)
+    dask.config.update(dask.config.config, YAML(typ="safe").load(file))
+    return file
 
 
 class Cluster:
@@ -22,14 +42,14 @@ class Cluster:
         with closing(socket.socket()) as probe:
             probe.bind(("127.0.0.1", 0))
             self._port = probe.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{self._port}"
+        self.address = f"tls://127.0.0.1:{self._port}"
         self._environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join(
                 [*([str(path)] if path else []), *filter(None, sys.path)]
             ),
             "PYTHONWARNINGS": "ignore",
-            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+            "DASK_CONFIG": str(configuration()),
         }
         self._scheduler = self._start_scheduler()
         self.workers: list[subprocess.Popen[bytes]] = []

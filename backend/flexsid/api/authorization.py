@@ -162,7 +162,7 @@ def set_cookie(settings: Settings, response: Response, secret: str) -> None:
 def client_address(settings: Settings, request: HTTPConnection) -> str:
     """Return the address of the client, as stated by a trusted proxy."""
     peer = _peer(request)
-    if peer in settings.proxies:
+    if settings.is_proxy(peer):
         # The last entry is that of the trusted proxy; earlier ones are as the client sent them.
         # Some proxies add a header of their own instead of an entry.
         stated = ",".join(request.headers.getlist("x-forwarded-for")).rpartition(",")[2].strip()
@@ -313,7 +313,7 @@ def _read_proxy_user(settings: Settings, request: HTTPConnection) -> str | None:
     """Return the user that a trusted proxy states, with its secret; None otherwise."""
     secret = request.headers.get(PROXY_SECRET, "")
     expected = settings.proxy_secret or ""
-    if _peer(request) not in settings.proxies or not expected:
+    if not settings.is_proxy(_peer(request)) or not expected:
         return None
     if not hmac.compare_digest(secret.encode(), expected.encode()):
         return None

@@ -119,6 +119,11 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "add, invite and disable accounts, and set their roles in campaigns"
     _add_user_options(add("users", "users:users", summary))
 
+    summary = "write the configuration of a Dask cluster, with a new key and certificate"
+    certificate = add("cluster-certificate", "cluster:write_certificate", summary)
+    meaning = "new file; scheduler, workers and servers name it by DASK_CONFIG"
+    certificate.add_argument("file", metavar="FILE", help=meaning)
+
     summary = "serve what a workbench reads and proposes as tools for agents (MCP)"
     agents = add("mcp", "mcp:serve_tools", summary)
     meaning = "address of the workbench; its token is that of FLEXSID_TOKEN"

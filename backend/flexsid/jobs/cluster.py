@@ -47,12 +47,12 @@ class ClusterWorkers(Workers[Any]):
     load_kinds
         Function that returns the kinds of jobs; the workers of the cluster import it.
     address
-        Address of the scheduler, e.g. ``tcp://127.0.0.1:8786``.
+        Address of the scheduler, e.g. ``tls://127.0.0.1:8786``.
 
     Raises
     ------
     FlexsidError
-        If Dask is not installed, or no scheduler responds.
+        If Dask is not installed, no scheduler responds, or it requires another certificate.
     """
 
     def __init__(self, load_kinds: LoadKinds, address: str) -> None:
@@ -122,7 +122,14 @@ class ClusterWorkers(Workers[Any]):
             )
             self._client.subscribe_topic(self._topic, self._receive_progress)
             return self._client
-        except (OSError, TimeoutError, ValueError) as error:
+        except TypeError as error:  # of Dask, for a missing key or certificate
+            self._client = None
+            raise FlexsidError(
+                f"the Dask scheduler at {self._address} requires a certificate; let DASK_CONFIG"
+                " name the file of the cluster (`flexsid cluster-certificate`)",
+                code="no-scheduler",
+            ) from error
+        except (OSError, RuntimeError, TimeoutError, ValueError) as error:
             self._client = None
             raise FlexsidError(
                 f"no Dask scheduler responds at {self._address} ({error}); start one with"

@@ -1,0 +1,99 @@
+"""Key and certificate of a Dask cluster, as a configuration file of Dask.
+
+Scheduler, workers and servers of one cluster have the same file. Each presents the certificate and
+accepts that certificate alone, so that whoever does not have the file can neither connect nor
+listen.
+"""
+
+from __future__ import annotations
+
+import os
+from datetime import datetime, timedelta
+from pathlib import Path
+from textwrap import indent
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+
+from flexsid.errors import BadInput
+
+VALIDITY = timedelta(days=3 * 365)
+_CLOCK_SKEW = timedelta(days=1)  # between the computers of a cluster
+_PRIVATE = 0o600
+
+# A job that ends its worker does so on the next one, too; the queue has its own attempts.
+_CONFIGURATION = """\
+# Dask cluster of flexsid. Contains a private key: only its computers may read this file.
+distributed:
+  comm:
+    default-scheme: tls
+    require-encryption: true
+    tls:
+      ca-file: &certificate |
+{certificate}
+      scheduler: &identity
+        cert: *certificate
+        key: |
+{key}
+      worker: *identity
+      client: *identity
+  scheduler:
+    allowed-failures: 0
+"""
+
+
+def write_cluster_certificate(file: Path, now: datetime) -> datetime:
+    """Write a configuration file with a new key and certificate, and return the end of validity.
+
+    Parameters
+    ----------
+    file
+        A new file, to be named by ``DASK_CONFIG``; readable by its account only.
+    now
+        Present time, with time zone.
+
+    Raises
+    ------
+    BadInput
+        If the file exists or cannot be written.
+    """
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "flexsid cluster")])
+    end = now + VALIDITY
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - _CLOCK_SKEW)
+        .not_valid_after(end)
+        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        .sign(key, hashes.SHA256())
+    )
+    private = key.private_bytes(
+        serialization.Encoding.PEM,
+        serialization.PrivateFormat.PKCS8,
+        serialization.NoEncryption(),
+    )
+    text = _CONFIGURATION.format(
+        certificate=_indent(certificate.public_bytes(serialization.Encoding.PEM), 8),
+        key=_indent(private, 10),
+    )
+    try:
+        number = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _PRIVATE)
+    except FileExistsError as error:
+        raise BadInput(
+            f"{file} exists; a cluster that uses it would not accept a new certificate"
+        ) from error
+    except OSError as error:
+        raise BadInput(f"{file} cannot be written: {error.strerror}") from error
+    with os.fdopen(number, "w") as opened:
+        opened.write(text)
+    return end
+
+
+def _indent(pem: bytes, width: int) -> str:
+    return indent(pem.decode().strip(), " " * width)
