@@ -17,5 +17,6 @@ export default defineConfig({
     environment: "jsdom",
     setupFiles: "src/test/setup.ts",
     css: false,
+    isolate: false,
   },
 });
