@@ -146,4 +146,4 @@ def test_who_may_not_read_all_campaigns_gets_no_backup(flown_url: str) -> None:
 def test_a_database_server_is_backed_up_by_its_own_program(client: TestClient) -> None:
     response = client.post(f"{API}/backups")
     assert response.status_code == 422
-    assert "pg_dump" in response.text
+    assert "flexsid backup FILE" in response.text

@@ -11,6 +11,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from flexsid.settings import Mode, read_settings
+from flexsid.storage import backup as copies
 
 CHART = Path(__file__).parents[2] / "deploy" / "helm" / "flexsid"
 SITE = {"image": "flexsid:1", "host": "flexsid.example.org", "proxies": "10.0.0.0/24"}
@@ -54,7 +56,7 @@ def test_it_has_every_service(objects: dict[tuple[str, str], dict[str, Any]]) ->
         ("CronJob", "backup"),
     }
     external = render({**SITE, "database": {"host": "db.example.org"}})
-    assert not any(name in ("database", "backup", "backups") for kind, name in external)
+    assert not any(name == "database" for kind, name in external)
     address = _environment(_containers(external["Deployment", "web"])[0])["FLEXSID_DATABASE"]
     assert address == "postgresql://flexsid:$(DB_PASSWORD)@db.example.org:5432/flexsid"
 
@@ -136,25 +138,25 @@ def test_a_backup_is_complete_before_an_earlier_one_is_deleted(
 ) -> None:
     (container,) = _containers(objects["CronJob", "backup"])
     command = [part.replace("/backups", str(tmp_path)) for part in container["command"]]
-    old = tmp_path / "flexsid-20200101T000000Z.dump"
+    old = tmp_path / "flexsid-20200101T000000Z.db"
     old.touch()
     os.utime(old, (0, 0))
 
-    def back_up(database: str) -> int:
+    def back_up(url: str) -> int:
+        programs = Path(sys.executable).parent
         environment = {
             **os.environ,
-            "PATH": f"{postgresql_server.find_programs()}{os.pathsep}{os.environ['PATH']}",
-            **{"PGHOST": "127.0.0.1", "PGPORT": str(postgresql.port)},
-            **{"PGUSER": "flexsid", "PGDATABASE": database},
+            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+            "FLEXSID_DATABASE": url,
         }
         return subprocess.run(command, env=environment, capture_output=True, check=False).returncode
 
-    assert back_up("no_such_database") != 0
+    assert back_up(postgresql.url("no_such_database")) != 0
     assert list(tmp_path.iterdir()) == [old]
-    assert back_up("empty") == 0
-    (dump,) = tmp_path.iterdir()
-    assert dump != old
-    assert dump.suffix == ".dump"
+    assert back_up(postgresql.url("empty")) == 0
+    (made,) = tmp_path.iterdir()
+    assert made != old
+    copies.check(made)
 
 
 def render(site: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:

@@ -1,4 +1,7 @@
-"""Backup and restore of an SQLite database, while servers work with it."""
+"""Backup and restore of a database, while servers work with it.
+
+A backup is a database of SQLite, whatever kind of database it is of, and is restored into either.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,21 @@ import json
 import logging
 import sqlite3
 import tempfile
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
 import sqlalchemy as sa
+from sqlalchemy.engine import URL
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import hash_array
-from flexsid.storage.database import parse_url, sqlite_file
+from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.row_copy import copy_rows
 from flexsid.storage.row_seals import add_seal_function, find_changed_rows
 
 BACKUP = "backup"
@@ -32,7 +38,7 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
     Parameters
     ----------
     url
-        Address of an SQLite database; it may be in use during the copy.
+        Address of a database; it may be in use during the copy.
     target
         A file that does not exist yet.
     report
@@ -46,28 +52,33 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
     Raises
     ------
     BadInput
-        If the database is not SQLite, or does not exist.
+        If the database does not exist, or has another schema than this software.
     Conflict
         If the file exists.
     DatabaseUnavailable
         If the copy, its rows or samples are damaged; the copy is deleted then.
     """
-    source = find_file(url)
-    if not source.is_file():
+    parsed = parse_url(url)
+    source = sqlite_file(parsed)
+    if source is not None and not source.is_file():
         raise BadInput(f"there is no database {source}")
     if target.exists():
         raise Conflict(f"{target} exists; name a new file", code="file-exists")
     try:
         with new_file(target) as partial:
             report(Progress(message="Copying the database"))
-            _copy(source, partial)
+            if source is None:
+                _copy_from_server(parsed, partial)
+            else:
+                _copy(source, partial)
+            _make_single_file(partial)
             report(Progress(fraction=0.3, message="Checking pages"))
             check(partial)
             report(Progress(fraction=0.5, message="Checking rows and samples"))
             damaged = find_damaged(partial)
             if damaged:
                 raise DatabaseUnavailable(
-                    f"{target} was not written: {source} is damaged:"
+                    f"{target} was not written: {source or 'the database'} is damaged:"
                     f" {', '.join(damaged[:5])}; run `flexsid check` to list all and the remedies",
                     code="damaged-data",
                 )
@@ -88,16 +99,16 @@ def restore(url: str, source: Path) -> Path | None:
     Returns
     -------
     pathlib.Path or None
-        Copy of the previous content; None if there was none.
+        Copy of the previous content, beside the database, or beside the backup for a database of
+        a server; None if there was none.
 
     Raises
     ------
     BadInput
-        If the backup is damaged or not a database of flexsid, or the database is not SQLite.
+        If the backup is damaged or not a database of flexsid.
     DatabaseTooNew
         If a newer release made the backup.
     """
-    target = find_file(url, "pg_restore --clean --dbname=...")
     if not source.is_file():
         raise BadInput(f"there is no backup {source}")
     try:
@@ -112,24 +123,75 @@ def restore(url: str, source: Path) -> Path | None:
             source,
             ", ".join(damaged[:5]),
         )
-    previous = None
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S-%f")
-    beside = target.with_name(f"{target.name}.before-restore-{moment}")
+    file = sqlite_file(parse_url(url))
+    if file is None:
+        return _restore_on_server(url, source, f"before-restore-{moment}")
+    return _restore_file(file, source, f"before-restore-{moment}")
+
+
+def _restore_file(target: Path, source: Path, ending: str) -> Path | None:
+    previous = None
+    beside = target.with_name(f"{target.name}.{ending}")
     if target.exists() and target.stat().st_size > 0:
         previous = beside
         with new_file(previous) as partial:
             _copy(target, partial)
     else:
         _move_remains(target, beside)
-        upgrade(url)
-    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-        ready = Path(folder) / "ready.db"
-        ready.touch(mode=0o600)
-        _copy(source, ready)
-        upgrade(f"sqlite:///{ready}")
+        upgrade(f"sqlite:///{target}")
+    with _upgraded_copy(source, target.parent) as ready:
         _make_ready(ready, target)
         _copy(ready, target)
     return previous
+
+
+def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
+    engine = make_engine(parse_url(url))
+    try:
+        with translate_errors(), engine.connect() as connection:
+            is_new = not sa.inspect(connection).has_table("alembic_version")
+        upgrade(url)
+        previous = None
+        if not is_new:
+            previous = source.with_name(f"{source.name}.{ending}")
+            backup(url, previous)
+        with (
+            _upgraded_copy(source, source.parent) as ready,
+            _open_copy(ready) as copy,
+            translate_errors(),
+            engine.begin() as target,
+        ):
+            target.exec_driver_sql("LOCK TABLE leases IN ACCESS EXCLUSIVE MODE")
+            epoch = target.exec_driver_sql("SELECT max(epoch) FROM leases").scalar_one()
+            with closing(sqlite3.connect(ready, isolation_level=None)) as restored:
+                add_seal_function(restored)
+                _end_running_jobs(restored, epoch or 0)
+            with copy.connect() as reading:
+                copy_rows(reading, target)
+    finally:
+        engine.dispose()
+    return previous
+
+
+@contextmanager
+def _upgraded_copy(source: Path, folder: Path) -> Iterator[Path]:
+    """Yield a copy of a backup with the newest schema, which is deleted afterwards."""
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        ready = Path(name) / "ready.db"
+        ready.touch(mode=0o600)
+        _copy(source, ready)
+        upgrade(f"sqlite:///{ready}")
+        yield ready
+
+
+@contextmanager
+def _open_copy(file: Path) -> Iterator[sa.Engine]:
+    engine = make_engine(parse_url(f"sqlite:///{file}"), foreign_keys=False)
+    try:
+        yield engine
+    finally:
+        engine.dispose()
 
 
 def try_restore(source: Path) -> None:
@@ -197,18 +259,47 @@ def find_damaged(file: Path) -> list[str]:
         ]
 
 
-def find_file(url: str, instead: str = "pg_dump --format=custom --file=flexsid.dump") -> Path:
+def find_file(url: str) -> Path:
     """Return the file of a database.
 
     Raises
     ------
     BadInput
-        If the database is not SQLite, with the command to use ``instead``.
+        If the database is not SQLite.
     """
     file = sqlite_file(parse_url(url))
     if file is None:
-        raise BadInput(f"only databases of SQLite can be copied; for PostgreSQL use {instead}")
+        raise BadInput(
+            "the server backs up databases of SQLite only; for PostgreSQL use `flexsid backup FILE`"
+        )
     return file
+
+
+def _copy_from_server(url: URL, target: Path) -> None:
+    """Copy the rows of a database of a server, in one state, into an empty file."""
+    server = make_engine(url)
+    options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+    try:
+        with (
+            tempfile.TemporaryDirectory(dir=target.parent) as folder,
+            translate_errors(),
+            server.connect().execution_options(**options) as source,
+        ):
+            made = Path(folder) / "copy.db"
+            newest = upgrade(f"sqlite:///{made}")
+            has_schema = sa.inspect(source).has_table("alembic_version")
+            query = "SELECT version_num FROM alembic_version"
+            present = source.exec_driver_sql(query).scalar() if has_schema else None
+            if present != newest:
+                raise BadInput(
+                    f"the database has schema {present}, this flexsid {newest}; back it up with the"
+                    " release that uses it, or run `flexsid migrate` first"
+                )
+            with _open_copy(made) as copy, copy.begin() as writing:
+                copy_rows(source, writing)
+            _copy(made, target)
+    finally:
+        server.dispose()
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -223,6 +314,12 @@ def _copy(source: Path, target: Path) -> None:
         raise DatabaseUnavailable(f"{source} cannot be copied to {target}: {error}") from error
 
 
+def _make_single_file(file: Path) -> None:
+    """Leave the mode with a log beside the file, which would remain under its former name."""
+    with closing(sqlite3.connect(file)) as opened:
+        opened.execute("PRAGMA journal_mode = DELETE")
+
+
 def _make_ready(ready: Path, target: Path) -> None:
     """Reset the lease and the running runs, and take page size and given ids of the target."""
     with (
@@ -234,22 +331,27 @@ def _make_ready(ready: Path, target: Path) -> None:
         epoch = 0
         if present.execute("SELECT 1 FROM sqlite_master WHERE name = 'leases'").fetchone():
             epoch = present.execute("SELECT max(epoch) FROM leases").fetchone()[0]
-        restored.execute(
-            "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
-            (epoch,),
-        )
+        _end_running_jobs(restored, epoch)
         _retain_given_ids(present, restored)
-        # Processes of the time of the backup do not continue their runs.
-        restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
-        # A backup has the job that made it, which is not to be repeated.
-        restored.execute(
-            "UPDATE jobs SET state = 'cancelled', finished_at = created_at"
-            " WHERE kind = ? AND state IN ('queued', 'running')",
-            (BACKUP,),
-        )
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")
+
+
+def _end_running_jobs(restored: sqlite3.Connection, epoch: int) -> None:
+    """Reset the lease, to one later than any that was given, and what held jobs under it."""
+    restored.execute(
+        "UPDATE leases SET holder = NULL, status = NULL, beats = 0, epoch = max(epoch, ?) + 1",
+        (epoch,),
+    )
+    # Processes of the time of the backup do not continue their runs.
+    restored.execute("UPDATE jobs SET process_id = NULL WHERE state = 'running'")
+    # A backup has the job that made it, which is not to be repeated.
+    restored.execute(
+        "UPDATE jobs SET state = 'cancelled', finished_at = created_at"
+        " WHERE kind = ? AND state IN ('queued', 'running')",
+        (BACKUP,),
+    )
 
 
 def _retain_given_ids(present: sqlite3.Connection, restored: sqlite3.Connection) -> None:

@@ -1,0 +1,94 @@
+"""All rows of a database in another one, of the same kind or not, with the ids that were given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from flexsid.storage.tables import arrays, metadata, row_seals
+
+_ROWS = 500
+_ARRAYS = 4  # of up to hundreds of megabytes
+
+
+def copy_rows(source: Connection, target: Connection) -> None:
+    """Replace the rows of the target by those of the source, and continue the ids of both.
+
+    Parameters
+    ----------
+    source
+        Connection to a database with the newest schema, in one consistent state.
+    target
+        A transaction on another one; on SQLite without foreign keys, to be checked afterwards.
+    """
+    tables = [table for table in metadata.sorted_tables if table is not row_seals]
+    _delete_rows(target, tables)
+    with _keys_checked_at_the_end(target):
+        for table in tables:
+            count = _ARRAYS if table is arrays else _ROWS
+            found = source.execution_options(yield_per=count).execute(sa.select(table))
+            for rows in found.mappings().partitions():
+                target.execute(table.insert(), [dict(row) for row in rows])
+    present = read_given_ids(target)
+    for name, given in read_given_ids(source).items():
+        _give_ids_from(target, name, max(given, present.get(name, 0)))
+
+
+def read_given_ids(connection: Connection) -> dict[str, int]:
+    """Return the largest id that each table has given; tables without any are missing."""
+    if connection.dialect.name == "sqlite":
+        query = "SELECT name, seq FROM sqlite_sequence WHERE seq > 0"
+        return {name: given for name, given in connection.exec_driver_sql(query)}
+    given = {
+        table.name: connection.scalar(sa.select(sa.func.pg_sequence_last_value(_sequence(table))))
+        for table in metadata.sorted_tables
+        if "id" in table.c
+    }
+    return {name: number for name, number in given.items() if number is not None}
+
+
+def _give_ids_from(connection: Connection, name: str, given: int) -> None:
+    table = metadata.tables[name]
+    if connection.dialect.name == "sqlite":
+        values = (name, given)
+        connection.exec_driver_sql("DELETE FROM sqlite_sequence WHERE name = ?", (name,))
+        connection.exec_driver_sql("INSERT INTO sqlite_sequence (name, seq) VALUES (?, ?)", values)
+    else:
+        connection.execute(sa.select(sa.func.setval(_sequence(table), given)))
+
+
+def _sequence(table: sa.Table) -> sa.ColumnElement[object]:
+    name = sa.func.pg_get_serial_sequence(table.name, "id")
+    return sa.cast(name, sa.dialects.postgresql.REGCLASS)
+
+
+def _delete_rows(connection: Connection, tables: list[sa.Table]) -> None:
+    """Empty all tables, also of what only additions may change."""
+    if connection.dialect.name == "postgresql":
+        connection.exec_driver_sql(f"TRUNCATE {', '.join(table.name for table in tables)}")
+        return
+    for table in reversed(tables):
+        connection.execute(table.delete())
+
+
+@contextmanager
+def _keys_checked_at_the_end(connection: Connection) -> Iterator[None]:
+    """Let rows refer to later ones until the end: to others of their own table, for example."""
+    if connection.dialect.name != "postgresql":
+        yield
+        return
+    keys = [
+        f"ALTER TABLE {table} ALTER CONSTRAINT {key['name']}"
+        for (_, table), found in sa.inspect(connection).get_multi_foreign_keys().items()
+        if table in metadata.tables
+        for key in found
+    ]
+    for key in keys:
+        connection.exec_driver_sql(f"{key} DEFERRABLE INITIALLY DEFERRED")
+    yield
+    connection.exec_driver_sql("SET CONSTRAINTS ALL IMMEDIATE")
+    for key in keys:
+        connection.exec_driver_sql(f"{key} NOT DEFERRABLE")
