@@ -7,7 +7,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
-import dask
+import dask.config
 import dask_cluster
 import postgresql as postgresql_server
 import pytest

@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import dask
+import dask.config
 from distributed import Client
 from ruamel.yaml import YAML
 from waiting import PATIENCE_S, wait_until

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import sqlalchemy as sa
+from sqlalchemy.dialects.postgresql import REGCLASS
 from sqlalchemy.engine import Connection
 
 from flexsid.storage.tables import arrays, metadata, row_seals
@@ -62,7 +63,7 @@ def _give_ids_from(connection: Connection, name: str, given: int) -> None:
 
 def _sequence(table: sa.Table) -> sa.ColumnElement[object]:
     name = sa.func.pg_get_serial_sequence(table.name, "id")
-    return sa.cast(name, sa.dialects.postgresql.REGCLASS)
+    return sa.cast(name, REGCLASS)
 
 
 def _delete_rows(connection: Connection, tables: list[sa.Table]) -> None:

@@ -19,6 +19,7 @@ import { Empty } from "./Empty";
 import { FigureBoundary } from "./FigureBoundary";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
 import { DownloadIcon } from "./icons";
+import { loadPlotly } from "./plotly";
 import { PlotlyCanvas } from "./PlotlyCanvas";
 import { PrintFigure, usePrintFormat } from "./PrintFigure";
 import { ProblemAlert } from "./ProblemAlert";
@@ -46,6 +47,9 @@ export function Figure({ kind, params: given, title, height, revision, window, .
   const shown = window && ([factor * window[0], factor * window[1]] as [number, number]);
   const figure = useQuery(figureQuery(kind, params));
   const [handle, setHandle] = useState<PlotlyHandle | null>(null);
+  useEffect(() => {
+    loadPlotly().catch(() => undefined);
+  }, []);
   const { onWindow } = events;
   const spec = figure.data;
   const note = (spec?.layout.meta as { note?: unknown } | undefined)?.note;

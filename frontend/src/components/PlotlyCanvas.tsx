@@ -4,6 +4,7 @@ import { inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout
 import { printedFigure } from "../lib/printFormat";
 import { followCursor } from "./linkedCursor";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
+import { loadPlotly } from "./plotly";
 
 interface Props extends FigureEvents {
   spec: FigureSpec;
@@ -30,13 +31,6 @@ const CONFIG = {
   ],
 };
 
-// Loaded once, beside the data of the first figure of the visit rather than after it; a figure
-// that finds it missing, for the connection was lost, asks again.
-const fetchPlotly = () => import("plotly.js-cartesian-dist-min").then((module) => module.default);
-let plotly = fetchPlotly();
-const load = () => (plotly = plotly.catch(fetchPlotly));
-load().catch(() => undefined);
-
 /** Ids that the server put behind a point. */
 function firstId(customdata: unknown): number | null {
   const first: unknown = Array.isArray(customdata) ? customdata[0] : customdata;
@@ -59,7 +53,7 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
     if (target === null) return;
     let stale = false;
     const draw = async () => {
-      const Plotly = await load();
+      const Plotly = await loadPlotly();
       if (stale) return;
       // Plotly writes into what it is given; the fetched spec stays as it came.
       const { data, layout } = structuredClone(spec);
@@ -118,13 +112,13 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
     if (target === null) return;
     const observer = new ResizeObserver(() => {
       if (target.classList.contains("js-plotly-plot") && target.offsetParent !== null) {
-        void load().then((Plotly) => Plotly.Plots.resize(target));
+        void loadPlotly().then((Plotly) => Plotly.Plots.resize(target));
       }
     });
     observer.observe(target);
     return () => {
       observer.disconnect();
-      void load().then((Plotly) => {
+      void loadPlotly().then((Plotly) => {
         Plotly.purge(target);
       });
     };
