@@ -21,6 +21,7 @@ from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage import leases, queue, row_copy
 from flexsid.storage.database import make_engine, parse_url
+from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.review.database_check import check_database
@@ -162,7 +163,7 @@ def test_every_row_is_restored_into_either_kind_of_database(
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
-def test_a_restore_that_fails_leaves_a_database_of_a_server_as_it_was(
+def test_a_database_of_a_server_survives_a_failed_restore_and_is_restored_when_damaged(
     flown_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     copies.backup(flown_url, tmp_path / "copy")
@@ -176,6 +177,10 @@ def test_a_restore_that_fails_leaves_a_database_of_a_server_as_it_was(
         copies.restore(flown_url, tmp_path / "copy")
     assert _read_rows(flown_url) == rows
     monkeypatch.undo()
+    with closing(psycopg.connect(flown_url)) as connection, connection:
+        connection.execute("UPDATE arrays SET data = substring(data FROM 2)")
+    with pytest.raises(DatabaseUnavailable, match="damaged"):
+        copies.backup(flown_url, tmp_path / "damaged")
     copies.restore(flown_url, tmp_path / "copy")
     assert _read_rows(flown_url) == rows
 

@@ -147,7 +147,8 @@ def _restore_file(target: Path, source: Path, ending: str) -> Path | None:
 
 
 def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
-    engine = make_engine(parse_url(url))
+    parsed = parse_url(url)
+    engine = make_engine(parsed)
     try:
         with translate_errors(), engine.connect() as connection:
             is_new = not sa.inspect(connection).has_table("alembic_version")
@@ -155,7 +156,9 @@ def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
         previous = None
         if not is_new:
             previous = source.with_name(f"{source.name}.{ending}")
-            backup(url, previous)
+            with new_file(previous) as partial:  # damaged or not
+                _copy_from_server(parsed, partial)
+                _make_single_file(partial)
         with (
             _upgraded_copy(source, source.parent) as ready,
             _open_copy(ready) as copy,
