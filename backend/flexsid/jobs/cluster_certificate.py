@@ -7,7 +7,6 @@ listen.
 
 from __future__ import annotations
 
-import os
 from datetime import datetime, timedelta
 from pathlib import Path
 from textwrap import indent
@@ -18,10 +17,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from flexsid.errors import BadInput
+from flexsid.storage.files import new_file
 
-VALIDITY = timedelta(days=3 * 365)
+_VALIDITY = timedelta(days=3 * 365)
 _CLOCK_SKEW = timedelta(days=1)  # between the computers of a cluster
-_PRIVATE = 0o600
 
 # A job that ends its worker does so on the next one, too; the queue has its own attempts.
 _CONFIGURATION = """\
@@ -61,7 +60,7 @@ def write_cluster_certificate(file: Path, now: datetime) -> datetime:
     """
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "flexsid cluster")])
-    end = now + VALIDITY
+    end = now + _VALIDITY
     certificate = (
         x509.CertificateBuilder()
         .subject_name(name)
@@ -83,15 +82,14 @@ def write_cluster_certificate(file: Path, now: datetime) -> datetime:
         key=_indent(private, 10),
     )
     try:
-        number = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _PRIVATE)
+        with new_file(file) as partial:
+            partial.write_text(text)
     except FileExistsError as error:
         raise BadInput(
             f"{file} exists; a cluster that uses it would not accept a new certificate"
         ) from error
     except OSError as error:
         raise BadInput(f"{file} cannot be written: {error.strerror}") from error
-    with os.fdopen(number, "w") as opened:
-        opened.write(text)
     return end
 
 

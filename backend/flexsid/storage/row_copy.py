@@ -33,12 +33,12 @@ def copy_rows(source: Connection, target: Connection) -> None:
             found = source.execution_options(yield_per=count).execute(sa.select(table))
             for rows in found.mappings().partitions():
                 target.execute(table.insert(), [dict(row) for row in rows])
-    present = read_given_ids(target)
-    for name, given in read_given_ids(source).items():
+    present = _read_given_ids(target)
+    for name, given in _read_given_ids(source).items():
         _give_ids_from(target, name, max(given, present.get(name, 0)))
 
 
-def read_given_ids(connection: Connection) -> dict[str, int]:
+def _read_given_ids(connection: Connection) -> dict[str, int]:
     """Return the largest id that each table has given; tables without any are missing."""
     if connection.dialect.name == "sqlite":
         query = "SELECT name, seq FROM sqlite_sequence WHERE seq > 0"
