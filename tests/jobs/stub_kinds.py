@@ -30,6 +30,10 @@ NAMES = (
     "orthogonality",
 )
 
+# Longer than any test waits: PostgreSQL takes a minute to end the transaction of a server
+# stopped within it, and a task that ends by itself would leave its worker idle, not killed.
+_HOLD_S = 600.0
+
 
 @dataclass(frozen=True)
 class Request:
@@ -69,11 +73,11 @@ def compute(task: dict[str, Any], report: Callable[[Progress], None]) -> dict[st
     if what == "stumble":
         return {"value": [][0]}
     if what == "sleep":
-        time.sleep(60)
+        time.sleep(_HOLD_S)
     is_first = not Path(task["file"]).is_file()
     if what == "hold" or (what == "hold-once" and is_first):
         Path(task["file"]).write_text(str(os.getpid()))
-        time.sleep(60)
+        time.sleep(_HOLD_S)
     if what == "crash" or (what == "crash-once" and is_first):
         Path(task["file"] or os.devnull).write_text(str(os.getpid()))
         os.kill(os.getpid(), signal.SIGKILL)

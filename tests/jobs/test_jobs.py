@@ -191,7 +191,7 @@ def test_stopping_is_quick_and_leaves_the_run_for_the_next_server(
     run = add_job(f"hold {tmp_path}/pid")
     dispatcher.start()
     worker = process_of(tmp_path / "pid")
-    dispatcher.stop()  # the task would hold for a minute
+    dispatcher.stop()  # the task would hold for minutes
     dispatcher.stop()
     is_over(worker)
     assert until(run, RunState.QUEUED).attempt == 1
