@@ -163,6 +163,20 @@ def compute_scores(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_omega"]:
     return final.form.source_scores(final.sensitivity, final.source, final.weights, gain)
 
 
+def invert_regular(
+    scaled: Float[np.ndarray, "n_theta n_theta"],
+) -> Float[np.ndarray, "n_theta n_theta"] | None:
+    """Invert an information matrix of unit diagonal; None where it may be singular."""
+    factor, info = lapack.dpotrf(scaled, lower=False)
+    if info != 0:
+        return None
+    upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
+    inverse = upper + upper.T  # LAPACK leaves the zeros below the diagonal
+    np.fill_diagonal(inverse, np.diag(upper))
+    condition = np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max()
+    return inverse if condition < _SAFE else None
+
+
 def _invert(
     scaled: Float[np.ndarray, "n_theta n_theta"],
 ) -> tuple[
@@ -175,13 +189,9 @@ def _invert(
     The second part is the inverse along the directions, returned third, in which the
     information is below its floor.
     """
-    factor, info = lapack.dpotrf(scaled, lower=False)
-    if info == 0:
-        upper = lapack.dpotri(factor, lower=False, overwrite_c=True)[0]
-        inverse = upper + upper.T  # LAPACK leaves the zeros below the diagonal
-        np.fill_diagonal(inverse, np.diag(upper))
-        if np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < _SAFE:
-            return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
+    inverse = invert_regular(scaled)
+    if inverse is not None:
+        return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
     values, vectors = np.linalg.eigh(scaled)
     floor = _WEAKEST * max(values[-1], 1.0)
     lacks = values < floor

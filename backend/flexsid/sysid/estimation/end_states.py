@@ -13,13 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import BadInput
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.parameters import Extra, Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.sensors import ACCELERATION, RATE
 
 STATE = "state"
 """Kind of these parameters: ``output`` is the number of the end, ``mode`` that of the state."""
@@ -29,10 +30,74 @@ _QUASI_STATIC = 1.2  # of the highest frequency: modes above follow the forces w
 
 @dataclass(frozen=True, slots=True)
 class FreeMotion:
-    """Free motion from a unit of each state at each end: outputs, and variables of the forces."""
+    """Free motion from end states, as the response to forces at each end.
 
-    outputs: Complex[np.ndarray, "n_omega n_y n_states"]
-    variables: Complex[np.ndarray, "n_omega n_x n_states"]
+    A rigid-body motion or etadot begins as after an impulse. An attitude or eta acts on the rates
+    of these states alone: from X (s - A) = 1 its column of X = (s - A)^-1 is
+    (e_k + X A[:, k]) / s. Rates have the transform s x less the initial value, which outputs of
+    accelerations therefore lack.
+
+    Attributes
+    ----------
+    s
+        Complex frequencies. [rad/s]
+    unit_motion, unit_outputs
+        Motion and recorded outputs under a unit force in each row.
+    instruments
+        Recorded over true response of every output. [1]
+    impulse
+        Forces of a unit of each state with inertia.
+    coupling, direct
+        Rates of these states, and outputs, per unit of an attitude or eta.
+    initial
+        Outputs per unit of the rate of a state with inertia.
+    phase
+        Of the time of each end state.
+    place
+        State of each end state: those with inertia, the attitude, eta.
+    """
+
+    s: Complex[np.ndarray, " n_omega"]
+    unit_motion: Complex[np.ndarray, "n_omega n_r n_r"]
+    unit_outputs: Complex[np.ndarray, "n_omega n_y n_r"]
+    instruments: Complex[np.ndarray, "n_omega n_y"]
+    impulse: Float[np.ndarray, "n_r n_r"]
+    coupling: Float[np.ndarray, "n_r n_integrated"]
+    direct: Float[np.ndarray, "n_y n_integrated"]
+    initial: Float[np.ndarray, "n_y n_r"]
+    phase: Complex[np.ndarray, "n_omega n_ends"]
+    place: Int[np.ndarray, " n_ends"]
+
+    def sum(
+        self, values: Float[np.ndarray, " n_ends"]
+    ) -> tuple[Complex[np.ndarray, "n_omega n_y"], Complex[np.ndarray, "n_omega n_x"]]:
+        """Compute outputs and variables of the forces for values of the end states."""
+        n_r, n = len(self.impulse), self.direct.shape[1] - 1
+        of_state = np.zeros((values.size, n_r + 1 + n))
+        of_state[np.arange(values.size), self.place] = values
+        begun, later = np.split(self.phase @ of_state, [n_r], axis=1)
+        later = later / self.s[:, None]
+        begun = begun + later @ self.coupling.T
+        forces = (begun @ self.impulse.T)[:, :, None]
+        motion = (self.unit_motion @ forces)[:, :, 0]
+        rates = self.s[:, None] * motion[:, n_r - n :]
+        motion[:, n_r - n :] += later[:, 1:]
+        outputs = (self.unit_outputs @ forces)[:, :, 0]
+        outputs += self.instruments * (later @ self.direct.T - begun @ self.initial.T)
+        return outputs, np.concatenate([motion, rates], axis=1)
+
+    def expand_outputs(self) -> Complex[np.ndarray, "n_omega n_y n_ends"]:
+        """Compute the outputs per unit of each end state."""
+        n_omega, n_y, n_r = self.unit_outputs.shape
+        flat = self.unit_outputs.reshape(-1, n_r)
+        to_states = self.impulse @ np.hstack([np.eye(n_r), self.coupling])
+        of_states = (flat @ to_states).reshape(n_omega, n_y, -1)
+        constant = np.hstack([-self.initial, self.direct - self.initial @ self.coupling])
+        of_states += self.instruments[:, :, None] * constant
+        slow = np.where(self.place < n_r, 1.0, 1.0 / self.s[:, None])
+        outputs = np.take(of_states, self.place, axis=2)
+        outputs *= (self.phase * slow)[:, None, :]
+        return outputs
 
 
 def add_end_states(parameters: Parameters, experiment: Experiment) -> Parameters:
@@ -89,6 +154,9 @@ def compute_free_motion(
     omega: Float[np.ndarray, " n_omega"],
     edges_s: Sequence[float],
     extras: Sequence[Extra],
+    unit_motion: Complex[np.ndarray, "n_omega n_r n_r"],
+    unit_outputs: Complex[np.ndarray, "n_omega n_y n_r"],
+    instruments: Complex[np.ndarray, "n_omega n_y"],
 ) -> FreeMotion:
     """Compute the spectra of the free motion from a unit of each end state.
 
@@ -102,37 +170,28 @@ def compute_free_motion(
         Times of the ends. [s]
     extras
         End states, of ``add_end_states``.
+    unit_motion, unit_outputs
+        Motion and recorded outputs under a unit force in each row.
+    instruments
+        Recorded over true response of every output. [1]
     """
     system = model.state_space(derivatives)
-    n = system.A.shape[0]
-    s = 1j * omega
-    # All ends share the response of a state; they differ in their time only.
-    picked, place = np.unique([extra.mode for extra in extras], return_inverse=True)
-    unit = np.broadcast_to(np.eye(n, dtype=complex)[:, picked], (s.size, n, picked.size))
-    states = np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, unit)
+    first, n_r, n_x = model.n_rigid, len(model.motions), system.A.shape[0]
+    inert, integrated = np.r_[:first, n_x - n_r + first : n_x], np.r_[first : n_x - n_r + first]
+    P = model.sensors.polynomial
+    impulse = np.eye(n_r)
+    impulse[:first, :first] = np.linalg.inv(model.force_matrix()[:first, :first])
     at = np.array([edges_s[extra.output] for extra in extras])
-    phase = np.exp(-np.outer(s, at))[:, None, :]
-    outputs, variables = system.C @ states, states[:, model.variable_states()]
-    return FreeMotion(outputs[:, :, place] * phase, variables[:, :, place] * phase)
-
-
-def remove_free_motion(experiment: Experiment, parameters: Parameters) -> Experiment:
-    """Subtract the free motion from the end states: the response to the inputs alone remains.
-
-    Parameters
-    ----------
-    experiment
-        Record that begins or ends in motion.
-    parameters
-        Derivatives and end states; their starting values are used.
-    """
-    n = parameters.rows.size
-    free = compute_free_motion(
-        experiment.model,
-        parameters.table(parameters.start),
-        experiment.omega,
-        experiment.edges_s,
-        parameters.extras,
+    place = np.argsort(np.concatenate([inert, integrated]))
+    return FreeMotion(
+        s=1j * omega,
+        unit_motion=unit_motion,
+        unit_outputs=unit_outputs,
+        instruments=instruments,
+        impulse=impulse,
+        coupling=system.A[np.ix_(inert, integrated)],
+        direct=system.C[:, integrated],
+        initial=np.concatenate([P[RATE, :, :first], P[ACCELERATION, :, first:]], axis=1),
+        phase=np.exp(-1j * np.outer(omega, at)),
+        place=place[[extra.mode for extra in extras]],
     )
-    moved = experiment.instruments * (free.outputs @ parameters.start[n:])
-    return replace(experiment, measured=experiment.measured - moved, edges_s=())

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.end_states import add_end_states, remove_free_motion
+from flexsid.sysid.estimation.end_states import add_end_states
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.feedback_noise import (
@@ -16,6 +16,7 @@ from flexsid.sysid.estimation.feedback_noise import (
     has_feedback_noise,
     remove_feedback_noise,
 )
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.joint_noise import estimate_joint_noise_of_part
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
@@ -197,7 +198,7 @@ def fit_growing_record(
             found = replace(found, outcome=Outcome.ITERATION_LIMIT, message=_ALTERNATING)
         if not is_weighted and found.outcome.is_optimum and duration_s < _FIRST_ERRORS_S:
             found = replace(found, message=_TOO_SHORT)
-    complete = remove_free_motion(data, replace(whole, start=found.values))
+    complete = _remove_free_motion(data, whole, found.values)
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)
     if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
@@ -251,6 +252,17 @@ def _fit_without_feedback_noise(
     base = replace(base, outcome=Outcome.CONVERGED)
     estimate = weight_by_noise_spectrum(corrected, at_optimum, base, settings, known=found.noise)
     return corrected[0], estimate.scale_covariance(max(1.0, found.residual_power))
+
+
+def _remove_free_motion(
+    experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
+) -> Experiment:
+    """Subtract the free motion from the end states: the response to the inputs alone remains."""
+    model = FrequencyDomainModel(experiment, parameters)
+    at_rest = theta.copy()
+    at_rest[parameters.rows.size :] = 0.0
+    moved = model.respond(theta).outputs - model.respond(at_rest).outputs
+    return replace(experiment, measured=experiment.measured - moved, edges_s=())
 
 
 def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:

@@ -16,7 +16,11 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance
+from flexsid.sysid.estimation.covariance import (
+    FinalSpectra,
+    compute_covariance,
+    invert_regular,
+)
 from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors
 from flexsid.sysid.estimation.estimate import (
     Estimate,
@@ -464,10 +468,15 @@ def count_effective_parameters(
         return float(prior.size)
     own = np.diag(information)
     size = 1.0 / np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
-    right = np.zeros((prior.size, held.size))
-    right[held, np.arange(held.size)] = prior[held] * size[held] ** 2
-    shares = np.linalg.lstsq(information * np.outer(size, size), right, rcond=1e-13)[0]
-    removed = float(np.trace(shares[held]))
+    scaled = information * np.outer(size, size)
+    strength = prior[held] * size[held] ** 2
+    inverse = invert_regular(scaled)
+    if inverse is None:
+        right = np.zeros((prior.size, held.size))
+        right[held, np.arange(held.size)] = 1.0
+        inverse = np.zeros_like(scaled)
+        inverse[:, held] = np.linalg.lstsq(scaled, right, rcond=1e-13)[0]
+    removed = float(np.diag(inverse)[held] @ strength)
     return prior.size - float(np.clip(removed, 0.0, held.size))
 
 

@@ -69,28 +69,33 @@ def estimate_noise_spectrum(
     scale = np.sqrt(_estimate_independent_noise(residuals))
     x = residuals / scale
     segment = np.arange(n) // SEGMENT
-    n_segments = int(segment[-1]) + 1
-    blocks = np.empty((n_segments, n_y, n_y), dtype=complex)
-    n_directions = 0
-    for k in range(n_segments):
-        first = int(np.clip(k - neighbours, 0, n_segments - width)) * SEGMENT
-        near = np.r_[first : min(first + width * SEGMENT, n)]
-        window = x[near[segment[near] != k]]
-        values, vectors = np.linalg.eigh(window.T @ window.conj() / len(window))
-        g = n_y / len(window)
-        common = values > (1.0 + np.sqrt(g)) ** 2
-        n_directions += int(common.sum())
-        v = vectors[:, common]
-        half = 0.5 * (values[common] + 1.0 - g)
-        variance = half + np.sqrt(np.maximum(half**2 - values[common], 0.0))
-        left = window - (window @ v.conj()) @ v.T
-        share = np.maximum(1.0 - np.sum(np.abs(v) ** 2, axis=1), g / (1.0 + g))
-        own = np.maximum(np.mean(np.abs(left) ** 2, axis=0) / share, _REGULAR)
-        size = scale[k * SEGMENT]
-        blocks[k] = (v * (variance - 1.0)) @ v.conj().T + np.diag(own)
-        blocks[k] *= np.outer(size, size)
-    n_frequencies = (width - 1) * SEGMENT
-    return NoiseSpectrum(SpectralMatrix(blocks, segment), n_frequencies, n_directions / n_segments)
+    sizes = np.bincount(segment)
+    n_segments = sizes.size
+    at = np.arange(n_segments)
+    first = np.clip(at - neighbours, 0, n_segments - width)[:, None]
+    near = (at >= first) & (at < first + width) & (at != at[:, None])
+    counts = near @ sizes
+    parts = np.zeros((n_segments * SEGMENT, n_y), dtype=complex)
+    parts[:n] = x
+    parts = parts.reshape(n_segments, SEGMENT, n_y)
+    sums = (parts.transpose(0, 2, 1) @ parts.conj()).reshape(n_segments, -1)
+    windows = (near.astype(float) @ sums.view(float)).view(complex).reshape(-1, n_y, n_y)
+    values, vectors = np.linalg.eigh(windows / counts[:, None, None])
+    g = (n_y / counts)[:, None]
+    common = values > (1.0 + np.sqrt(g)) ** 2
+    half = 0.5 * (values + 1.0 - g)
+    variance = half + np.sqrt(np.maximum(half**2 - values, 0.0))
+    power = np.abs(vectors) ** 2
+    left = np.sum(power * np.where(common, 0.0, values)[:, None], axis=2)
+    share = np.maximum(1.0 - np.sum(power * common[:, None], axis=2), g / (1.0 + g))
+    excess = np.where(common, variance - 1.0, 0.0)[:, None]
+    blocks = (vectors * excess) @ vectors.conj().transpose(0, 2, 1)
+    blocks[:, np.arange(n_y), np.arange(n_y)] += np.maximum(left / share, _REGULAR)
+    size = scale[::SEGMENT]
+    blocks *= size[:, :, None] * size[:, None, :]
+    return NoiseSpectrum(
+        SpectralMatrix(blocks, segment), (width - 1) * SEGMENT, float(common.sum() / n_segments)
+    )
 
 
 def _estimate_independent_noise(

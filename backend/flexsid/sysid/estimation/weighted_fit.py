@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance
+from flexsid.sysid.estimation.end_states import STATE
 from flexsid.sysid.estimation.estimate import Estimate, NoiseEstimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
@@ -33,7 +34,7 @@ _COVERED = 0.9  # share of the source's frequencies between the outermost ones t
 ROUNDS = 20  # noise spectra in sequence
 _STEPS = 3  # of Gauss-Newton with one noise spectrum, at most
 _SMALL = 0.005  # change by a step, in standard errors, after which no other follows
-_CONVERGED = 0.05  # largest change by a round, in standard errors
+_CONVERGED = 0.05  # largest change of a result by a round, in standard errors
 _SETTLED = 0.3  # the same after the last round: the number of directions may alternate
 _ROUNDING = 1e-6  # of a parameter
 
@@ -131,6 +132,9 @@ def weight_by_noise_spectrum(
     spectra: list[tuple[NoiseSpectrum, SpectralMatrix]] = []
     mean, prior = build_prior(parameters, settings.priors)
     theta = estimate.values if start is None else start
+    is_result = np.array(
+        [True] * parameters.rows.size + [e.kind != STATE for e in parameters.extras]
+    )
     for number in range(1, max_rounds + 1):
         report(number)
         try:
@@ -154,7 +158,7 @@ def weight_by_noise_spectrum(
             error = np.maximum(bounds, _ROUNDING * np.abs(theta))
             if np.max(np.abs(step) / error) < _SMALL:
                 break
-        change = float(np.max(np.abs(theta - before) / error))
+        change = float(np.max((np.abs(theta - before) / error)[is_result]))
         if change < _CONVERGED:
             break
     found = _build(maneuvers, spectra, theta, (mean, prior), fallback)
@@ -254,7 +258,8 @@ def _build(
     weights = [W for _, W in spectra]
     N, _ = _expand(maneuvers, weights, theta, mean, prior)
     n_data = sum(2 * one.source.experiment.measured.size for one in maneuvers)
-    inflation = n_data / max(n_data - count_effective_parameters(N, prior), 1.0)
+    n_effective = count_effective_parameters(N, prior)
+    inflation = n_data / max(n_data - n_effective, 1.0)
     final, fitted = [], []
     for one, W in zip(maneuvers, weights, strict=True):
         model, experiment = one.form.model, one.form.model.experiment
@@ -279,7 +284,7 @@ def _build(
     # W is independent of the residuals: their weighted power is that of S over its estimate.
     power = sum(_compute_weighted_power(one) for one in final)
     size = sum(2 * one.residuals.size for one in final)
-    level = 2.0 * power / max(size - count_effective_parameters(N, prior), 1.0)
+    level = 2.0 * power / max(size - n_effective, 1.0)
     of_data = (N - np.diag(prior)) / level
     bound = compute_covariance((), of_data + np.diag(prior), prior, 1.0).plain
     if found.lacking.size:
