@@ -14,7 +14,7 @@ RUN pip install --no-cache-dir uv==0.13.8 \
 FROM ${PYTHON_IMAGE}
 COPY --from=build /opt/flexsid /opt/flexsid
 RUN useradd --create-home --uid 10001 flexsid \
-    && install -d -o flexsid /data /certificates
+    && install -d -o flexsid /data /certificates /backups
 USER flexsid
 VOLUME /data
 ENV PATH=/opt/flexsid/bin:$PATH \

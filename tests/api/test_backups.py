@@ -27,7 +27,6 @@ from flexsid.storage.store import Store
 from flexsid.workflow.review.database_backup import (
     BackupRequest,
     BackupTask,
-    list_scheduled,
     refuse_backup,
 )
 
@@ -91,7 +90,7 @@ def test_scheduled_backups_are_restored_as_a_test_and_the_newest_retained(flown_
         assert not request_due_backup(store, hours=1, retained=2)
         os.utime(task.target, (0, time.time() - 3700))
     folder = made[0].parent
-    assert list_scheduled(folder) == made[1:]
+    assert copies.list_scheduled(folder) == made[1:]
     assert (folder / BACKUP.read_result(asked).name).exists(), "made on request"
     assert not [path for path in folder.iterdir() if path.is_dir()]
     store.close()

@@ -21,7 +21,9 @@ from waiting import PATIENCE_S, wait_until
 
 from flexsid.api.description import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
+from flexsid.errors import BadInput
 from flexsid.records.decision import ModelProposal, StructureReference, Vote
+from flexsid.storage import backup as copies
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, decisions
 from flexsid.workflow.review import decision_review
@@ -451,6 +453,39 @@ def test_each_damage_is_reported_with_advice(flown_url: str, capsys) -> None:
     if flown_url.startswith("sqlite"):
         assert "flexsid check" in refused(capsys, 1, "backup", "copy", "--database", flown_url)
         assert not Path("copy").exists()
+
+
+def test_backups_at_intervals_retain_the_newest(
+    database_url: str, store: Store, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "backups"
+    command = ["backup", str(folder), "--retained", "2", "--every", "24"]
+    options = ["--database", database_url]
+    assert "is no folder" in refused(capsys, 2, *command, *options)
+    folder.mkdir()
+    assert "--retained" in refused(capsys, 2, "backup", str(folder), "--every", "24", *options)
+    assert "at least 1" in refused(capsys, 2, "backup", str(folder), "--retained", "0", *options)
+    pauses: list[float] = []
+
+    def pause(seconds: float) -> None:
+        pauses.append(seconds)
+        for age, file in enumerate(copies.list_scheduled(folder)):
+            file.rename(folder / f"{copies.SCHEDULED}2020010{age}-000000.db")
+        if len(pauses) == 4:
+            raise KeyboardInterrupt
+        failing = len(pauses) == 2
+        monkeypatch.setattr(copies, "try_restore", refuse if failing else lambda source: None)
+
+    def refuse(source: Path) -> None:
+        raise BadInput("damaged")
+
+    monkeypatch.setattr("flexsid.cli.backup.time.sleep", pause)
+    assert main([*command, *options]) == 130
+    assert pauses == [86400.0, 86400.0, 3600.0, 86400.0]
+    assert len(list(folder.iterdir())) == 2
+    printed = capsys.readouterr()
+    assert printed.out.count("restored as a test; the newest 2 are retained") == 3
+    assert "damaged" in printed.err
 
 
 def test_a_record_that_changed_since_a_run_is_reported(flown_url: str, capsys) -> None:

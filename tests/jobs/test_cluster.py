@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import dask.config
@@ -117,6 +117,36 @@ def test_a_cluster_refuses_a_certificate_of_another(
         pytest.raises(FlexsidError, match="no Dask scheduler responds"),
     ):
         make_workers(load_stub, cluster.address)
+
+
+@pytest.mark.parametrize(("age_days", "state"), [(0, "ok"), (3 * 365 - 29, "degraded")])
+def test_the_end_of_the_certificate_is_announced(
+    store: Store,
+    load_stub: LoadKinds,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    age_days: int,
+    state: str,
+) -> None:
+    own = dask_cluster.Cluster(tmp_path, workers=1, path=Path(__file__).parent)
+    aged = tmp_path / "aged.yaml"
+    written = datetime.now(UTC) - timedelta(days=age_days)
+    end = write_cluster_certificate(aged, written)
+    certificate = YAML(typ="safe").load(aged)["distributed"]["comm"]["tls"]["client"]["cert"]
+    file = tmp_path / "certificate.pem"
+    file.write_text(certificate)
+    read = cluster_module.find_end_of_validity
+    for text in (certificate, str(file)):
+        monkeypatch.setattr(cluster_module, "find_end_of_validity", lambda _, t=text: read(t))
+        dispatcher = Dispatcher(store, load_stub(), make_workers(load_stub, own.address))
+        dispatcher.start()
+        watch = health.QueueHealth(store)
+        part = wait_until(watch.check_certificate, "the report of the workers")
+        assert part.state == state
+        assert f"{end:%Y-%m-%d}" in part.text
+        dispatcher.stop()
+    own.close()
+    assert read("no certificate") is None
 
 
 def test_a_scheduler_that_goes_away_is_waited_for(

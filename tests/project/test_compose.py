@@ -26,7 +26,12 @@ from waiting import PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
 COMPOSE = ROOT / "docker-compose.yml"
-WRITABLE = {"db": {"database"}, "certificate": {"certificates"}, "web": {"data"}}
+WRITABLE = {
+    "db": {"database"},
+    "certificate": {"certificates"},
+    "web": {"data"},
+    "backup": {"backups"},
+}
 INPUT = re.compile(r"\$\{(\w+)(?::([-?])([^}]*))?\}")
 
 
@@ -132,7 +137,7 @@ def test_every_service_is_healthy_and_listens_on_loopback_only(
     ) as response:
         health = json.load(response)
     assert {part["name"]: part["state"] for part in health["parts"]} == dict.fromkeys(
-        ("database", "dispatcher", "workers", "clock"), "ok"
+        ("database", "dispatcher", "workers", "clock", "certificate"), "ok"
     )
     assert health["status"] == "ok"
     if Path("/proc/net/tcp6").exists():
@@ -149,7 +154,7 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
         "PORT": str(_free_port()),
     }
     found = services(inputs)
-    assert set(found) == {"db", "certificate", "scheduler", "worker", "web"}
+    assert set(found) == {"db", "certificate", "scheduler", "worker", "web", "backup"}
     name = postgresql.copy()
     running: list[subprocess.Popen[bytes]] = []
     try:
@@ -196,7 +201,7 @@ def services(inputs: dict[str, str]) -> dict[str, Any]:
 
 
 def _on_this_computer(text: str, folder: Path) -> str:
-    return text.replace("/certificates", str(folder))
+    return text.replace("/certificates", str(folder)).replace("/backups", str(folder))
 
 
 def _environment(
@@ -225,7 +230,7 @@ def _environment(
 def _wait_until_healthy(
     name: str, test: list[str], environment: dict[str, str], logs: Path
 ) -> None:
-    kind, *command = test
+    kind, *command = (_on_this_computer(part, logs) for part in test)
     assert kind == "CMD"
     if name == "db":  # the test cluster has no such database
         command = [part for part in command if not part.startswith("--dbname")]

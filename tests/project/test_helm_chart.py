@@ -138,9 +138,9 @@ def test_a_backup_is_complete_before_an_earlier_one_is_deleted(
 ) -> None:
     (container,) = _containers(objects["CronJob", "backup"])
     command = [part.replace("/backups", str(tmp_path)) for part in container["command"]]
-    old = tmp_path / "flexsid-20200101T000000Z.db"
-    old.touch()
-    os.utime(old, (0, 0))
+    earlier = [tmp_path / f"{copies.SCHEDULED}{20200101 + k}-023000.db" for k in range(14)]
+    for old in earlier:
+        old.touch()
 
     def back_up(url: str) -> int:
         programs = Path(sys.executable).parent
@@ -152,10 +152,10 @@ def test_a_backup_is_complete_before_an_earlier_one_is_deleted(
         return subprocess.run(command, env=environment, capture_output=True, check=False).returncode
 
     assert back_up(postgresql.url("no_such_database")) != 0
-    assert list(tmp_path.iterdir()) == [old]
+    assert sorted(tmp_path.iterdir()) == earlier
     assert back_up(postgresql.url("empty")) == 0
-    (made,) = tmp_path.iterdir()
-    assert made != old
+    *rest, made = sorted(tmp_path.iterdir())
+    assert rest == earlier[1:]
     copies.check(made)
 
 

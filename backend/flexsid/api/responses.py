@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Health:
-    """State of the service and its parts: database, dispatcher, workers, clock.
+    """State of the service and its parts: database, dispatcher, workers, clock, certificate.
 
     ``status`` is ok, or degraded if any part is.
     """

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
+from datetime import UTC, datetime
 from pathlib import Path
 
 from flexsid.cli.database import open_store
-from flexsid.cli.output import print_result
+from flexsid.cli.output import print_error, print_result
+from flexsid.errors import BadInput, FlexsidError
 from flexsid.settings import Settings
 from flexsid.storage import backup as copies
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.row_seals import accept_changed_rows
 from flexsid.workflow.review.database_check import check_database
+
+_RETRY_S = 3600.0  # after a backup at intervals that failed
 
 
 def migrate(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -41,13 +46,40 @@ def check(settings: Settings, arguments: argparse.Namespace) -> int:
 
 
 def backup(settings: Settings, arguments: argparse.Namespace) -> int:
-    """Back the database up into a new file."""
-    file = arguments.file
-    size = copies.backup(settings.database, Path(file))
-    checked = "pages, rows, references and samples checked"
+    """Back the database up into a new file, or into a folder of which the newest are retained."""
+    file, retained, hours = Path(arguments.file), arguments.retained, arguments.every
+    if retained is None:
+        if hours is not None:
+            raise BadInput("--every needs --retained: the number of backups that stay")
+        size = copies.backup(settings.database, file)
+        _print_backup(file, size, "", arguments)
+        return 0
+    if not file.is_dir():
+        raise BadInput(f"{file} is no folder; with --retained name a folder of backups")
+    if min(retained, retained if hours is None else hours) < 1:
+        raise BadInput("--retained and --every are numbers of at least 1")
+    while True:
+        target = file / f"{copies.SCHEDULED}{datetime.now(UTC):%Y%m%d-%H%M%S}.db"
+        pause_s = _RETRY_S
+        try:
+            size = copies.back_up_and_retain(settings.database, target, retained)
+        except FlexsidError as error:
+            if hours is None:
+                raise
+            print_error(error.message, error.code, as_json=arguments.json)
+        else:
+            more = f", restored as a test; the newest {retained} are retained"
+            _print_backup(target, size, more, arguments)
+            if hours is None:
+                return 0
+            pause_s = 3600.0 * hours
+        time.sleep(pause_s)
+
+
+def _print_backup(file: Path, size: int, more: str, arguments: argparse.Namespace) -> None:
+    checked = f"pages, rows, references and samples checked{more}"
     text = f"{file} holds the database, {size / 1e6:.1f} MB; {checked}"
-    print_result([text], {"file": file, "bytes": size}, as_json=arguments.json)
-    return 0
+    print_result([text], {"file": str(file), "bytes": size}, as_json=arguments.json)
 
 
 def restore(settings: Settings, arguments: argparse.Namespace) -> int:

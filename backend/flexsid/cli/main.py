@@ -138,7 +138,12 @@ def build_parser() -> argparse.ArgumentParser:
     audit.add_argument("--output", required=True, metavar="FILE", help="JSON, one event per line")
 
     summary = "back up the database into a new file, while servers use it"
-    add("backup", "backup:backup", summary).add_argument("file", metavar="FILE")
+    copied = add("backup", "backup:backup", summary)
+    copied.add_argument("file", metavar="FILE")
+    meaning = "FILE is a folder: restore the copy as a test, and retain the newest N made so"
+    copied.add_argument("--retained", type=int, metavar="N", help=meaning)
+    meaning = "repeat at this interval until stopped, an hour after a failure"
+    copied.add_argument("--every", type=int, metavar="HOURS", help=meaning)
 
     summary = "replace the database by a backup, after a copy of the database"
     add("restore", "backup:restore", summary).add_argument("file", metavar="FILE")

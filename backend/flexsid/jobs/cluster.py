@@ -14,6 +14,7 @@ from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Child, execute_in_child, pickle_task
+from flexsid.jobs.cluster_certificate import find_end_of_validity
 from flexsid.jobs.executors import Workers
 from flexsid.jobs.messages import (
     ComputedMessage,
@@ -121,6 +122,8 @@ class ClusterWorkers(Workers[Any]):
                 self._address, timeout=_CONNECT_S, set_as_default=False, name="flexsid"
             )
             self._client.subscribe_topic(self._topic, self._receive_progress)
+            certificate = self._client.security.tls_client_cert
+            self.valid_until = None if certificate is None else find_end_of_validity(certificate)
             return self._client
         except TypeError as error:  # of Dask, for a missing key or certificate
             self._client = None

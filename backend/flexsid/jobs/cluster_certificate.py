@@ -93,5 +93,18 @@ def write_cluster_certificate(file: Path, now: datetime) -> datetime:
     return end
 
 
+def find_end_of_validity(certificate: str) -> datetime | None:
+    """Return the end of validity of a certificate in PEM form, or of a file with one.
+
+    None where it cannot be read; Dask states the reason when it connects.
+    """
+    try:
+        is_text = certificate.lstrip().startswith("-----BEGIN")
+        pem = certificate.encode() if is_text else Path(certificate).read_bytes()
+        return x509.load_pem_x509_certificate(pem).not_valid_after_utc
+    except (OSError, ValueError):
+        return None
+
+
 def _indent(pem: bytes, width: int) -> str:
     return indent(pem.decode().strip(), " " * width)

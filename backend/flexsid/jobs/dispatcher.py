@@ -120,12 +120,14 @@ class Dispatcher:
             _log.warning("the lease was not released: %s", error.message)
 
     def _status(self) -> dict[str, Any]:
+        valid_until = self._workers.valid_until
         return {
             "server": shorten_process_id(self._leadership.process_id),
             "location": self._workers.location,
             "workers": self._workers.count,
             "running": sorted(job_id for job_id, _ in self._workers.keys),
             "without_workers_s": round(self._workers.absent_s, 1),
+            "valid_until": None if valid_until is None else valid_until.isoformat(),
         }
 
     def _run(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 from abc import ABC, abstractmethod
 from contextlib import suppress
+from datetime import datetime
 from typing import Any, Generic, TypeVar
 
 from flexsid.jobs.messages import Key, ProgressMessage, WorkerMessage
@@ -24,11 +25,17 @@ class Workers(ABC, Generic[Running]):
         Function that returns the kinds of jobs, in every worker.
     location
         Where the workers are.
+
+    Attributes
+    ----------
+    valid_until
+        End of validity of the certificate by which they are reached, if any.
     """
 
     def __init__(self, load_kinds: LoadKinds, location: str) -> None:
         self.location = location
         self.count = 0
+        self.valid_until: datetime | None = None
         self._load_kinds = load_kinds
         self._tasks: dict[Key, Running] = {}
         self._messages: queue.SimpleQueue[tuple[Key, WorkerMessage] | None] = queue.SimpleQueue()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from enum import StrEnum
 from typing import Any
 
@@ -17,6 +18,7 @@ from flexsid.storage.store import Store
 _GRACE_S = 20.0  # longer than the replacement of servers and workers
 _START_S = 120.0  # longer than the start of a dispatcher on a loaded computer
 _STALLED_S = 2.0 * LEASE_TIMEOUT_S  # by then another server would have taken the lease
+_EARLY = timedelta(days=30)  # before the end of a certificate
 
 
 class PartState(StrEnum):
@@ -71,6 +73,20 @@ class QueueHealth:
             text = "Unknown: no dispatcher reports the workers."
             return dispatcher, PartHealth("workers", dispatcher.state, text)
         return dispatcher, _describe_workers(status)
+
+    def check_certificate(self) -> PartHealth | None:
+        """Return the state of the cluster's certificate; None where workers need none."""
+        end = (leases.status(self._store) or {}).get("valid_until")
+        if end is None:
+            return None
+        text, state = f"Valid until {end[:10]}.", PartState.OK
+        if datetime.fromisoformat(end) - datetime.now(UTC) < _EARLY:
+            text = (
+                f"Valid until {end[:10]} only, then no job is computed: write a new one by"
+                " `flexsid cluster-certificate` and restart scheduler, workers and servers with it."
+            )
+            state = PartState.DEGRADED
+        return PartHealth("certificate", state, text)
 
 
 def _describe_dispatcher(lease: Lease, unchanged_s: float) -> PartHealth:

@@ -17,7 +17,7 @@ from pathlib import Path
 import sqlalchemy as sa
 from sqlalchemy.engine import URL
 
-from flexsid.errors import BadInput, Conflict
+from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
@@ -28,6 +28,9 @@ from flexsid.storage.row_seals import add_seal_function, find_changed_rows
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
+
+SCHEDULED = "scheduled-"
+"""Begin of the names of scheduled backups, the oldest of which are deleted."""
 
 _log = logging.getLogger(__name__)
 
@@ -85,6 +88,47 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
     except OSError as error:
         raise BadInput(f"{target} cannot be written: {error.strerror}") from error
     return target.stat().st_size
+
+
+def back_up_and_retain(
+    url: str, target: Path, retained: int, report: ReportProgress = lambda progress: None
+) -> int:
+    """Back up, restore the copy as a test, then delete the oldest scheduled backups beside it.
+
+    Parameters
+    ----------
+    url, report
+        As of ``backup``.
+    target
+        New file whose name begins with ``SCHEDULED`` and its time.
+    retained
+        Number of scheduled backups that stay, this one included.
+
+    Returns
+    -------
+    int
+        Size of the copy. [bytes]
+
+    Raises
+    ------
+    BadInput, Conflict, DatabaseUnavailable
+        As ``backup``; without a restored copy nothing is deleted.
+    """
+    size = backup(url, target, report)
+    report(Progress(fraction=0.8, message="Restoring the copy"))
+    try:
+        try_restore(target)
+    except FlexsidError:
+        target.unlink()
+        raise
+    for old in list_scheduled(target.parent)[:-retained]:
+        old.unlink(missing_ok=True)
+    return size
+
+
+def list_scheduled(folder: Path) -> list[Path]:
+    """List the scheduled backups in a folder, the oldest first."""
+    return sorted(folder.glob(f"{SCHEDULED}*.db"))
 
 
 def restore(url: str, source: Path) -> Path | None:
@@ -274,6 +318,7 @@ def find_file(url: str) -> Path:
     if file is None:
         raise BadInput(
             "the server backs up databases of SQLite only; for PostgreSQL use `flexsid backup FILE`"
+            " or, at intervals, `flexsid backup FOLDER --retained 7 --every 24`"
         )
     return file
 

@@ -52,13 +52,13 @@ def get_health(context: TheContext) -> Health:
 
 
 def check_parts(context: Context) -> tuple[PartHealth, ...]:
-    """Return the state of database, dispatcher, workers, clock, and of a part of this server."""
+    """Return the state of database, dispatcher, workers and clock, and of what only some have."""
     database = context.store.database
     with database.reading() as connection:
         connection.exec_driver_sql("SELECT 1")
     name = database.url.get_backend_name()
     clock_error = find_clock_error(context.store)
-    additional = context.check_additional_part()
+    others = (context.queue_health.check_certificate(), context.check_additional_part())
     return (
         PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
         *context.queue_health.check(),
@@ -69,5 +69,5 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
             if clock_error is None
             else f"{clock_error[:1].upper()}{clock_error[1:]}.",
         ),
-        *(() if additional is None else (additional,)),
+        *(part for part in others if part is not None),
     )

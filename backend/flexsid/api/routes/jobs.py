@@ -23,7 +23,8 @@ router = APIRouter(prefix="/jobs", tags=["jobs"])
 class WorkerPool:
     """The dispatching server, its number of workers, and their jobs.
 
-    ``without_workers_s`` is the time since the last worker was connected. [s]
+    ``without_workers_s`` is the time since the last worker was connected [s], ``valid_until`` the
+    end of the certificate by which workers of a cluster are reached.
     """
 
     server: str
@@ -31,6 +32,7 @@ class WorkerPool:
     workers: int
     running: list[int]
     without_workers_s: float = 0.0
+    valid_until: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +88,10 @@ def get_queue_status(store: TheStore) -> Json:
             window_s=rate.window_s,
             remaining_s=rate.remaining_s,
             typical_s=rate.typical_s,
-            worker_pool=None if pool is None else WorkerPool(**pool),
+            # A dispatcher of another version may report more.
+            worker_pool=None
+            if pool is None
+            else WorkerPool(**{k: v for k, v in pool.items() if k in WorkerPool.__slots__}),
         )
     )
 

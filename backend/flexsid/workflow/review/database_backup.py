@@ -11,15 +11,14 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from flexsid.errors import FlexsidError, UnknownRecord
+from flexsid.errors import UnknownRecord
 from flexsid.records.job import Job
-from flexsid.records.run import Progress, ReportProgress, RunState
+from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.files import make_private_folder
 from flexsid.storage.store import Store
 
-_SCHEDULED = "scheduled-"
 _RETRY = timedelta(hours=1)
 
 
@@ -72,7 +71,7 @@ def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask
             partial.unlink(missing_ok=True)
     assert job.started_at is not None
     name = f"{job.started_at:%Y%m%d-%H%M%S}-{job.id}-{job.attempt}.db"
-    name = name if request.retained is None else f"{_SCHEDULED}{name}"
+    name = name if request.retained is None else f"{copies.SCHEDULED}{name}"
     return BackupTask(f"sqlite:///{source}", folder / name, request.retained)
 
 
@@ -81,22 +80,11 @@ def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
 
     A scheduled backup is also restored into a temporary database, and then replaces the oldest.
     """
-    n_bytes = copies.backup(task.url, task.target, report)
-    if task.retained is not None:
-        report(Progress(fraction=0.8, message="Restoring the copy"))
-        try:
-            copies.try_restore(task.target)
-        except FlexsidError:
-            task.target.unlink()
-            raise
-        for old in list_scheduled(task.target.parent)[: -task.retained]:
-            old.unlink(missing_ok=True)
+    if task.retained is None:
+        n_bytes = copies.backup(task.url, task.target, report)
+    else:
+        n_bytes = copies.back_up_and_retain(task.url, task.target, task.retained, report)
     return BackupFile(name=task.target.name, n_bytes=n_bytes)
-
-
-def list_scheduled(folder: Path) -> list[Path]:
-    """List the scheduled backups in a folder, the oldest first."""
-    return sorted(folder.glob(f"{_SCHEDULED}*.db"))
 
 
 def is_backup_due(store: Store, interval: timedelta, now: datetime) -> bool:
@@ -110,7 +98,7 @@ def is_backup_due(store: Store, interval: timedelta, now: datetime) -> bool:
     failed = store.jobs.find(kind=copies.BACKUP, state=RunState.FAILED)
     if any(job.finished_at is not None and now - job.finished_at < _RETRY for job in failed):
         return False
-    made = list_scheduled(_locate(store)[1])
+    made = copies.list_scheduled(_locate(store)[1])
     return not made or now - datetime.fromtimestamp(made[-1].stat().st_mtime, UTC) >= interval
 
 
