@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import threading
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
@@ -11,6 +13,7 @@ import dask.config
 import dask_cluster
 import postgresql as postgresql_server
 import pytest
+from distributed import Client
 from ruamel.yaml import YAML
 from waiting import wait_until
 
@@ -100,6 +103,27 @@ def test_a_cluster_refuses_whoever_has_no_certificate(
         pytest.raises(FlexsidError, match=reason),
     ):
         make_workers(load_stub, cluster.address.replace("tls", scheme))
+
+
+@pytest.mark.parametrize("reason", ["no Dask scheduler responds", "requires a certificate"])
+def test_a_failed_connection_leaves_nothing_to_the_garbage_collector(
+    load_stub: LoadKinds, monkeypatch: pytest.MonkeyPatch, reason: str
+) -> None:
+    monkeypatch.setattr(cluster_module, "_CONNECT_S", 1.0)
+    names = [f"distributed.comm.tls.{part}" for part in ("client.cert", "client.key", "ca-file")]
+    changed = dict.fromkeys(names) if "certificate" in reason else {}
+    dask_cluster.configuration()
+    gc.collect()  # what other tests left
+    gc.disable()
+    try:
+        before = set(threading.enumerate())
+        with dask.config.set(changed), pytest.raises(FlexsidError, match=reason):
+            make_workers(load_stub, "tls://127.0.0.1:9")
+        left = [one for one in gc.get_objects() if isinstance(one, Client)]
+        assert [client.status for client in left if client.status != "closed"] == []
+        assert not [t for t in set(threading.enumerate()) - before if t.name == "IO loop"]
+    finally:
+        gc.enable()
 
 
 def test_a_cluster_refuses_a_certificate_of_another(

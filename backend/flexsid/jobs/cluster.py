@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import time
 import uuid
+from contextlib import suppress
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -111,16 +112,7 @@ class ClusterWorkers(Workers[Any]):
 
     def _connect(self) -> Any:
         try:
-            from distributed import Client
-        except ImportError as error:
-            raise FlexsidError(
-                "a Dask cluster needs the extra `dask`: pip install 'flexsid[dask]'",
-                code="missing-extra",
-            ) from error
-        try:
-            self._client = Client(
-                self._address, timeout=_CONNECT_S, set_as_default=False, name="flexsid"
-            )
+            self._client = _start_client(self._address)
             self._client.subscribe_topic(self._topic, self._receive_progress)
             certificate = self._client.security.tls_client_cert
             self.valid_until = None if certificate is None else find_end_of_validity(certificate)
@@ -181,6 +173,34 @@ class ClusterWorkers(Workers[Any]):
         _, (job_id, attempt, progress) = event
         message = ProgressMessage(None if progress is None else Progress(**progress))
         self._messages.put(((job_id, attempt), message))
+
+
+def _start_client(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise FlexsidError(
+            "a Dask cluster needs the extra `dask`: pip install 'flexsid[dask]'",
+            code="missing-extra",
+        ) from error
+
+    class ClosedClient(Client):
+        """Client that is closed, and its thread ended, at once if it cannot connect.
+
+        Dask leaves the thread, and after some errors the client: the garbage collector then closes
+        it, which takes a lock; where that is the start of another client, the process hangs.
+        """
+
+        def start(self, **kwargs: Any) -> None:
+            try:
+                super().start(**kwargs)
+            except BaseException:
+                with suppress(OSError, TimeoutError):
+                    self.close(timeout=_CLOSE_S)
+                self._loop_runner.stop()
+                raise
+
+    return ClosedClient(address, timeout=_CONNECT_S, set_as_default=False, name="flexsid")
 
 
 def _fetch_result(future: Any) -> list[WorkerMessage]:
