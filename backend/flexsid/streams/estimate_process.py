@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from functools import partial
 from multiprocessing.connection import Connection, wait
 
@@ -46,19 +47,22 @@ class _Recorder:
         self._known = find_newest_state(store, self._stream_id)
         self._last = None if self._known is None else self._known.state
 
-    def complete(self, message: UpdateMessage) -> StateMessage:
-        """Return the state of an update, which is stored."""
+    def complete(self, message: UpdateMessage) -> Iterator[StateMessage]:
+        """Yield the states of an update as they are estimated; the last one is stored."""
         update = message.update
         has_estimate = update.request is not None
         if self._known is not None:
             if update.state.time_s <= self._known.time_s:
                 self._estimator.resume(update.maneuver, self._known.state)
-                return StateMessage(state=self._known.state, has_estimate=has_estimate)
+                yield StateMessage(state=self._known.state, has_estimate=has_estimate)
+                return
             self._known = None
-        state = self._estimator.complete(update)
-        if self._is_recorded(state, ends=update.interval_s is not None):
-            self._record(state, time.monotonic() - message.arrived)
-        return StateMessage(state=state, has_estimate=has_estimate)
+        delay_s = None
+        for state, is_complete in self._estimator.complete(update):
+            delay_s = delay_s or time.monotonic() - message.arrived
+            if is_complete and self._is_recorded(state, ends=update.interval_s is not None):
+                self._record(state, delay_s)
+            yield StateMessage(state=state, has_estimate=has_estimate and is_complete)
 
     def compute_responses(self) -> LiveResponses | None:
         """Compute the frequency responses of the latest estimate; they are not stored."""
@@ -96,7 +100,8 @@ def main(arguments: list[str]) -> None:
         while lifeline not in wait([connection, lifeline]):
             match connection.recv():
                 case UpdateMessage() as message:
-                    connection.send(recorder.complete(message))
+                    for state in recorder.complete(message):
+                        connection.send(state)
                     if message.update.request is not None:
                         responses = recorder.compute_responses()
                         if responses is not None:

@@ -59,7 +59,7 @@ class UpdateMessage:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StateMessage:
-    """A state; ``has_estimate`` whether the estimate of its time is included."""
+    """A state; ``has_estimate`` whether the estimate of its time is complete."""
 
     state: LiveState
     has_estimate: bool

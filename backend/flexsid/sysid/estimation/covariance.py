@@ -108,11 +108,7 @@ def compute_covariance(
     N^-1 Re J_k^H W nu_k of every frequency, in the proportion of their squares; those of the
     priors N^-1 P sigma.
     """
-    own = np.diag(information)
-    scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
-    outer = np.outer(scale, scale)
-    resolved, unresolved, lacking = _invert(information / outer)
-    resolved, unresolved = resolved / outer, unresolved / outer
+    resolved, unresolved, lacking = _invert_in_parts(information)
     middle = np.diag(prior_information)
     noise_components = []
     for final in lines:
@@ -134,6 +130,29 @@ def compute_covariance(
         _scale_components(noise_components, corrected, prior_components),
         prior_components,
     )
+
+
+def compute_bound(
+    information: Float[np.ndarray, "n_theta n_theta"],
+) -> Float[np.ndarray, "n_theta n_theta"]:
+    """Compute the Cramer-Rao covariance alone, 1/2 N^-1, as ``compute_covariance`` does."""
+    resolved, unresolved, _ = _invert_in_parts(information)
+    return _symmetric(0.5 * (resolved + unresolved))
+
+
+def _invert_in_parts(
+    information: Float[np.ndarray, "n_theta n_theta"],
+) -> tuple[
+    Float[np.ndarray, "n_theta n_theta"],
+    Float[np.ndarray, "n_theta n_theta"],
+    Float[np.ndarray, "n_theta n_lacking"],
+]:
+    """Invert the information as ``_invert``, in scaled parameters."""
+    own = np.diag(information)
+    scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
+    outer = np.outer(scale, scale)
+    resolved, unresolved, lacking = _invert(information / outer)
+    return resolved / outer, unresolved / outer, lacking
 
 
 def _scale_components(

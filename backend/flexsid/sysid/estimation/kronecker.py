@@ -188,7 +188,8 @@ class NormalForm:
         N[-n_ends:, :-n_ends] = cross * model.scale
         N[:-n_ends, -n_ends:] = N[-n_ends:, :-n_ends].T
         flat, other = (a.reshape(-1, n_ends) for a in (ends, weights.times(ends)))
-        N[-n_ends:, -n_ends:] = flat.real.T @ other.real + flat.imag.T @ other.imag
+        real = np.real(flat).T @ np.real(other) + np.imag(flat).T @ np.imag(other)
+        N[-n_ends:, -n_ends:] = real
 
     def _sum_by_rows(
         self, A: Complex[np.ndarray, "n_r2 n_omega"], w: Complex[np.ndarray, "n_w n_omega"]

@@ -13,7 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance
+from flexsid.sysid.estimation.covariance import (
+    FinalSpectra,
+    compute_bound,
+    compute_covariance,
+)
 from flexsid.sysid.estimation.end_states import STATE
 from flexsid.sysid.estimation.estimate import Estimate, NoiseEstimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
@@ -33,7 +37,8 @@ _COVERED = 0.9  # share of the source's frequencies between the outermost ones t
 # response; less: inputs are omitted
 ROUNDS = 20  # noise spectra in sequence
 _STEPS = 3  # of Gauss-Newton with one noise spectrum, at most
-_SMALL = 0.005  # change by a step, in standard errors, after which no other follows
+_SMALL = 0.02  # change by a step, in standard errors, after which no other follows: the next one
+# is of its square, and another noise spectrum changes more
 _CONVERGED = 0.05  # largest change of a result by a round, in standard errors
 _SETTLED = 0.3  # the same after the last round: the number of directions may alternate
 _ROUNDING = 1e-6  # of a parameter
@@ -286,7 +291,7 @@ def _build(
     size = sum(2 * one.residuals.size for one in final)
     level = 2.0 * power / max(size - n_effective, 1.0)
     of_data = (N - np.diag(prior)) / level
-    bound = compute_covariance((), of_data + np.diag(prior), prior, 1.0).plain
+    bound = compute_bound(of_data + np.diag(prior))
     if found.lacking.size:
         return (
             estimate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from flexsid.records.live import (
     Frame,
     LiveAlarm,
     LiveEstimate,
+    LiveMode,
     LiveResponses,
     LiveState,
 )
@@ -59,12 +60,28 @@ class LiveEstimator:
         self._reason = ""
         self._evidence: dict[tuple[AlarmKind, str], int] = {}
 
-    def complete(self, update: StreamUpdate) -> LiveState:
-        """Return the state of an update with its estimate, or with the last one of the maneuver."""
+    def complete(self, update: StreamUpdate) -> Iterator[tuple[LiveState, bool]]:
+        """Yield the state of an update with its estimate, or with the last one of the maneuver.
+
+        The second value is whether it is complete. Where the recent motion is fitted too, the state
+        with the estimate of the whole record comes first: its modes of the recent motion are those
+        of the update before.
+        """
         if update.maneuver != self._maneuver:
             self._begin(update.maneuver)
         if update.request is not None:
-            self._update_estimate(update.state.time_s, update.request)
+            time_s, evidence = update.state.time_s, self._evidence
+            estimate = self._estimate_record(time_s, update.request)
+            if estimate is not None:
+                before = () if self._estimate is None else self._estimate.recent_modes
+                self._take(time_s, replace(estimate, recent_modes=before), (), evidence)
+                if self._is_watched(estimate, update.request):
+                    yield self._build_state(update), False
+                recent = self._estimate_recent(estimate, update.request)
+                self._take(time_s, replace(estimate, recent_modes=recent), recent, evidence)
+        yield self._build_state(update), True
+
+    def _build_state(self, update: StreamUpdate) -> LiveState:
         return replace(
             update.state,
             estimate=self._estimate,
@@ -86,44 +103,50 @@ class LiveEstimator:
         # What was raised is not raised again.
         self._evidence = {(a.kind, a.subject): _CONFIRMATIONS for a in self._alarms}
 
-    def _update_estimate(self, time_s: float, request: EstimateRequest) -> None:
-        """Estimate from the record so far, and compare the result with the alarms."""
+    def _estimate_record(self, time_s: float, request: EstimateRequest) -> LiveEstimate | None:
+        """Estimate from the record so far; None where that fails."""
         try:
             if self._adjust is not None:
                 self._task = self._adjust(self._task, request.condition)
             self._fit.change(self._task)
             self._recent_fit.change(self._task)
-            estimate = self._fit.estimate(request.spectra, request.trim, request.excluded, time_s)
+            return self._fit.estimate(request.spectra, request.trim, request.excluded, time_s)
         except (FlexsidError, np.linalg.LinAlgError) as error:
             self._reason = f"no estimate: {error}"
-            return
-        self._estimate = estimate = self._add_recent(time_s, request, estimate)
-        self._reason = _describe_reservation(estimate)
-        self._raise_alarms(time_s, estimate)
+            return None
 
-    def _add_recent(
-        self, time_s: float, request: EstimateRequest, estimate: LiveEstimate
-    ) -> LiveEstimate:
-        """Add the modes of the recent motion, if a mode of the whole record is lightly damped."""
+    def _is_watched(self, estimate: LiveEstimate, request: EstimateRequest) -> bool:
         lowest = min((mode.damping for mode in estimate.modes), default=np.inf)
-        if request.recent is None or lowest > _WATCHED:
-            return estimate
-        try:
-            recent = self._recent_fit.estimate(
-                request.recent, request.trim, request.excluded, time_s
-            )
-        except (FlexsidError, np.linalg.LinAlgError):
-            return estimate
-        return replace(estimate, recent_modes=recent.modes if recent.converged else ())
+        return request.recent is not None and lowest <= _WATCHED
 
-    def _raise_alarms(self, time_s: float, estimate: LiveEstimate) -> None:
+    def _estimate_recent(
+        self, estimate: LiveEstimate, request: EstimateRequest
+    ) -> tuple[LiveMode, ...]:
+        """Estimate the modes of the recent motion, if one of the whole record is watched."""
+        if request.recent is None or not self._is_watched(estimate, request):
+            return ()
+        try:
+            return self._recent_fit.estimate_modes(request.recent, request.trim, request.excluded)
+        except (FlexsidError, np.linalg.LinAlgError):
+            return ()
+
+    def _take(
+        self,
+        time_s: float,
+        estimate: LiveEstimate,
+        recent: tuple[LiveMode, ...],
+        evidence: dict[tuple[AlarmKind, str], int],
+    ) -> None:
+        """Take an estimate, and raise alarms from it, which continue the evidence before it."""
+        self._estimate = estimate
+        self._reason = _describe_reservation(estimate)
         unstable = {
             (AlarmKind.UNSTABLE, mode.name): (
                 f"damping ratio {mode.damping:.3f} ± {2.0 * (mode.damping_std or 0.0):.3f} (2 "
                 f"sigma) at {mode.frequency:.2f} rad/s: negative with probability "
                 f"{mode.instability_probability:.2f}"
             )
-            for mode in (*estimate.modes, *estimate.recent_modes)
+            for mode in (*estimate.modes, *recent)
             if (mode.instability_probability or 0.0) >= _UNSTABLE
         }
         if (estimate.next_point_probability or 0.0) >= _BEYOND:
@@ -133,7 +156,7 @@ class LiveEstimator:
                 f"test point with probability {estimate.next_point_probability:.2f}"
             )
         raised = {(alarm.kind, alarm.subject) for alarm in self._alarms}
-        self._evidence = {key: self._evidence.get(key, 0) + 1 for key in unstable}
+        self._evidence = {key: evidence.get(key, 0) + 1 for key in unstable}
         self._alarms += tuple(
             LiveAlarm(kind=kind, time_s=time_s, subject=subject, evidence=unstable[kind, subject])
             for (kind, subject), count in self._evidence.items()
@@ -172,7 +195,7 @@ class LiveProcessor:
 
     def push(self, frame: Frame) -> list[LiveState]:
         """Process the next frame that arrived; return the states that it completes."""
-        return [self._estimator.complete(update) for update in self._stream.push(frame)]
+        return [self._complete(update) for update in self._stream.push(frame)]
 
     def compute_responses(self) -> LiveResponses | None:
         """Compute the frequency responses of the latest estimate of the maneuver, if any."""
@@ -180,7 +203,11 @@ class LiveProcessor:
 
     def finish(self) -> list[LiveState]:
         """Process what still waits at the end of the stream; return the last states."""
-        return [self._estimator.complete(update) for update in self._stream.finish()]
+        return [self._complete(update) for update in self._stream.finish()]
+
+    def _complete(self, update: StreamUpdate) -> LiveState:
+        *_, (state, _) = self._estimator.complete(update)
+        return state
 
 
 def combine_states(newest: LiveState, estimated: LiveState | None) -> LiveState:

@@ -11,6 +11,7 @@ from scipy.special import ndtr
 from flexsid.errors import NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.live import LiveEstimate, LiveMode
+from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.growing_record import (
     GrowingFit,
@@ -98,6 +99,41 @@ class LiveFit:
             If an input is excluded, or the data are too few.
         """
         task = self._task
+        found, change = self._fit(spectra, trim, excluded)
+        prediction = _predict(task, found.values, found.corrected_covariance)
+        crossing, std = prediction.crossing, prediction.total_std
+        beyond = None
+        if crossing is not None and np.isfinite(std) and task.next_airspeed_m_s is not None:
+            beyond = float(ndtr((task.next_airspeed_m_s - crossing.airspeed) / std))
+        return LiveEstimate(
+            time_s=time_s,
+            duration_s=spectra.duration_s,
+            converged=found.outcome.is_optimum,
+            modes=_describe_modes(task, found),
+            names=found.names,
+            values=tuple(found.values.tolist()),
+            std_errors=tuple(finite_or_none(std) for std in found.std_errors.tolist()),
+            flutter_m_s=None if crossing is None else float(crossing.airspeed),
+            flutter_std_m_s=None if crossing is None else finite_or_none(std),
+            next_point_probability=beyond,
+            excluded=tuple(sorted(excluded)),
+            condition=task.condition,
+            change_by_noise_weights=change,
+            no_errors_reason="" if np.isfinite(found.std_errors).all() else found.message,
+        )
+
+    def estimate_modes(
+        self, spectra: GrowingSpectra, trim: np.ndarray, excluded: Collection[str]
+    ) -> tuple[LiveMode, ...]:
+        """Estimate the modes only, as ``estimate`` does; none where the fit does not converge."""
+        found, _ = self._fit(spectra, trim, excluded)
+        return _describe_modes(self._task, found) if found.outcome.is_optimum else ()
+
+    def _fit(
+        self, spectra: GrowingSpectra, trim: np.ndarray, excluded: Collection[str]
+    ) -> tuple[Estimate, float | None]:
+        """Fit all spectra so far; return also the change by the noise spectrum."""
+        task = self._task
         lost = [name for name in task.inputs if name in excluded]
         if lost:
             raise NotIdentifiable(
@@ -140,34 +176,7 @@ class LiveFit:
         self.result = LiveResult(
             task, fit.experiment, task.parameters.table(found.values), found.values.size
         )
-        poles = compute_named_poles(
-            task.model,
-            task.parameters,
-            found.values,
-            found.corrected_covariance,
-            task.mode_names,
-        )
-        prediction = _predict(task, found.values, found.corrected_covariance)
-        crossing, std = prediction.crossing, prediction.total_std
-        beyond = None
-        if crossing is not None and np.isfinite(std) and task.next_airspeed_m_s is not None:
-            beyond = float(ndtr((task.next_airspeed_m_s - crossing.airspeed) / std))
-        return LiveEstimate(
-            time_s=time_s,
-            duration_s=spectra.duration_s,
-            converged=found.outcome.is_optimum,
-            modes=tuple(_describe_mode(pole) for pole in poles if pole.value.imag > 0.0),
-            names=found.names,
-            values=tuple(found.values.tolist()),
-            std_errors=tuple(finite_or_none(std) for std in found.std_errors.tolist()),
-            flutter_m_s=None if crossing is None else float(crossing.airspeed),
-            flutter_std_m_s=None if crossing is None else finite_or_none(std),
-            next_point_probability=beyond,
-            excluded=tuple(sorted(excluded)),
-            condition=task.condition,
-            change_by_noise_weights=change,
-            no_errors_reason="" if np.isfinite(found.std_errors).all() else found.message,
-        )
+        return found, change
 
     def _compute_change(self, fit: GrowingFit) -> float | None:
         """Compute the change of the lowest damping by the noise spectrum, in standard errors."""
@@ -211,6 +220,13 @@ def _predict(task: LiveTask, values: np.ndarray, covariance: np.ndarray) -> Flut
     )
     speed = model.condition.airspeed
     return predict_flutter(identified, (_BAND[0] * speed, _BAND[1] * speed))
+
+
+def _describe_modes(task: LiveTask, found: Estimate) -> tuple[LiveMode, ...]:
+    poles = compute_named_poles(
+        task.model, task.parameters, found.values, found.corrected_covariance, task.mode_names
+    )
+    return tuple(_describe_mode(pole) for pole in poles if pole.value.imag > 0.0)
 
 
 def _describe_mode(pole: NamedPole) -> LiveMode:
