@@ -8,22 +8,21 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, FastAPI
-from fastapi.routing import APIRoute
+from fastapi import FastAPI
 
 import flexsid
-from flexsid.api.authorization import authorize
 from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import Context
 from flexsid.api.description import add_examples
 from flexsid.api.docs import add_docs
-from flexsid.api.errors import Problem, add_error_handlers
+from flexsid.api.errors import add_error_handlers
 from flexsid.api.live_events import LiveEvents
 from flexsid.api.metrics import add_metrics
 from flexsid.api.page import add_page
-from flexsid.api.parameters import DESCRIPTION, refuse_unknown_parameters
+from flexsid.api.parameters import DESCRIPTION
 from flexsid.api.request_coalescing import RequestCoalescing
 from flexsid.api.request_log import RequestLog, RequestMetrics
+from flexsid.api.router import make_operation_id
 from flexsid.api.routes import (
     aircraft,
     audit_log,
@@ -162,14 +161,9 @@ def create_app(
         openapi_url="/api/v1/openapi.json",
         docs_url=None,
         redoc_url=None,
-        generate_unique_id_function=_make_operation_id,
+        generate_unique_id_function=make_operation_id,
     )
     app.state.settings = settings
-    api = APIRouter(
-        prefix="/api/v1",
-        responses={"4XX": {"model": Problem}},
-        dependencies=[Depends(authorize), Depends(refuse_unknown_parameters)],
-    )
     for module in (
         health,
         session,
@@ -212,8 +206,8 @@ def create_app(
         figures,
         nomenclature,
     ):
-        api.include_router(module.router)
-    app.include_router(api)
+        # Not included, which builds every route, and the schemas of its fields, a second time.
+        app.router.routes.extend(module.router.routes)
     add_examples(app)
     metrics = RequestMetrics()
     add_metrics(app, metrics)
@@ -234,7 +228,3 @@ def _read_quotas(settings: Settings) -> Quotas:
         unfinished_jobs=settings.analyst_jobs,
         recorded_bytes=None if most is None else most * GIGABYTE,
     )
-
-
-def _make_operation_id(route: APIRoute) -> str:
-    return route.name

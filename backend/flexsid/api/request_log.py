@@ -20,6 +20,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from flexsid.api.authorization import client_address
 from flexsid.api.errors import make_problem
+from flexsid.api.router import PREFIX
 from flexsid.settings import Mode, Settings
 
 _log = logging.getLogger("flexsid.requests")
@@ -90,7 +91,7 @@ class RequestLog:
                 await self._app(scope, receive, send_with_id)
         finally:
             duration_s = time.perf_counter() - begun
-            route = getattr(scope.get("route"), "path", "other")
+            route = getattr(scope.get("route"), "path", "other").removeprefix(PREFIX)
             self._metrics.count(scope["method"], route, status, duration_s)
             _log_request(scope, status, duration_s)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter
 from pydantic import Field
 
 from flexsid.api.context import TheStore
 from flexsid.api.requests import LONGEST_TEXT, Line, MappingText, Name, Request
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.dashboard import CampaignDashboard
@@ -17,7 +17,7 @@ from flexsid.workflow.aircraft import aircraft_definition
 from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
 from flexsid.workflow.views.dashboard import read_dashboard
 
-router = APIRouter(prefix="/aircraft", tags=["aircraft"], route_class=JsonRoute)
+router = make_router("/aircraft", tag="aircraft", route_class=JsonRoute)
 
 _Name = Annotated[str, Field(min_length=1, max_length=100), Line]
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Json, JsonRoute, Limit
 from flexsid.records.audit_event import AuditEvent
 from flexsid.storage import audit_log
 from flexsid.storage.paging import Page
 
-router = APIRouter(prefix="/audit-events", tags=["session"], route_class=JsonRoute)
+router = make_router("/audit-events", tag="session", route_class=JsonRoute)
 
 
 @router.get("", response_model=Page[AuditEvent])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, status
+from fastapi import status
 from fastapi.responses import FileResponse
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
 from flexsid.api.submission import submit_job
 from flexsid.errors import UnknownRecord
@@ -15,7 +16,7 @@ from flexsid.records.run import RunState
 from flexsid.storage.job_list import JobItem
 from flexsid.workflow.review.database_backup import BackupRequest, find_backup, refuse_backup
 
-router = APIRouter(prefix="/backups", tags=["jobs"])
+router = make_router("/backups", tag="jobs")
 _SQLITE = "application/vnd.sqlite3"
 _FILE = {"schema": {"type": "string", "format": "binary"}}
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fastapi import APIRouter, status
+from fastapi import status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.router import make_router
 from flexsid.api.run_requests import BatchRequest
 from flexsid.api.serialization import After, Identity, Json, Limit
 from flexsid.records.model_structure import Structure
@@ -19,7 +20,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.model_structures import model_structures
 from flexsid.workflow.runs.batch import queue_batch
 
-router = APIRouter(prefix="/batches", tags=["jobs"])
+router = make_router("/batches", tag="jobs")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends
+from fastapi import Depends
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.routes.flutter import TheFlutterQuery
 from flexsid.api.serialization import Json, RequiredReference
 from flexsid.api.submission import add_job_routes
@@ -18,7 +19,7 @@ from flexsid.records.run import DerivedRun
 from flexsid.text import count_noun
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 
-router = APIRouter(prefix="/closed-loop", tags=["closed-loop"])
+router = make_router("/closed-loop", tag="closed-loop")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
 from flexsid.figure_table import TrendParameters
 from flexsid.records.comparison import Comparison, DerivativeTrend
@@ -14,7 +15,7 @@ from flexsid.text import split_ids
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 
-router = APIRouter(prefix="/comparisons", tags=["comparisons"], route_class=JsonRoute)
+router = make_router("/comparisons", tag="comparisons", route_class=JsonRoute)
 
 _Runs = Annotated[str, Query(description="Ids of runs, separated by commas.")]
 _Predictions = Annotated[str | None, Query(description="Ids of predictions, separated by commas.")]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fastapi import APIRouter
-
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.requests import ConditioningRequest
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute
 from flexsid.jobs.kinds import QUALITY
 from flexsid.records.maneuver import ConditioningStep, Correction
@@ -18,7 +17,7 @@ from flexsid.storage.paging import Items
 from flexsid.workflow.measurements import conditioning
 from flexsid.workflow.quality import maneuver_quality
 
-router = APIRouter(prefix="/maneuvers", tags=["quality"], route_class=JsonRoute)
+router = make_router("/maneuvers", tag="quality", route_class=JsonRoute)
 
 
 @dataclass(frozen=True, slots=True)

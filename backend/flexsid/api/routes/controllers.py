@@ -6,11 +6,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
-from fastapi import APIRouter, File, Form, Response, UploadFile, status
+from fastapi import File, Form, Response, UploadFile, status
 from pydantic import Field
 
 from flexsid.api.context import TheStore
 from flexsid.api.requests import LONGEST_TEXT, Id, Request, Text, Title
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput, Conflict
@@ -20,7 +21,7 @@ from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.flutter import controllers
 
-router = APIRouter(prefix="/controllers", tags=["controllers"])
+router = make_router("/controllers", tag="controllers")
 
 _LARGEST = 1_000_000  # bytes of a file
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
@@ -19,6 +19,7 @@ from flexsid.api.decision_requests import (
 from flexsid.api.decision_responses import DecisionDetail, DecisionItem, StaleProposal
 from flexsid.api.errors import Problem
 from flexsid.api.responses import extend_record
+from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
     Json,
@@ -38,7 +39,7 @@ from flexsid.workflow.review import decision_review
 from flexsid.workflow.review.audit import AuditTrail, audit_campaign, audit_decision, write_markdown
 from flexsid.workflow.review.vote_evidence import VoteEvidence, collect_vote_evidence
 
-router = APIRouter(prefix="/decisions", tags=["decisions"], route_class=JsonRoute)
+router = make_router("/decisions", tag="decisions", route_class=JsonRoute)
 
 Form = Annotated[
     Literal["json", "markdown"], Query(alias="format", description="JSON, or Markdown to read.")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import Depends, Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.routes.designs import Deflection, Level, Limit, Rate
 from flexsid.api.serialization import Identity, Json, Reference, RequiredReference
 from flexsid.api.submission import add_job_routes
@@ -24,7 +25,7 @@ from flexsid.workflow.excitation.optimal_designs import (
 )
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, ExpectedErrors
 
-router = APIRouter(prefix="/designs/{design_id}", tags=["designs"])
+router = make_router("/designs/{design_id}", tag="designs")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, File, Form, Query, Response, UploadFile, status
+from fastapi import Depends, File, Form, Query, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
@@ -18,6 +18,7 @@ from flexsid.api.design_requests import (
     RescaleRequest,
 )
 from flexsid.api.requests import Title
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, RequiredReference
 from flexsid.api.submission import submit_job
 from flexsid.api.uploads import save_files
@@ -42,7 +43,7 @@ from flexsid.workflow.excitation.target_modes import (
     list_row_targets,
 )
 
-router = APIRouter(prefix="/designs", tags=["designs"])
+router = make_router("/designs", tag="designs")
 
 _DIRECT_S = 0.2  # longest estimated processor time of a phase search within a request
 

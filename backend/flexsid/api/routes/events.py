@@ -9,12 +9,13 @@ from typing import Annotated
 
 import anyio.to_thread
 import sqlalchemy as sa
-from fastapi import APIRouter, Header, Query, Request
+from fastapi import Header, Query, Request
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from flexsid.api.authorization import identify, list_campaigns
 from flexsid.api.context import TheContext
 from flexsid.api.live_events import JobUpdate
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Reference, dump_json
 from flexsid.records.account import AccountRole
 from flexsid.storage.access import Access, get_access, using_access
@@ -22,7 +23,7 @@ from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
 from flexsid.streams.live_streams import LiveStreams
 
-router = APIRouter(prefix="/events", tags=["jobs"])
+router = make_router("/events", tag="jobs")
 
 _CHECKED_S = 1.0  # between two checks of the account of a reader of samples [s]
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from fastapi.responses import Response
 
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.display_units import TheUnits
 from flexsid.api.export import FILES, Form, respond_with_figure
 from flexsid.api.print_format import ThePrintFormat
+from flexsid.api.router import make_router
 from flexsid.display_units import show_in
 from flexsid.figure_table import FIGURES, FigureKind, draw_figure
 from flexsid.figures.bode import draw_bode
@@ -23,7 +24,7 @@ from flexsid.figures.spec import empty
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.live.live_bode import build_live_bode
 
-router = APIRouter(prefix="/figures", tags=["figures"], responses=FILES)
+router = make_router("/figures", tag="figures", responses=FILES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

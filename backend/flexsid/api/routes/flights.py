@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from flexsid.api.context import TheStore
 from flexsid.api.requests import CutRequest
 from flexsid.api.responses import ManeuverDetail
+from flexsid.api.router import make_router
 from flexsid.api.routes.maneuvers import build_maneuver_detail
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.records.maneuver import Cut, Flight, FlightChannel, ManeuverProposal
 from flexsid.storage.paging import Items, Page
 from flexsid.workflow.importing import maneuver_cutting
 
-router = APIRouter(prefix="/flights", tags=["flights"], route_class=JsonRoute)
+router = make_router("/flights", tag="flights", route_class=JsonRoute)
 
 
 @router.get("")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import Depends, Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import FlutterParameters, PredictedFlutterParameters
@@ -17,7 +18,7 @@ from flexsid.text import count_noun
 from flexsid.workflow.flutter import flutter_analysis as workflow
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 
-router = APIRouter(prefix="/flutter", tags=["flutter"])
+router = make_router("/flutter", tag="flutter")
 
 
 async def _read_query(

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.prediction_requests import GlobalModelVersionRequest, SaveGlobalPredictionRequest
 from flexsid.api.responses import extend_record
+from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
     Json,
@@ -39,7 +40,7 @@ from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.fmu import write_global_fmu
 from flexsid.workflow.global_model.stored_prediction import store_global_prediction
 
-router = APIRouter(prefix="/global-models", tags=["global model"], route_class=JsonRoute)
+router = make_router("/global-models", tag="global model", route_class=JsonRoute)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

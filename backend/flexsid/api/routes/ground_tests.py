@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference
 from flexsid.records.quality import GroundTest
 from flexsid.storage.paging import Items
 from flexsid.workflow.quality import ground_records
 
-router = APIRouter(prefix="/ground-tests", tags=["flights"], route_class=JsonRoute)
+router = make_router("/ground-tests", tag="flights", route_class=JsonRoute)
 
 
 @router.get("")

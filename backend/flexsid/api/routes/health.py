@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 
 import flexsid
 from flexsid.api.context import Context, TheContext
 from flexsid.api.responses import Health
+from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
 from flexsid.jobs.health import NotReady, PartHealth, PartState
 from flexsid.workflow.review.decision_review import find_clock_error
 
-router = APIRouter(tags=["health"], route_class=JsonRoute)
+router = make_router(tag="health", route_class=JsonRoute)
 
 
 @router.get("/health/live", status_code=204)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Query, status
+from fastapi import Query, status
 
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Identity, Json, Limit, Reference
 from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
@@ -16,7 +17,7 @@ from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Items, Page
 from flexsid.text import split_ids
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = make_router("/jobs", tag="jobs")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Body, Path, Query, Response, status
+from fastapi import Body, Path, Query, Response, status
 from pydantic import Field
 
 from flexsid.api.analyst import NamedAnalyst, TheAnalyst
@@ -18,6 +18,7 @@ from flexsid.api.live_responses import (
     StreamHistory,
 )
 from flexsid.api.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Limit, Reference, drop_none
 from flexsid.errors import Conflict
 from flexsid.records.live import (
@@ -37,7 +38,7 @@ from flexsid.streams.receiver import Receiver
 from flexsid.streams.receivers import is_installed, load_receivers
 from flexsid.workflow.live.packets import compute_packet_size
 
-router = APIRouter(prefix="/live", tags=["live"])
+router = make_router("/live", tag="live")
 
 LARGEST_PUSH = 1024**2  # bytes of packets in one request
 MOST_COLUMNS = 4000

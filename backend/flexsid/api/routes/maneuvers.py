@@ -6,11 +6,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, File, Form, Query, UploadFile
+from fastapi import Depends, File, Form, Query, UploadFile
 
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest
 from flexsid.api.responses import ChangedRecords, ManeuverDetail, extend_record
+from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
     Identity,
@@ -38,7 +39,7 @@ from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
 
-router = APIRouter(prefix="/maneuvers", tags=["maneuvers"], route_class=JsonRoute)
+router = make_router("/maneuvers", tag="maneuvers", route_class=JsonRoute)
 
 Frequency = Annotated[float | None, Query(ge=0.0, le=1e4, allow_inf_nan=False)]
 _LARGEST_MAPPING = 1024**2

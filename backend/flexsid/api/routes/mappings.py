@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from flexsid.api.context import TheStore
 from flexsid.api.requests import MappingRequest
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.importers.mapping import parse_mapping
 from flexsid.records.maneuver import StoredMapping
 from flexsid.storage.paging import Items
 
-router = APIRouter(prefix="/mappings", tags=["mappings"], route_class=JsonRoute)
+router = make_router("/mappings", tag="mappings", route_class=JsonRoute)
 
 
 @router.get("")

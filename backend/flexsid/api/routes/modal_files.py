@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from pydantic import Field, StrictBool
 
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Line, Request, Title
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
 from flexsid.figure_table import SummaryParameters
 from flexsid.importers.modal_data import (
@@ -30,7 +31,7 @@ from flexsid.workflow.flutter.summary_roots import SummaryQuery, read_summary_ro
 from flexsid.workflow.importing.uploads import open_upload
 from flexsid.workflow.modal_data.modal_import import store_modal_data
 
-router = APIRouter(tags=["modal-data"], route_class=JsonRoute)
+router = make_router(tag="modal-data", route_class=JsonRoute)
 
 _Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 _Node = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from fastapi import APIRouter, Depends, Query
+from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
 from pydantic import Field
 
@@ -20,6 +20,7 @@ from flexsid.api.responses import (
     ModeShape,
     extend_record,
 )
+from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
     Json,
@@ -56,7 +57,7 @@ from flexsid.workflow.views.modal_assurance import correlate
 from flexsid.workflow.views.observability import compute_observability
 from flexsid.workflow.views.shape import read_shape
 
-router = APIRouter(prefix="/modal-tables", tags=["modal-tables"], route_class=JsonRoute)
+router = make_router("/modal-tables", tag="modal-tables", route_class=JsonRoute)
 
 
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path
+from fastapi import Header, Path
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.errors import Problem
 from flexsid.api.responses import StaleStructure
+from flexsid.api.router import make_router
 from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.errors import BadInput
@@ -18,7 +19,7 @@ from flexsid.records.model_structure import ModelStructure, StructureVersion
 from flexsid.storage.paging import Items, Page
 from flexsid.workflow.model_structures import model_structures
 
-router = APIRouter(prefix="/model-structures", tags=["model-structures"], route_class=JsonRoute)
+router = make_router("/model-structures", tag="model-structures", route_class=JsonRoute)
 
 Version = Annotated[int, Path(ge=1, le=2**31 - 1, description="Version of the record.")]
 IfMatch = Annotated[str | None, Header(description='Version that was edited, e.g. `"3"`.')]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from flexsid.api.display_units import TheUnits
 from flexsid.api.responses import AxisNames, DisplayUnit, GlossaryEntry, extend_record
+from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
 from flexsid.display_units import list_display_units, show_in
 from flexsid.nomenclature import GLOSSARY, TERMS, explain
@@ -15,7 +16,7 @@ from flexsid.storage.paging import Page
 from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.text import split_names
 
-router = APIRouter(prefix="/nomenclature", tags=["nomenclature"], route_class=JsonRoute)
+router = make_router("/nomenclature", tag="nomenclature", route_class=JsonRoute)
 
 
 @router.get("")

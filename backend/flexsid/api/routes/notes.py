@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.decision_requests import NoteEditRequest, NoteRequest
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
 from flexsid.errors import BadInput
 from flexsid.records.note import Note
 from flexsid.storage.paging import Items
 from flexsid.workflow.review import notes as workflow
 
-router = APIRouter(prefix="/notes", tags=["notes"], route_class=JsonRoute)
+router = make_router("/notes", tag="notes", route_class=JsonRoute)
 
 
 @router.get("")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, status
+from fastapi import Query, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.prediction_requests import ComputePredictionRequest
 from flexsid.api.responses import DerivativeValue, PredictionDetail, extend_record
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.api.submission import submit_job
 from flexsid.jobs.kinds import PREDICTION
@@ -19,7 +20,7 @@ from flexsid.storage.paging import Page
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
 from flexsid.workflow.modal_data.computed_predictions import check_prediction
 
-router = APIRouter(prefix="/predictions", tags=["predictions"], route_class=JsonRoute)
+router = make_router("/predictions", tag="predictions", route_class=JsonRoute)
 
 
 @router.get("")

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, status
+from fastapi import Depends, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext
 from flexsid.api.requests import AssessRequest
 from flexsid.api.responses import Assessing, QualityList
+from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Json, Limit, describe_sort, read_query
 from flexsid.jobs.kinds import QUALITY
 from flexsid.records.job import Job
@@ -29,7 +30,7 @@ from flexsid.storage.quality_list import (
 from flexsid.storage.store import Store
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 
-router = APIRouter(prefix="/quality", tags=["quality"])
+router = make_router("/quality", tag="quality")
 
 _KIND = QUALITY.name
 _AT_ONCE = 100  # jobs in one transaction: others write between them

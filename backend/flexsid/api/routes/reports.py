@@ -11,12 +11,13 @@ from datetime import UTC, datetime
 from inspect import Parameter, signature
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Query, Response, status
+from fastapi import Depends, Query, Response, status
 
 from flexsid import reports
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.display_units import TheUnits
+from flexsid.api.router import make_router
 from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level
 from flexsid.api.routes.flutter import TheFlutterQuery
@@ -41,7 +42,7 @@ from flexsid.workflow.review.printed_reports import (
     describe_document,
 )
 
-router = APIRouter(prefix="/reports", tags=["reports"])
+router = make_router("/reports", tag="reports")
 
 Form = Annotated[
     Literal["html", "pdf"],

@@ -8,7 +8,7 @@ from typing import Annotated
 import anyio.to_thread
 import numpy as np
 import orjson
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
@@ -17,6 +17,7 @@ from flexsid.api.decision_responses import (
     ManeuverBaseline,
     RulesHistory,
 )
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, RequiredReference
 from flexsid.api.subrequests import get_internally
 from flexsid.errors import BadInput
@@ -35,7 +36,7 @@ from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review import decision_review, notifications
 from flexsid.workflow.review.vote_evidence import VoteEvidence, collect_vote_evidence
 
-router = APIRouter(tags=["review"], route_class=JsonRoute)
+router = make_router(tag="review", route_class=JsonRoute)
 
 _MAX_MANEUVERS = 200
 _MAX_RUNS = 200

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.run_requests import RunTemplateEditRequest, RunTemplateRequest
 from flexsid.api.run_responses import RunTemplateItem, build_template_response
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
 from flexsid.storage.paging import Items
 from flexsid.workflow.runs import run_templates
 
-router = APIRouter(prefix="/run-templates", tags=["runs"], route_class=JsonRoute)
+router = make_router("/run-templates", tag="runs", route_class=JsonRoute)
 
 
 @router.get("")

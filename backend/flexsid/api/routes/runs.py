@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from flexsid.api.analyst import TheAnalyst, choose_author
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import ChangeRequest
 from flexsid.api.responses import ChangedRecords
+from flexsid.api.router import make_router
 from flexsid.api.run_requests import RunRequest
 from flexsid.api.run_responses import Run, build_run_response
 from flexsid.api.serialization import (
@@ -41,7 +42,7 @@ from flexsid.workflow.runs.run_export import RunExport, export_run
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
 
-router = APIRouter(prefix="/runs", tags=["runs"], route_class=JsonRoute)
+router = make_router("/runs", tag="runs", route_class=JsonRoute)
 
 _MATLAB: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string"}}}}

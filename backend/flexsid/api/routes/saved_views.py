@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from flexsid.api.analyst import TheAnalyst, choose_author
 from flexsid.api.context import TheStore
 from flexsid.api.requests import SavedViewRequest
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, drop_none
 from flexsid.records.saved_view import SavedView
 from flexsid.storage.paging import Items
 
-router = APIRouter(prefix="/saved-views", tags=["saved views"], route_class=JsonRoute)
+router = make_router("/saved-views", tag="saved views", route_class=JsonRoute)
 
 
 @router.get("")

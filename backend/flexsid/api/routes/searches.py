@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Path, status
+from fastapi import Path, status
 from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Request
+from flexsid.api.router import make_router
 from flexsid.api.run_requests import Frequency, StructureRequest
 from flexsid.api.run_responses import Run, build_run_response
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
@@ -26,7 +27,7 @@ from flexsid.storage import queue
 from flexsid.storage.paging import Items
 from flexsid.workflow.structure_determination import searches
 
-router = APIRouter(prefix="/searches", tags=["searches"])
+router = make_router("/searches", tag="searches")
 
 Threshold = Annotated[float, Field(strict=True, gt=0.0, le=1e6, allow_inf_nan=False)]
 Index = Annotated[int, Path(ge=0, le=10_000, description="Index of the candidate, from 0.")]

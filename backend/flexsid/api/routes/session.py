@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Annotated
 from urllib.parse import urlencode
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import Field
 
@@ -20,6 +20,7 @@ from flexsid.api.authorization import (
 )
 from flexsid.api.context import TheStore
 from flexsid.api.requests import Id, Title
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
 from flexsid.display_units import FrequencyUnit, UnitSystem
@@ -30,7 +31,7 @@ from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
 
-router = APIRouter(tags=["session"], route_class=JsonRoute)
+router = make_router(tag="session", route_class=JsonRoute)
 
 _ATTEMPT_S = 600  # for the user to log in at the provider
 _LONGEST_RETURNED = 4096

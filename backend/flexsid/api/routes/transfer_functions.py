@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import Depends, Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import TransferFunctionParameters
@@ -15,7 +16,7 @@ from flexsid.jobs.kinds import TRANSFER_FUNCTION
 from flexsid.records.transfer_function import TransferFunction
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 
-router = APIRouter(tags=["maneuvers"])
+router = make_router(tag="maneuvers")
 
 
 async def _read_query(

@@ -6,12 +6,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
-from fastapi import APIRouter, File, Response, UploadFile, status
+from fastapi import File, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import DraftRequest, PreviewRequest, UploadMappingRequest
 from flexsid.api.responses import UploadDetail
+from flexsid.api.router import make_router
 from flexsid.api.routes.figures import Figure
 from flexsid.api.serialization import Json, UploadId
 from flexsid.api.submission import KnownJob, submit_job
@@ -28,7 +29,7 @@ from flexsid.text import join_names
 from flexsid.workflow.importing import preview, uploads
 from flexsid.workflow.views.maneuver import POINTS
 
-router = APIRouter(prefix="/uploads", tags=["uploads"])
+router = make_router("/uploads", tag="uploads")
 
 
 @router.post("", response_model=UploadDetail, status_code=status.HTTP_201_CREATED)

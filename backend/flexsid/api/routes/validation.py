@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import Depends, Query
 
 from flexsid.api.context import TheStore
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Json, RequiredReference
 from flexsid.api.submission import add_job_routes
 from flexsid.figure_table import CrossPredictionParameters, CrossValidationParameters
@@ -24,7 +25,7 @@ from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
 from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
-router = APIRouter(tags=["validation"])
+router = make_router(tag="validation")
 
 
 async def _read_cross_prediction(

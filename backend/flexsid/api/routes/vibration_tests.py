@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query, status
+from fastapi import Depends, Query, status
 from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Line, Request, Title
 from flexsid.api.responses import MeasuredFunction
+from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.api.submission import add_job_routes, submit_job
 from flexsid.errors import UnknownRecord
@@ -36,7 +37,7 @@ from flexsid.workflow.importing.uploads import find_folder, open_upload
 from flexsid.workflow.modal_data import ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation, check_estimation
 
-router = APIRouter(tags=["vibration-tests"], route_class=JsonRoute)
+router = make_router(tag="vibration-tests", route_class=JsonRoute)
 
 _Metre = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 _Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
