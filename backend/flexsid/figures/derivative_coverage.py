@@ -22,6 +22,7 @@ _LARGEST = 2.0 * ACCURATE
 
 _ROW = 1 / 6  # of a row of panels, for one derivative
 _LETTER_PX, _BESIDE_LABEL_PX = 7, 40  # of tick labels; the title of the axis and gaps
+_COLUMN_PX, _COLOUR_BAR_PX = 16, 130  # least width of a cell, whose label stands upright
 _MARK: Spec = {"color": "#fff", "line": {"color": "#000", "width": 1}}
 """White with a black outline: visible on every colour of the scale."""
 
@@ -78,6 +79,7 @@ def draw_derivative_coverage(value: DerivativeCoverage, coefficient: str | None 
     ticks = {"tickmode": "array", "showgrid": False}
     cells = [_format_cell(cell) for cell in value.cells]
     speed = of_unit("V", "m/s")
+    left = _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, names))
     layout = {
         "xaxis": {
             **title(f"True airspeed [{speed.unit}], fuel [%]"),
@@ -95,12 +97,16 @@ def draw_derivative_coverage(value: DerivativeCoverage, coefficient: str | None 
         },
         # Labels that need more room than they have are drawn twice.
         "margin": {
-            "l": _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, names)),
+            "l": left,
             "b": _BESIDE_LABEL_PX + _LETTER_PX * max(map(len, cells), default=0),
         },
         "showlegend": True,
         "hovermode": "closest",
-        "meta": {"rows": max(2.0, _ROW * len(names)), "note": _describe_cells(value)},
+        "meta": {
+            "rows": max(2.0, _ROW * len(names)),
+            "least_width": left + _COLUMN_PX * shape[1] + _COLOUR_BAR_PX,
+            "note": _describe_cells(value),
+        },
     }
     return {"data": [trace for trace in data if len(trace["x"]) > 0], "layout": layout}
 

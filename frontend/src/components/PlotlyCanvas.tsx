@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "react";
 import type { FigureSpec } from "../api/types";
-import { inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout";
+import { figureLeastWidth, inUnits, themedData, themedLayout, windowed } from "../lib/figureLayout";
 import { printedFigure } from "../lib/printFormat";
 import { followCursor } from "./linkedCursor";
 import type { FigureEvents, PlotlyHandle } from "./figureEvents";
@@ -125,10 +125,17 @@ export function PlotlyCanvas({ spec, scheme, height, revision, ...props }: Props
   }, []);
 
   if (failure !== null) throw failure;
-  return (
-    <div style={{ position: "relative" }}>
+  const minWidth = figureLeastWidth(spec.layout);
+  const drawing = (
+    <div style={{ position: "relative", minWidth }}>
       <div ref={element} style={{ width: "100%", minHeight: height }} />
       <div ref={cursor} className="linked-cursor" aria-hidden="true" />
+    </div>
+  );
+  if (minWidth === undefined) return drawing;
+  return (
+    <div role="region" aria-label="Wide figure" tabIndex={0} style={{ overflowX: "auto" }}>
+      {drawing}
     </div>
   );
 }

@@ -1,5 +1,12 @@
 import { expect, it } from "vitest";
-import { figureHeight, inUnits, themedData, themedLayout, windowed } from "./figureLayout";
+import {
+  figureHeight,
+  figureLeastWidth,
+  inUnits,
+  themedData,
+  themedLayout,
+  windowed,
+} from "./figureLayout";
 
 it("adds the theme without overruling the server", () => {
   const layout = themedLayout(
@@ -29,6 +36,11 @@ it("shows points of a dark scale on the dark page", () => {
     },
   });
   expect(same).toBe(area);
+});
+
+it("is not narrower than the server states", () => {
+  expect(figureLeastWidth({})).toBeUndefined();
+  expect(figureLeastWidth({ meta: { least_width: 700 } })).toBe(700);
 });
 
 it("grows with the rows that the server counts", () => {

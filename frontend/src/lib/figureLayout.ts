@@ -44,6 +44,12 @@ export function figureHeight(layout: Layout): number {
   return 90 + rows * (rows <= 4 ? 200 : 150);
 }
 
+/** Width below which the labels of a figure overlap, if the server states one. [px] */
+export function figureLeastWidth(layout: Layout): number | undefined {
+  const meta = layout.meta;
+  return isObject(meta) && typeof meta.least_width === "number" ? meta.least_width : undefined;
+}
+
 const isLogarithmic = (layout: Layout) => isObject(layout.xaxis) && layout.xaxis.type === "log";
 
 /** Plotly gives the range of a logarithmic axis in powers of ten. */
