@@ -142,7 +142,7 @@ def test_who_may_not_read_all_campaigns_gets_no_backup(flown_url: str) -> None:
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])
-def test_a_database_server_is_backed_up_by_its_own_program(client: TestClient) -> None:
+def test_a_database_server_is_backed_up_by_the_command(client: TestClient) -> None:
     response = client.post(f"{API}/backups")
     assert response.status_code == 422
     assert "flexsid backup FILE" in response.text

@@ -279,7 +279,7 @@ def test_a_result_is_stored_once_by_the_last_attempt(
 ) -> None:
     kind = kinds.KINDS[name]
     if kind is kinds.BACKUP and sqlite_file(flown.database.url) is None:
-        pytest.skip("a database server is backed up by its own program")
+        pytest.skip("the server backs up databases of SQLite only")
     requested = _REQUESTS[name](flown, tmp_path)
     first = queue.claim(flown, requested.id)
     assert first is not None

@@ -14,7 +14,7 @@ from speed_ramp import find_doubling_s, fly_speed_ramp
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.errors import BadInput
-from flexsid.records.live import AlarmKind, Frame, LiveCondition, LivePhase, LiveState
+from flexsid.records.live import AlarmKind, Frame, LiveCondition, LiveMode, LivePhase, LiveState
 from flexsid.records.maneuver import Flight, Role
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
@@ -25,10 +25,11 @@ from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.sysid.stability.root_tracking import track_roots
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.live.live_bode import build_live_bode
-from flexsid.workflow.live.live_estimator import Adjust, LiveProcessor
+from flexsid.workflow.live.live_estimator import Adjust, LiveEstimator, LiveProcessor
 from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.packets import decode_frames, encode_frame
 from flexsid.workflow.live.replay import pace, read_replay
+from flexsid.workflow.live.stream_processor import StreamProcessor
 
 MODES = (7, 9)
 OUTPUTS = ("alpha", "q", "az_egi", "az_ofs", "az_oas", "s_bend1s", "s_bend2s")
@@ -271,6 +272,25 @@ def test_lost_late_and_frozen_data_are_named_and_bias_nothing(stream):
     known = [s for s in late if s.estimate is not None and s.estimate.converged]
     assert len(known) >= len(late) - 1
     check_flutter_speeds(stream, known)
+
+
+def test_an_estimate_comes_before_the_modes_of_the_recent_motion(stream, clean):
+    samples, estimator = StreamProcessor(stream.task), LiveEstimator(stream.task)
+    updates = [update for frame in stream.frames[:260] for update in samples.push(frame)]
+    found = [list(estimator.complete(update)) for update in updates]
+    assert [is_complete for states in found for _, is_complete in states].count(True) == len(found)
+    assert [states[-1][0] for states in found] == clean[: len(found)]
+    early = [states for states in found if len(states) == 2]
+    assert early, "a mode is lightly damped"
+    before: tuple[LiveMode, ...] = ()
+    for (first, is_complete), (last, _) in early:
+        assert not is_complete
+        assert first.estimate is not None
+        assert last.estimate is not None
+        assert replace(first.estimate, recent_modes=last.estimate.recent_modes) == last.estimate
+        assert first.estimate.recent_modes in (before, ())
+        before = last.estimate.recent_modes
+    assert before
 
 
 def test_a_recorder_that_restarts_ends_the_maneuver(stream):

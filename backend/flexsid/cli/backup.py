@@ -56,7 +56,7 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
         return 0
     if not file.is_dir():
         raise BadInput(f"{file} is no folder; with --retained name a folder of backups")
-    if min(retained, retained if hours is None else hours) < 1:
+    if retained < 1 or (hours is not None and hours < 1):
         raise BadInput("--retained and --every are numbers of at least 1")
     while True:
         target = file / f"{copies.SCHEDULED}{datetime.now(UTC):%Y%m%d-%H%M%S}.db"

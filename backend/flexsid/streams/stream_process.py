@@ -130,7 +130,7 @@ class _Estimates:
                         program.kill()
                         return
                     if isinstance(message, StateMessage):
-                        self._stream.publish_estimate(message.state)
+                        self._stream.publish_estimate(message)
                         if message.has_estimate:
                             with self._is_changed:
                                 self._waiting = max(0, self._waiting - 1)
@@ -203,10 +203,10 @@ class _Stream:
         with self._publishing, suppress(OSError):  # the server ended, and this process will too
             self._connection.send(message)
 
-    def publish_estimate(self, state: LiveState) -> None:
+    def publish_estimate(self, message: StateMessage) -> None:
         """Send the newest state with an estimate to the server."""
-        self._estimated = state
-        self._publish_state(has_estimate=True)
+        self._estimated = message.state
+        self._publish_state(has_estimate=message.has_estimate)
 
     def _process(self, frame: Frame, arrived: float) -> None:
         self._complete(frame, self._processor.push(frame), arrived)

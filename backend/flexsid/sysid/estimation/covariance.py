@@ -108,7 +108,7 @@ def compute_covariance(
     N^-1 Re J_k^H W nu_k of every frequency, in the proportion of their squares; those of the
     priors N^-1 P sigma.
     """
-    resolved, unresolved, lacking = _invert_in_parts(information)
+    resolved, unresolved, lacking = _invert(information)
     middle = np.diag(prior_information)
     noise_components = []
     for final in lines:
@@ -136,23 +136,8 @@ def compute_bound(
     information: Float[np.ndarray, "n_theta n_theta"],
 ) -> Float[np.ndarray, "n_theta n_theta"]:
     """Compute the Cramer-Rao covariance alone, 1/2 N^-1, as ``compute_covariance`` does."""
-    resolved, unresolved, _ = _invert_in_parts(information)
+    resolved, unresolved, _ = _invert(information)
     return _symmetric(0.5 * (resolved + unresolved))
-
-
-def _invert_in_parts(
-    information: Float[np.ndarray, "n_theta n_theta"],
-) -> tuple[
-    Float[np.ndarray, "n_theta n_theta"],
-    Float[np.ndarray, "n_theta n_theta"],
-    Float[np.ndarray, "n_theta n_lacking"],
-]:
-    """Invert the information as ``_invert``, in scaled parameters."""
-    own = np.diag(information)
-    scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
-    outer = np.outer(scale, scale)
-    resolved, unresolved, lacking = _invert(information / outer)
-    return resolved / outer, unresolved / outer, lacking
 
 
 def _scale_components(
@@ -197,26 +182,31 @@ def invert_regular(
 
 
 def _invert(
-    scaled: Float[np.ndarray, "n_theta n_theta"],
+    information: Float[np.ndarray, "n_theta n_theta"],
 ) -> tuple[
     Float[np.ndarray, "n_theta n_theta"],
     Float[np.ndarray, "n_theta n_theta"],
     Float[np.ndarray, "n_theta n_lacking"],
 ]:
-    """Invert an information matrix of unit diagonal in its resolved and singular directions.
+    """Invert an information matrix in its resolved and singular directions.
 
-    The second part is the inverse along the directions, returned third, in which the
-    information is below its floor.
+    The second part is the inverse along the directions, returned third in parameters scaled to a
+    unit diagonal, in which the information is below its floor.
     """
+    own = np.diag(information)
+    scale = np.sqrt(np.where(own > np.finfo(float).tiny, own, 1.0))
+    outer = np.outer(scale, scale)
+    scaled = information / outer
     inverse = invert_regular(scaled)
     if inverse is not None:
-        return inverse, np.zeros_like(inverse), np.empty((scaled.shape[0], 0))
+        return inverse / outer, np.zeros_like(inverse), np.empty((own.size, 0))
     values, vectors = np.linalg.eigh(scaled)
     floor = _WEAKEST * max(values[-1], 1.0)
     lacks = values < floor
     resolved, lacking = vectors[:, ~lacks], vectors[:, lacks]
     cleaned = np.where(np.abs(lacking) < _PART, 0.0, lacking)
-    return (resolved / values[~lacks]) @ resolved.T, cleaned @ cleaned.T / floor, lacking
+    whole = (resolved / values[~lacks]) @ resolved.T
+    return whole / outer, cleaned @ cleaned.T / floor / outer, lacking
 
 
 def score_covariance(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_theta"]:

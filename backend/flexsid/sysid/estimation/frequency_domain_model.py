@@ -28,8 +28,8 @@ class ModelResponse:
 
     ``sensors`` are the outputs per motion; ``delayed`` the factor of delays and scale factors
     on each output, None without them. ``motion`` is the response to the inputs; the outputs
-    include the ``free`` motion from end states, None without them, for which ``unit_outputs``
-    were computed.
+    include the ``free`` motion from end states, None without them, as do the variables of the
+    forces, by ``free_variables``.
     """
 
     motion: Complex[np.ndarray, "n_omega n_r"]
@@ -37,8 +37,8 @@ class ModelResponse:
     unit_motion: Complex[np.ndarray, "n_omega n_r n_r"]
     sensors: Complex[np.ndarray, "n_omega n_y n_r"]
     delayed: Complex[np.ndarray, "n_omega n_y"] | None
-    unit_outputs: Complex[np.ndarray, "n_omega n_y n_r"] | None = None
     free: FreeMotion | None = None
+    free_variables: Complex[np.ndarray, "n_omega n_x"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,15 +135,15 @@ class FrequencyDomainModel:
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
         sensors = self._scale_shapes(theta) if self._shapes else self.sensors
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
-        unit_outputs = free = None
+        free = free_variables = None
         if self._ends:
-            unit_outputs = np.matmul(sensors, unit_motion)
-            free = self._compute_free_motion(theta, unit_motion, unit_outputs)
-            outputs += free.sum(self._pick_end_states(theta))[0]
+            free = self._compute_free_motion(theta, unit_motion, np.matmul(sensors, unit_motion))
+            moved, free_variables = free.sum(theta[[k for k, _ in self._ends]])
+            outputs += moved
         delayed = self._compute_delay_factors(theta) if self._delays or self._scales else None
         if delayed is not None:
             outputs *= delayed
-        return ModelResponse(motion, outputs, unit_motion, sensors, delayed, unit_outputs, free)
+        return ModelResponse(motion, outputs, unit_motion, sensors, delayed, free, free_variables)
 
     def respond_to_inputs(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
@@ -173,15 +173,14 @@ class FrequencyDomainModel:
         unit = (unit_motion, outputs, one.instruments)
         return compute_free_motion(one.model, table, one.omega, one.edges_s, extras, *unit)
 
-    def _pick_end_states(self, theta: Float[np.ndarray, " n_theta"]) -> np.ndarray:
-        return theta[[k for k, _ in self._ends]]
-
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Sensitivity:
         """Compute factored sensitivities of the outputs; the next call overwrites them."""
-        forces = response.unit_outputs
-        if forces is None:
+        free = response.free
+        if free is not None:
+            forces = free.unit_outputs
+        else:
             forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
             forces *= response.delayed[:, :, None]
@@ -193,9 +192,9 @@ class FrequencyDomainModel:
         variables[:n_r] = motion
         np.multiply(self.s, motion[self.n_rigid :], out=variables[n_r:n_x])
         variables[n_x:n_w] = self._inputs
-        if response.free is not None:
+        if response.free_variables is not None:
             # The forces of a part of a record are those of its own motion, the free one included.
-            variables[:n_x] += response.free.sum(self._pick_end_states(theta))[1].T
+            variables[:n_x] += response.free_variables.T
         if self.factors is not None:
             of_rows = variables[:first_modal].reshape(n_r, n_w, -1)
             np.multiply(self.factors.transpose(1, 2, 0), variables[:n_w].copy(), out=of_rows)
@@ -203,7 +202,7 @@ class FrequencyDomainModel:
             change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
             variables[column] = -change * response.motion[:, self.n_rigid + extra.mode]
         own = self._compute_own_sensitivity(theta, response)
-        ends = None if response.free is None else response.free.expand_outputs()
+        ends = None if free is None else free.expand_outputs()
         return Sensitivity(forces, variables, own, ends)
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:

@@ -17,6 +17,7 @@ from flexsid.records.live import (
     LiveResponses,
     LiveState,
 )
+from flexsid.sysid.spectra.growing_record import GrowingSpectra
 from flexsid.workflow.live.live_bode import compute_live_responses
 from flexsid.workflow.live.live_fit import LiveFit
 from flexsid.workflow.live.live_task import LiveTask
@@ -73,11 +74,13 @@ class LiveEstimator:
             time_s, evidence = update.state.time_s, self._evidence
             estimate = self._estimate_record(time_s, update.request)
             if estimate is not None:
-                before = () if self._estimate is None else self._estimate.recent_modes
-                self._take(time_s, replace(estimate, recent_modes=before), (), evidence)
-                if self._is_watched(estimate, update.request):
+                recent: tuple[LiveMode, ...] = ()
+                lowest = min((mode.damping for mode in estimate.modes), default=np.inf)
+                if update.request.recent is not None and lowest <= _WATCHED:
+                    before = () if self._estimate is None else self._estimate.recent_modes
+                    self._take(time_s, replace(estimate, recent_modes=before), (), evidence)
                     yield self._build_state(update), False
-                recent = self._estimate_recent(estimate, update.request)
+                    recent = self._estimate_recent(update.request.recent, update.request)
                 self._take(time_s, replace(estimate, recent_modes=recent), recent, evidence)
         yield self._build_state(update), True
 
@@ -115,18 +118,12 @@ class LiveEstimator:
             self._reason = f"no estimate: {error}"
             return None
 
-    def _is_watched(self, estimate: LiveEstimate, request: EstimateRequest) -> bool:
-        lowest = min((mode.damping for mode in estimate.modes), default=np.inf)
-        return request.recent is not None and lowest <= _WATCHED
-
     def _estimate_recent(
-        self, estimate: LiveEstimate, request: EstimateRequest
+        self, spectra: GrowingSpectra, request: EstimateRequest
     ) -> tuple[LiveMode, ...]:
-        """Estimate the modes of the recent motion, if one of the whole record is watched."""
-        if request.recent is None or not self._is_watched(estimate, request):
-            return ()
+        """Estimate the modes of the recent motion; none where that fails."""
         try:
-            return self._recent_fit.estimate_modes(request.recent, request.trim, request.excluded)
+            return self._recent_fit.estimate_modes(spectra, request.trim, request.excluded)
         except (FlexsidError, np.linalg.LinAlgError):
             return ()
 
