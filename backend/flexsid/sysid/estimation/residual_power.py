@@ -119,12 +119,15 @@ def _compute_tail(eigenvalues: Float[np.ndarray, " n"]) -> float:
     if values.max() <= 0.0 or values.min() >= 0.0 or values.sum() >= 0.0:
         return float(values.max() > 0.0)
 
-    def slope(s: float) -> float:
-        return float(np.sum(values / (1.0 - s * values)))
-
-    s = optimize.brentq(slope, 0.0, (1.0 - _ROUNDING) / values.max())
+    s = optimize.brentq(
+        _differentiate_cumulant, 0.0, (1.0 - _ROUNDING) / values.max(), args=(values,)
+    )
     cumulant = -float(np.sum(np.log1p(-s * values)))
     w = np.sqrt(-2.0 * cumulant)
     v = s * np.sqrt(np.sum((values / (1.0 - s * values)) ** 2))
     density = np.exp(-0.5 * w**2) / np.sqrt(2.0 * np.pi)
     return float(np.clip(special.ndtr(-w) + density * (1.0 / v - 1.0 / w), 0.0, 1.0))
+
+
+def _differentiate_cumulant(s: float, eigenvalues: np.ndarray) -> float:
+    return float(np.sum(eigenvalues / (1.0 - s * eigenvalues)))

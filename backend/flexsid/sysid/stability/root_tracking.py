@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -333,15 +334,17 @@ def _refine_crossing(family: Family, x: Float[np.ndarray, " n_v"], modal: Modal,
     """
     unstable = np.count_nonzero(np.real(modal.values[k : k + 2]) >= 0.0, axis=1)
     place = int(unstable.min())
-
-    def growth(at: float) -> float:
-        A = family(np.array([at])).A[0]
-        return float(np.sort(np.real(np.linalg.eigvals(A)))[::-1][place])
-
     low, high = float(x[k]), float(x[k + 1])
+    growth = functools.partial(_compute_growth, family=family, place=place)
     if growth(low) * growth(high) > 0.0:  # one root becomes unstable as another becomes stable
         return 0.5 * (low + high)
     return float(brentq(growth, low, high, xtol=1e-10 * high, rtol=1e-14))
+
+
+def _compute_growth(x: float, family: Family, place: int) -> float:
+    """Compute the real part of a root, counted from the largest."""
+    A = family(np.array([x])).A[0]
+    return float(np.sort(np.real(np.linalg.eigvals(A)))[::-1][place])
 
 
 def _find_axis_root(there: Modal) -> int:
