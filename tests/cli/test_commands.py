@@ -488,6 +488,17 @@ def test_backups_at_intervals_retain_the_newest(
     assert "damaged" in printed.err
 
 
+def test_incremental_backups_are_made_in_a_folder(
+    database_url: str, store: Store, tmp_path: Path, capsys
+) -> None:
+    command = ["backup", str(tmp_path), "--incremental", "--database", database_url]
+    assert "--retained" in refused(capsys, 2, *command)
+    assert main([*command, "--retained", "1", "--json"]) == 0
+    made = Path(json.loads(capsys.readouterr().out)["file"])
+    assert {made.name, "samples.db"} <= {one.name for one in tmp_path.iterdir()}
+    assert main(["restore", str(made), "--database", database_url]) == 0
+
+
 def test_a_record_that_changed_since_a_run_is_reported(flown_url: str, capsys) -> None:
     store = Store.open(flown_url)
     aircraft = store.aircraft.get(1)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import threading
+import time
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import psycopg
 import pytest
 import sqlalchemy as sa
@@ -22,8 +25,9 @@ from flexsid.storage import backup as copies
 from flexsid.storage import leases, queue, row_copy
 from flexsid.storage.database import make_engine, parse_url
 from flexsid.storage.files import DatabaseUnavailable
+from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
-from flexsid.storage.tables import metadata
+from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.review.database_check import check_database
 
 
@@ -160,6 +164,101 @@ def test_every_row_is_restored_into_either_kind_of_database(
         restored.close()
     finally:
         postgresql.drop(name)
+
+
+@pytest.mark.parametrize("target", ["sqlite", "postgresql"])
+def test_an_incremental_backup_writes_new_samples_only_and_is_restored_completely(
+    flown_url: str, tmp_path: Path, postgresql: Cluster, target: str
+) -> None:
+    folder = tmp_path / "backups"
+    folder.mkdir()
+    rows = _read_rows(flown_url)
+    n_bytes = sum(row[4] for row in rows["arrays"])  # type: ignore[misc]
+    first, second = (_back_up(flown_url, folder / f"scheduled-{k}.db") for k in (1, 2))
+    assert first > n_bytes
+    assert second == (folder / "scheduled-2.db").stat().st_size < first - n_bytes + 1
+    name = postgresql.copy("empty")
+    url = postgresql.url(name) if target == "postgresql" else f"sqlite:///{tmp_path}/new.db"
+    try:
+        for k in (1, 2):
+            copies.restore(url, folder / f"scheduled-{k}.db")
+            assert _read_rows(url) == rows
+        restored = Store.open(url)
+        assert [one for one in check_database(restored) if one.is_damage] == []
+        restored.close()
+    finally:
+        postgresql.drop(name)
+
+
+def test_damaged_samples_of_incremental_backups_are_written_again(
+    flown_url: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "backups"
+    folder.mkdir()
+    _back_up(flown_url, folder / "scheduled-1.db")
+    with closing(sqlite3.connect(folder / SAMPLES)) as samples, samples:
+        samples.execute("UPDATE arrays SET data = zeroblob(length(data)) WHERE rowid = 1")
+        samples.execute("UPDATE arrays SET shape = '[' WHERE rowid = 2")
+        samples.execute("DELETE FROM arrays WHERE rowid = 3")
+    assert len(copies.find_damaged(folder / "scheduled-1.db")) == 2, "the shape is in the backup"
+    _back_up(flown_url, folder / "scheduled-2.db")
+    for k in (1, 2):
+        assert copies.find_damaged(folder / f"scheduled-{k}.db") == []
+    (folder / SAMPLES).write_bytes(b"no database" * 9000)
+    with pytest.raises(DatabaseUnavailable, match="move it away"):
+        _back_up(flown_url, folder / "scheduled-3.db")
+    assert {one.name for one in folder.iterdir()} == {"scheduled-1.db", "scheduled-2.db", SAMPLES}
+
+
+def test_samples_of_deleted_backups_are_deleted(
+    database_url: str, store: Store, tmp_path: Path
+) -> None:
+    folder = tmp_path / "backups"
+    folder.mkdir()
+    names = []
+    for k in range(4):
+        names.append(store.arrays.put(np.arange(100.0) + k))
+        _back_up(database_url, folder / f"scheduled-{k}.db", retained=2)
+        with store.database.transaction() as connection:
+            connection.execute(sa.delete(arrays))
+        if k == 0:  # not to be deleted, and its samples neither
+            (folder / "scheduled-0.db").rename(folder / "before-the-flight.db")
+    with closing(sqlite3.connect(folder / SAMPLES)) as samples:
+        present = {name for (name,) in samples.execute("SELECT hash FROM arrays")}
+    assert present == {names[0], *names[2:]}
+
+
+def test_an_incremental_backup_without_its_samples_is_refused(
+    flown_url: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "backups"
+    folder.mkdir()
+    _back_up(flown_url, folder / "scheduled-1.db")
+    rows = _read_rows(flown_url)
+    with pytest.raises(BadInput, match=SAMPLES):
+        copies.restore(flown_url, (folder / "scheduled-1.db").rename(tmp_path / "alone.db"))
+    assert _read_rows(flown_url) == rows
+
+
+def test_what_a_killed_scheduled_backup_left_is_deleted(
+    database_url: str, tmp_path: Path, aircraft: Aircraft
+) -> None:
+    left = tmp_path / "scheduled-1.db.x1.partial"
+    running = tmp_path / "scheduled-2.db.x2.partial"
+    tested = tmp_path / "restored-as-a-test-x3"
+    tested.mkdir()
+    for file in (left, running, tested / "restored.db"):
+        file.touch()
+    for one in (left, tested / "restored.db", tested):
+        os.utime(one, (0, time.time() - 7200))
+    copies.back_up_and_retain(database_url, tmp_path / "scheduled-3.db", 2)
+    assert running.exists()
+    assert not left.exists()
+    assert not tested.exists()
+
+
+def _back_up(url: str, target: Path, retained: int = 2) -> int:
+    return copies.back_up_and_retain(url, target, retained, is_incremental=True)
 
 
 @pytest.mark.parametrize("backend", ["postgresql"])

@@ -51,6 +51,8 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
     if retained is None:
         if hours is not None:
             raise BadInput("--every needs --retained: the number of backups that stay")
+        if arguments.incremental:
+            raise BadInput("--incremental needs --retained, and a folder of backups")
         size = copies.backup(settings.database, file)
         _print_backup(file, size, "", arguments)
         return 0
@@ -62,13 +64,17 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
         target = file / f"{copies.SCHEDULED}{datetime.now(UTC):%Y%m%d-%H%M%S}.db"
         pause_s = _RETRY_S
         try:
-            size = copies.back_up_and_retain(settings.database, target, retained)
+            size = copies.back_up_and_retain(
+                settings.database, target, retained, is_incremental=arguments.incremental
+            )
         except FlexsidError as error:
             if hours is None:
                 raise
             print_error(error.message, error.code, as_json=arguments.json)
         else:
             more = f", restored as a test; the newest {retained} are retained"
+            if arguments.incremental:
+                more = f", rows restored as a test; the newest {retained} are retained"
             _print_backup(target, size, more, arguments)
             if hours is None:
                 return 0

@@ -144,6 +144,8 @@ def build_parser() -> argparse.ArgumentParser:
     copied.add_argument("--retained", type=int, metavar="N", help=meaning)
     meaning = "repeat at this interval until stopped, an hour after a failure"
     copied.add_argument("--every", type=int, metavar="HOURS", help=meaning)
+    meaning = "with --retained: write only samples that are not in the folder, into samples.db"
+    copied.add_argument("--incremental", action="store_true", help=meaning)
 
     summary = "replace the database by a backup, after a copy of the database"
     add("restore", "backup:restore", summary).add_argument("file", metavar="FILE")

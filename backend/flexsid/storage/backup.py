@@ -1,36 +1,50 @@
 """Backup and restore of a database, while servers work with it.
 
 A backup is a database of SQLite, whatever kind of database it is of, and is restored into either.
+The samples of an incremental backup are in a file that it shares with the others of its folder.
 """
 
 from __future__ import annotations
 
-import json
 import logging
+import shutil
 import sqlite3
 import tempfile
+import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
 import sqlalchemy as sa
 from sqlalchemy.engine import URL
+from sqlalchemy.pool import StaticPool
 
 from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.run import Progress, ReportProgress
-from flexsid.storage.arrays import hash_array
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.row_copy import copy_rows
 from flexsid.storage.row_seals import add_seal_function, find_changed_rows
+from flexsid.storage.shared_samples import (
+    add_samples,
+    attach_samples,
+    check_samples,
+    delete_unused_samples,
+    find_missing_samples,
+    include_samples,
+    is_sound,
+)
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
 
 SCHEDULED = "scheduled-"
 """Begin of the names of scheduled backups, the oldest of which are deleted."""
+
+_TESTED = "restored-as-a-test-"  # begin of the names of temporary folders
+_REMAINS_S = 3600.0  # since the last change of what an ended process has left
 
 _log = logging.getLogger(__name__)
 
@@ -61,39 +75,95 @@ def backup(url: str, target: Path, report: ReportProgress = lambda progress: Non
     DatabaseUnavailable
         If the copy, its rows or samples are damaged; the copy is deleted then.
     """
-    parsed = parse_url(url)
-    source = sqlite_file(parsed)
+    source = _find_source(url, target)
+    with _new_backup(target) as partial:
+        report(Progress(message="Copying the database"))
+        if source is None:
+            _copy_rows_of(parse_url(url), partial)
+        else:
+            _copy(source, partial)
+        _check_copy(partial, f"{source or 'the database'}", report)
+    return target.stat().st_size
+
+
+def back_up_incrementally(
+    url: str, target: Path, report: ReportProgress = lambda progress: None
+) -> int:
+    """Copy a consistent state of the rows into a new file, and new samples into the shared one.
+
+    Parameters
+    ----------
+    url, target, report
+        As of ``backup``; the samples are in a file beside the target.
+
+    Returns
+    -------
+    int
+        Size of what was written. [bytes]
+
+    Raises
+    ------
+    BadInput, Conflict, DatabaseUnavailable
+        As ``backup``.
+    """
+    source = _find_source(url, target)
+    with _new_backup(target) as partial:
+        report(Progress(message="Copying the database"))
+        n_bytes = _copy_rows_of(parse_url(url), partial, samples=target.parent)
+        _check_copy(partial, f"{source or 'the database'}", report)
+    if find_missing_samples(target):
+        target.unlink()
+        raise Conflict(f"another backup into {target.parent} deleted samples; back up again")
+    return n_bytes + target.stat().st_size
+
+
+def _find_source(url: str, target: Path) -> Path | None:
+    """Return the file of a database, or none for that of a server, and refuse what exists."""
+    source = sqlite_file(parse_url(url))
     if source is not None and not source.is_file():
         raise BadInput(f"there is no database {source}")
     if target.exists():
         raise Conflict(f"{target} exists; name a new file", code="file-exists")
+    return source
+
+
+@contextmanager
+def _new_backup(target: Path) -> Iterator[Path]:
     try:
         with new_file(target) as partial:
-            report(Progress(message="Copying the database"))
-            if source is None:
-                _copy_from_server(parsed, partial)
-            else:
-                _copy(source, partial)
-            _make_single_file(partial)
-            report(Progress(fraction=0.3, message="Checking pages"))
-            check(partial)
-            report(Progress(fraction=0.5, message="Checking rows and samples"))
-            damaged = find_damaged(partial)
-            if damaged:
-                raise DatabaseUnavailable(
-                    f"{target} was not written: {source or 'the database'} is damaged:"
-                    f" {', '.join(damaged[:5])}; run `flexsid check` to list all and the remedies",
-                    code="damaged-data",
-                )
+            yield partial
     except OSError as error:
         raise BadInput(f"{target} cannot be written: {error.strerror}") from error
-    return target.stat().st_size
+
+
+def _check_copy(partial: Path, source: str, report: ReportProgress) -> None:
+    _make_single_file(partial)
+    report(Progress(fraction=0.3, message="Checking pages"))
+    check(partial)
+    report(Progress(fraction=0.5, message="Checking rows and samples"))
+    _refuse_damaged(find_damaged(partial), source)
+
+
+def _refuse_damaged(damaged: list[str], source: str) -> None:
+    if damaged:
+        raise DatabaseUnavailable(
+            f"no backup was written: {source} is damaged: {', '.join(damaged[:5])};"
+            " run `flexsid check` to list all and the remedies",
+            code="damaged-data",
+        )
 
 
 def back_up_and_retain(
-    url: str, target: Path, retained: int, report: ReportProgress = lambda progress: None
+    url: str,
+    target: Path,
+    retained: int,
+    report: ReportProgress = lambda progress: None,
+    *,
+    is_incremental: bool = False,
 ) -> int:
     """Back up, restore the copy as a test, then delete the oldest scheduled backups beside it.
+
+    Of an incremental backup the rows are restored, its samples are compared with their names.
 
     Parameters
     ----------
@@ -103,18 +173,21 @@ def back_up_and_retain(
         New file whose name begins with ``SCHEDULED`` and its time.
     retained
         Number of scheduled backups that stay, this one included.
+    is_incremental
+        Write only samples that the folder does not have.
 
     Returns
     -------
     int
-        Size of the copy. [bytes]
+        Size of what was written. [bytes]
 
     Raises
     ------
     BadInput, Conflict, DatabaseUnavailable
         As ``backup``; without a restored copy nothing is deleted.
     """
-    size = backup(url, target, report)
+    _delete_remains(target.parent)
+    size = (back_up_incrementally if is_incremental else backup)(url, target, report)
     report(Progress(fraction=0.8, message="Restoring the copy"))
     try:
         try_restore(target)
@@ -123,7 +196,17 @@ def back_up_and_retain(
         raise
     for old in list_scheduled(target.parent)[:-retained]:
         old.unlink(missing_ok=True)
+    delete_unused_samples(target.parent)
     return size
+
+
+def _delete_remains(folder: Path) -> None:
+    """Delete what a process left that was killed during a scheduled backup."""
+    for one in (*folder.glob(f"{SCHEDULED}*.partial"), *folder.glob(f"{_TESTED}*")):
+        with suppress(FileNotFoundError):
+            changed = max(path.stat().st_mtime for path in (one, *one.rglob("*")))
+            if time.time() - changed > _REMAINS_S:
+                shutil.rmtree(one) if one.is_dir() else one.unlink()
 
 
 def list_scheduled(folder: Path) -> list[Path]:
@@ -159,6 +242,7 @@ def restore(url: str, source: Path) -> Path | None:
         check(source)
     except DatabaseUnavailable as error:
         raise BadInput(f"{source} is not a valid backup: {error.message}") from error
+    check_samples(source)
     damaged = find_damaged(source)
     if damaged:
         _log.warning(
@@ -174,7 +258,9 @@ def restore(url: str, source: Path) -> Path | None:
     return _restore_file(file, source, f"before-restore-{moment}")
 
 
-def _restore_file(target: Path, source: Path, ending: str) -> Path | None:
+def _restore_file(
+    target: Path, source: Path, ending: str, *, has_samples: bool = True
+) -> Path | None:
     previous = None
     beside = target.with_name(f"{target.name}.{ending}")
     if target.exists() and target.stat().st_size > 0:
@@ -184,7 +270,7 @@ def _restore_file(target: Path, source: Path, ending: str) -> Path | None:
     else:
         _move_remains(target, beside)
         upgrade(f"sqlite:///{target}")
-    with _upgraded_copy(source, target.parent) as ready:
+    with _upgraded_copy(source, target.parent, has_samples=has_samples) as ready:
         _make_ready(ready, target)
         _copy(ready, target)
     return previous
@@ -201,7 +287,7 @@ def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
         if not is_new:
             previous = source.with_name(f"{source.name}.{ending}")
             with new_file(previous) as partial:  # damaged or not
-                _copy_from_server(parsed, partial)
+                _copy_rows_of(parsed, partial)
                 _make_single_file(partial)
         with (
             _upgraded_copy(source, source.parent) as ready,
@@ -222,12 +308,14 @@ def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
 
 
 @contextmanager
-def _upgraded_copy(source: Path, folder: Path) -> Iterator[Path]:
-    """Yield a copy of a backup with the newest schema, which is deleted afterwards."""
+def _upgraded_copy(source: Path, folder: Path, *, has_samples: bool = True) -> Iterator[Path]:
+    """Yield a complete copy of a backup with the newest schema, which is deleted afterwards."""
     with tempfile.TemporaryDirectory(dir=folder) as name:
         ready = Path(name) / "ready.db"
         ready.touch(mode=0o600)
         _copy(source, ready)
+        if has_samples:
+            include_samples(ready, source.parent)
         upgrade(f"sqlite:///{ready}")
         yield ready
 
@@ -244,14 +332,18 @@ def _open_copy(file: Path) -> Iterator[sa.Engine]:
 def try_restore(source: Path) -> None:
     """Restore a backup into a temporary database beside it, which is deleted.
 
+    Without samples of the shared file: a large database is not to be written as a whole.
+
     Raises
     ------
-    BadInput, DatabaseTooNew
+    DatabaseTooNew
         As ``restore``.
+    DatabaseUnavailable
+        If the restored database is damaged.
     """
-    with tempfile.TemporaryDirectory(dir=source.parent) as folder:
+    with tempfile.TemporaryDirectory(dir=source.parent, prefix=_TESTED) as folder:
         restored = Path(folder) / "restored.db"
-        restore(f"sqlite:///{restored}", source)
+        _restore_file(restored, source, "", has_samples=False)
         check(restored)
 
 
@@ -289,21 +381,14 @@ def check(file: Path) -> None:
 
 def find_damaged(file: Path) -> list[str]:
     """Describe the rows that differ from their seals, and name the arrays that do from theirs."""
-
-    def open_file() -> sqlite3.Connection:
-        opened = sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)
+    with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
         add_seal_function(opened)
-        return opened
-
-    engine = sa.create_engine("sqlite://", creator=open_file, poolclass=sa.NullPool)
-    with engine.connect() as connection:
-        rows = [str(changed) for changed in find_changed_rows(connection)]
-        arrays = connection.exec_driver_sql("SELECT hash, dtype, shape, unit, data FROM arrays")
-        return rows + [
-            f"samples {name}"
-            for name, dtype, shape, unit, data in arrays
-            if hash_array(dtype, json.loads(shape), unit, data) != name
-        ]
+        data = attach_samples(opened, file.parent)
+        engine = sa.create_engine("sqlite://", creator=lambda: opened, poolclass=StaticPool)
+        with engine.connect() as connection:
+            rows = [str(changed) for changed in find_changed_rows(connection)]
+        found = opened.execute(f"SELECT hash, dtype, shape, unit, {data} FROM arrays")
+        return rows + [f"samples {row[0]}" for row in found if not is_sound(*row)]
 
 
 def find_file(url: str) -> Path:
@@ -323,10 +408,15 @@ def find_file(url: str) -> Path:
     return file
 
 
-def _copy_from_server(url: URL, target: Path) -> None:
-    """Copy the rows of a database of a server, in one state, into an empty file."""
+def _copy_rows_of(url: URL, target: Path, samples: Path | None = None) -> int:
+    """Copy the rows of a database, in one state, into an empty file.
+
+    With a folder of samples, these are written into its file; returns their size. [bytes]
+    """
     server = make_engine(url)
-    options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+    options: dict[str, object] = {}
+    if url.get_backend_name() == "postgresql":
+        options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
     try:
         with (
             tempfile.TemporaryDirectory(dir=target.parent) as folder,
@@ -343,9 +433,13 @@ def _copy_from_server(url: URL, target: Path) -> None:
                     f"the database has schema {present}, this flexsid {newest}; back it up with the"
                     " release that uses it, or run `flexsid migrate` first"
                 )
+            # The seals of the copy are made from what is read.
+            _refuse_damaged([str(rows) for rows in find_changed_rows(source)], "the database")
+            n_bytes = 0 if samples is None else add_samples(source, samples)
             with _open_copy(made) as copy, copy.begin() as writing:
-                copy_rows(source, writing)
+                copy_rows(source, writing, has_samples=samples is None)
             _copy(made, target)
+            return n_bytes
     finally:
         server.dispose()
 

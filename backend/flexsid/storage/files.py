@@ -16,8 +16,8 @@ _log = logging.getLogger(__name__)
 
 _PRIVATE = 0o600
 _OTHERS = 0o077  # permissions of group and others
-# Samples are most of a database; larger pages write and read them faster.
-_PAGE_BYTES = 32768
+PAGE_BYTES = 32768
+"""Samples are most of a database; larger pages write and read them faster."""
 
 
 class DatabaseUnavailable(FlexsidError):
@@ -56,7 +56,7 @@ def create_database(file: Path) -> None:
         file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with new_file(file) as partial, closing(sqlite3.connect(partial)) as begun:
             # Without effect later, and they would need the write lock on every connection.
-            begun.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
+            begun.execute(f"PRAGMA page_size = {PAGE_BYTES}")
             begun.execute("PRAGMA auto_vacuum = INCREMENTAL")
             begun.execute("PRAGMA journal_mode = WAL")
     except FileExistsError:

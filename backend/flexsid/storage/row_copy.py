@@ -13,9 +13,10 @@ from flexsid.storage.tables import arrays, metadata, row_seals
 
 _ROWS = 500
 _ARRAYS = 4  # of up to hundreds of megabytes
+_NO_DATA = sa.literal(b"", sa.LargeBinary).label("data")
 
 
-def copy_rows(source: Connection, target: Connection) -> None:
+def copy_rows(source: Connection, target: Connection, *, has_samples: bool = True) -> None:
     """Replace the rows of the target by those of the source, and continue the ids of both.
 
     Parameters
@@ -24,13 +25,19 @@ def copy_rows(source: Connection, target: Connection) -> None:
         Connection to a database with the newest schema, in one consistent state.
     target
         A transaction on another one; on SQLite without foreign keys, to be checked afterwards.
+    has_samples
+        Arrays are copied with their data.
     """
     tables = [table for table in metadata.sorted_tables if table is not row_seals]
     _delete_rows(target, tables)
     with _keys_checked_at_the_end(target):
         for table in tables:
             count = _ARRAYS if table is arrays else _ROWS
-            found = source.execution_options(yield_per=count).execute(sa.select(table))
+            columns = [
+                column if has_samples or column is not arrays.c.data else _NO_DATA
+                for column in table.c
+            ]
+            found = source.execution_options(yield_per=count).execute(sa.select(*columns))
             for rows in found.mappings().partitions():
                 target.execute(table.insert(), [dict(row) for row in rows])
     present = _read_given_ids(target)
