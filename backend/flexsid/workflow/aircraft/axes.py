@@ -17,7 +17,7 @@ from flexsid.records.aircraft import (
     get_symmetry,
     list_surface_parts,
 )
-from flexsid.records.maneuver import COMBINED, GROUND, Maneuver
+from flexsid.records.maneuver import COMBINED, GROUND, Excitation, Maneuver
 from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
@@ -109,6 +109,41 @@ def list_axis_surfaces(
     }
     exciting = (n for n in known if get_symmetry(aircraft, n) in (body.symmetry, "single"))
     return tuple(dict.fromkeys(parts.get(n, n) for n in exciting))
+
+
+def list_moved_surfaces(
+    aircraft: Aircraft, axis: str, excitation: Excitation | None, recorded: Iterable[str]
+) -> tuple[str, ...]:
+    """List what a maneuver of an axis moves, of the surfaces that were recorded.
+
+    A left and a right one that no harmonics excite on their own move together or against each
+    other: they are replaced by their part that excites the axis, if the aircraft has it.
+    """
+    names = list(recorded)
+    if axis in (COMBINED, GROUND):
+        return tuple(names)
+    symmetry = find_body(axis).symmetry
+    alone = set() if excitation is None else set(excitation.harmonics)
+    replaced = {
+        term: name
+        for name, terms in list_surface_parts(aircraft).items()
+        if name not in names
+        and get_symmetry(aircraft, name) == symmetry
+        and all(t in names and t not in alone for t, _ in terms)
+        for term, _ in terms
+    }
+    return tuple(dict.fromkeys(replaced.get(name, name) for name in names))
+
+
+def list_harmonics(
+    aircraft: Aircraft, excitation: Excitation | None, surface: str
+) -> tuple[int, ...]:
+    """List the harmonics that excite a surface: its own, and those of the parts that move it."""
+    if excitation is None:
+        return ()
+    parts = list_surface_parts(aircraft).items()
+    moving = [surface, *(name for name, terms in parts if surface in (t for t, _ in terms))]
+    return tuple(sorted({one for name in moving for one in excitation.harmonics.get(name, ())}))
 
 
 def require_axis_inputs(aircraft: Aircraft, inputs: Iterable[str], body: RigidBody) -> None:

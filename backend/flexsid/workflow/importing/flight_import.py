@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -26,7 +26,7 @@ from flexsid.importers.plausibility import (
     find_unit_warning,
 )
 from flexsid.importers.predictions import RawPrediction, extract_prediction
-from flexsid.records.aircraft import Aircraft, DerivativePrediction
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, list_surface_parts
 from flexsid.records.maneuver import (
     GROUND,
     Channel,
@@ -42,6 +42,7 @@ from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import parse_derivative
 from flexsid.sysid.preparation.cutting import ExcitedInterval, find_excitations
+from flexsid.workflow.aircraft.axes import list_moved_surfaces
 from flexsid.workflow.aircraft.flight_condition import (
     complete_condition,
     complete_parked_condition,
@@ -119,6 +120,27 @@ def compute_largest_correlation(inputs: Sequence[np.ndarray]) -> float | None:
     return largest
 
 
+def correlate_inputs(
+    aircraft: Aircraft, axis: str, excitation: Excitation | None, inputs: Mapping[str, np.ndarray]
+) -> float | None:
+    """Return the largest correlation of what a maneuver moves, by samples of what was recorded.
+
+    Left and right surfaces that only move together, or against each other, are one input.
+    """
+    if len({len(samples) for samples in inputs.values()}) > 1:
+        return None
+    parts = list_surface_parts(aircraft)
+    moved = list_moved_surfaces(aircraft, axis, excitation, inputs)
+    return compute_largest_correlation(
+        [
+            np.sum([weight * inputs[term] for term, weight in parts[name]], axis=0)
+            if name not in inputs
+            else inputs[name]
+            for name in moved
+        ]
+    )
+
+
 def store_aircraft(store: Store, part: AircraftPart | None, aircraft_id: int | None) -> Aircraft:
     """Find the selected or named aircraft, or add the one defined in the mapping."""
     if aircraft_id is not None:
@@ -180,7 +202,8 @@ def store_maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawMan
     axis = determine_axis(raw.axis, aircraft, [(c, c.samples) for c in raw.channels])
     complete = complete_parked_condition if axis == GROUND else complete_condition
     condition = complete(aircraft, raw.condition)
-    inputs = [channel.samples for channel in raw.channels if channel.role is Role.INPUT]
+    inputs = {c.name: c.samples for c in raw.channels if c.role is Role.INPUT}
+    excitation = raw.excitation or find_recorded_excitation(raw.channels)
     return store.maneuvers.add(
         Maneuver(
             aircraft_id=aircraft.id,
@@ -191,9 +214,9 @@ def store_maneuver(store: Store, aircraft: Aircraft, flight: Flight, raw: RawMan
             condition=condition,
             fta=raw.fta,
             axis=axis,
-            excitation=raw.excitation or find_recorded_excitation(raw.channels),
+            excitation=excitation,
             airspeed_ratio=None if axis == GROUND else compute_airspeed_ratio(condition),
-            max_input_correlation=compute_largest_correlation(inputs),
+            max_input_correlation=correlate_inputs(aircraft, axis, excitation, inputs),
             source_file=raw.source_file,
             source_hash=raw.source_hash,
             note=raw.note,

@@ -35,7 +35,7 @@ from flexsid.sysid.preparation.cutting import (
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_airspeed_ratio
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
-from flexsid.workflow.importing.flight_import import build_excitation, compute_largest_correlation
+from flexsid.workflow.importing.flight_import import build_excitation, correlate_inputs
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
 TRIM_S = 2.0
@@ -152,7 +152,7 @@ def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) 
     if not any(channel.role is Role.INPUT for channel, _ in pieces):
         raise BadInput("no input was recorded in this window", code="no-input")
     condition = complete_condition(aircraft, _average_condition(pieces, aircraft))
-    inputs = [samples for channel, samples in pieces if channel.role is Role.INPUT]
+    inputs = {channel.name: samples for channel, samples in pieces if channel.role is Role.INPUT}
     axis = determine_axis(cut.axis, aircraft, pieces)
     start_s, stop_s = _find_common_interval([channel for channel, _ in pieces])
     with store.transaction():
@@ -164,6 +164,7 @@ def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) 
                 maneuver_id=known.id,
             )
         first = pieces[0][0]
+        excitation = _find_excitation(store, flight, recorded, cut)
         stored = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flight.aircraft_id,
@@ -174,9 +175,9 @@ def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) 
                 condition=condition,
                 fta=cut.fta,
                 axis=axis,
-                excitation=_find_excitation(store, flight, recorded, cut),
+                excitation=excitation,
                 airspeed_ratio=compute_airspeed_ratio(condition),
-                max_input_correlation=compute_largest_correlation(inputs),
+                max_input_correlation=correlate_inputs(aircraft, axis, excitation, inputs),
                 source_file=first.source_file,
                 source_hash=first.source_hash,
                 note=cut.note,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.aircraft import Aircraft, get_symmetry
+from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
@@ -20,7 +20,9 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs
 from flexsid.workflow.aircraft.axes import (
     find_body,
+    find_other,
     is_axis_sensor,
+    list_moved_surfaces,
     list_opposed_surfaces,
     reads_own_motion_only,
     require_axis,
@@ -122,18 +124,25 @@ def gather_sensors(store: Store, maneuver: Maneuver, axis: str | None = None) ->
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     table, _ = load_modes_of_model(store, maneuver.aircraft_id, None, None, ())
     channels = {c.name: c for c in store.channels.find(maneuver_id=maneuver.id)}
-    inputs = _list_recorded_surfaces(aircraft, channels.values())
+    recorded = _list_recorded_surfaces(aircraft, channels.values())
+    inputs = list_moved_surfaces(aircraft, maneuver.axis, maneuver.excitation, recorded)
     opposed = list_opposed_surfaces(maneuver, aircraft, inputs, body)
     names, excluded = _select_usable_sensors(aircraft, channels, table, opposed, body)
     for name in opposed:
         symmetry = get_symmetry(aircraft, name)
         if symmetry != "single":
             excluded[name] = f"it is {symmetry} and excites no {body.symmetry} motion"
-    for channel, samples in load_channels(store, maneuver.id, (*names, *inputs)):
+    for channel, samples in load_channels(store, maneuver.id, (*names, *recorded)):
         if not np.ptp(samples) > 0.0:
             excluded[channel.name] = "it is constant over the record"
     names = tuple(name for name in names if name not in excluded)
-    inputs = tuple(name for name in inputs if name not in excluded)
+    parts = list_surface_parts(aircraft)
+    inputs = tuple(
+        name
+        for name in inputs
+        if not all(term in excluded for term, _ in parts.get(name, ((name, 1.0),)))
+    )
+    recorded = tuple(name for name in recorded if name not in excluded)
     if not names:
         raise BadInput(
             "no channel of this maneuver belongs to a sensor with a mode shape in the modal table",
@@ -141,7 +150,7 @@ def gather_sensors(store: Store, maneuver: Maneuver, axis: str | None = None) ->
         )
     outputs = define_outputs(aircraft, names)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
-    band = _select_default_band(maneuver, [channels[name] for name in (*names, *inputs)])
+    band = _select_default_band(maneuver, [channels[name] for name in (*names, *recorded)])
     measured = read_measurement(store, maneuver, aircraft, inputs, outputs, band, body).transform()
     rate_hz = min(channels[name].rate_hz for name in names)
     noise = compute_spectral_noise(outputs, rate_hz, maneuver.transformed_s)
@@ -362,6 +371,8 @@ def _select_usable_sensors(
             excluded[sensor.name] = (
                 f"it measures no {body.axis} motion, or its name contradicts its record"
             )
+        elif reads_own_motion_only(((sensor, 1.0),), find_other(body)):
+            excluded[sensor.name] = f"in the plane of symmetry it measures no {body.axis} motion"
         elif opposed and not reads_own_motion_only(((sensor, 1.0),), body):
             excluded[sensor.name] = (
                 f"it measures the motion of the other axis that {', '.join(opposed)} excite"

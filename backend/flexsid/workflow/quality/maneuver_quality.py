@@ -15,7 +15,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
-from flexsid.records.aircraft import Aircraft
+from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
@@ -39,7 +39,7 @@ from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_def
 from flexsid.sysid.stability.poles import compute_separation_factor
 from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
-from flexsid.workflow.aircraft.axes import find_body, list_axis_surfaces
+from flexsid.workflow.aircraft.axes import find_body, list_axis_surfaces, list_harmonics
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,
     list_predicted_modes,
@@ -67,7 +67,7 @@ from flexsid.workflow.views.channels import read_traces
 from flexsid.workflow.views.maneuver import compute_spectrum
 from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
-_VERSION = 9  # of the assessment: a higher one assesses every maneuver again
+_VERSION = 10  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50
 
 
@@ -134,11 +134,14 @@ def assess_maneuver(
     signal = _compute_signal_to_noise(store, maneuver, [c for c, _ in channels.values()], missing)
     redundancy = _check_redundancy(store, maneuver, missing)
     check = redundancy.check
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
     found = QualityReport(
         channels=tuple(
             _build_channel_quality(
                 channel,
-                _find_sample_faults(maneuver, channel, samples, steps.get(name, Conditioning())),
+                _find_sample_faults(
+                    maneuver, aircraft, channel, samples, steps.get(name, Conditioning())
+                ),
                 signal.get(name),
                 redundancy,
             )
@@ -150,7 +153,7 @@ def assess_maneuver(
         skew_reference=None if check is None else check.faults.reference,
         skew_band_hz=None if check is None else check.faults.band_hz,
         not_checked=tuple(missing),
-        surfaces=check_surfaces(store, maneuver, store.aircraft.get(maneuver.aircraft_id)),
+        surfaces=check_surfaces(store, maneuver, aircraft),
     )
     undecayed = _find_undecayed_sensor(store, maneuver)
     found = replace(found, warnings=list_quality_warnings(maneuver, found, undecayed))
@@ -175,7 +178,11 @@ def store_quality(store: Store, found: ManeuverQuality) -> ManeuverQuality:
 
 
 def _find_sample_faults(
-    maneuver: Maneuver, channel: Channel, samples: np.ndarray, steps: Conditioning
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    channel: Channel,
+    samples: np.ndarray,
+    steps: Conditioning,
 ) -> tuple[FoundStretch, ...]:
     """Find spikes, dropouts and saturation that are not repaired, in inputs and outputs."""
     if channel.role in (Role.COMMAND, Role.CONDITION):
@@ -183,7 +190,7 @@ def _find_sample_faults(
     excitation = maneuver.excitation
     moving = None  # the samples during which the excitation acts on the channel
     if excitation is not None and (
-        channel.role is not Role.INPUT or excitation.harmonics.get(channel.name)
+        channel.role is not Role.INPUT or list_harmonics(aircraft, excitation, channel.name)
     ):
         moving = channel.slice_samples(excitation.interval_s)
     return tuple(
@@ -219,15 +226,26 @@ def _compute_signal_to_noise(
         )
         return {}
     result = {}
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    moving = _name_exciting(aircraft, spectra.inputs)
     for column, name in enumerate(spectra.names):
         power, noise = spectra.magnitude[:, column] ** 2, spectra.noise[:, column] ** 2
         usable = np.isfinite(power) & np.isfinite(noise) & (noise > 0)
         if name in spectra.inputs:
-            usable &= np.array([assigned == name for assigned in spectra.assigned_inputs])
+            usable &= np.isin(spectra.assigned_inputs, moving[name])
         if usable.any():
             ratio = np.median(power[usable] / noise[usable])
             result[name] = float(10.0 * np.log10(max(ratio, 1e-6)))
     return result
+
+
+def _name_exciting(aircraft: Aircraft, surfaces: Sequence[str]) -> dict[str, list[str]]:
+    """Name what excites each surface: itself, and the parts that move it."""
+    parts = list_surface_parts(aircraft).items()
+    return {
+        surface: [surface, *(name for name, terms in parts if surface in dict(terms))]
+        for surface in surfaces
+    }
 
 
 @dataclass(frozen=True, slots=True)

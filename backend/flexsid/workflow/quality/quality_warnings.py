@@ -26,6 +26,8 @@ _MIN_SIGNAL_DB = (12.0, 3.0)  # median of all outputs: warning below the first, 
 _SIGNAL_DB = 6.0  # of a channel with enough signal to assess
 _MIN_COHERENCE = (0.8, 0.2)  # coherence with the other sensors
 _MAX_NOISE_EXCESS = 4.0  # times its known noise
+# Below it a channel differs from the others by noise: a low coherence is a small signal then.
+_NOISE_ONLY = 2.0
 _SKEW_S = 1e-3
 _INPUT_SKEW_S = 3e-3  # unmodelled modes bias it by up to a millisecond
 _SCALE = 0.02
@@ -162,7 +164,9 @@ def _warn_of_redundancy(
             yield from _warn_of_departure(c)
             continue
         has_signal = c.signal_to_noise_db is None or c.signal_to_noise_db > _SIGNAL_DB
-        if c.coherence is not None and has_signal and c.coherence < _MIN_COHERENCE[0]:
+        departs = c.noise_excess is None or c.noise_excess > _NOISE_ONLY
+        is_low = c.coherence is not None and c.coherence < _MIN_COHERENCE[0]
+        if c.coherence is not None and is_low and has_signal and departs:
             severity = _BAD if c.coherence < _MIN_COHERENCE[1] else _WARNING
             text = f"{c.name} agrees with the other sensors with a coherence of {c.coherence:.2f}."
             yield _warn(severity, "coherence", text, c.name)

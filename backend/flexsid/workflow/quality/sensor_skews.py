@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import NotIdentifiable
-from flexsid.records.maneuver import Channel, Maneuver, Role
+from flexsid.records.maneuver import COMBINED, Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -277,9 +277,10 @@ def _estimate_input_skews(
     """Estimate skews of the surfaces; one mode fewer or more widens their errors.
 
     The timing error of the motion is that of the sensors. None without a known
-    excitation: regressors are then mostly noise and bias the delays.
+    excitation: regressors are then mostly noise and bias the delays; and where both axes are
+    excited: few sensors measure one of them only, so that modes are missing from the motion.
     """
-    if sensing.maneuver.excitation is None:
+    if sensing.maneuver.excitation is None or sensing.maneuver.axis == COMBINED:
         return None
     spectra = sensing.measured
     numbers = sensing.modes[: motion.values.shape[1] - sensing.model.n_rigid]

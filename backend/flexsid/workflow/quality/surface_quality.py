@@ -14,6 +14,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.preparation.surface_checks import SurfaceCheck, check_surface
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies
 from flexsid.workflow.aircraft.aircraft_models import compute_input_correction
+from flexsid.workflow.aircraft.axes import list_harmonics
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, list_command_names
 
@@ -57,7 +58,7 @@ def _find_reason(
         return "its command was recorded in place of its deflection"
     if list_command_names((name,))[0] not in recorded:
         return "its command was not recorded"
-    if len(maneuver.excitation.harmonics.get(name, ())) < _MIN_HARMONICS:
+    if len(list_harmonics(aircraft, maneuver.excitation, name)) < _MIN_HARMONICS:
         return f"it was excited at fewer than {_MIN_HARMONICS} harmonics"
     return None
 
@@ -85,7 +86,7 @@ def _check(
     spectra = read_spectra(store, maneuver, aircraft, names, frequencies).values * scale
     n = len(surfaces)
     for k, name in enumerate(surfaces):
-        harmonics = [one for one in excitation.harmonics[name] if one <= count]
+        harmonics = [one for one in list_harmonics(aircraft, excitation, name) if one <= count]
         if len(harmonics) < _MIN_HARMONICS:
             continue
         deflection = spectra[:, k] * compute_input_correction(aircraft, name, omega)

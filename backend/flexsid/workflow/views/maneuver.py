@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
+from flexsid.records.aircraft import list_surface_parts
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import SignalToNoise
 from flexsid.records.views import ChannelHistories, Spectra
@@ -144,13 +145,16 @@ def _estimate_noise(
     store: Store, maneuver: Maneuver, frequencies: SpectrumFrequencies, values: np.ndarray
 ) -> np.ndarray | None:
     """Estimate noise at every harmonic from adjacent responses; None if unknown."""
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
     recorded = {c.name: c.rate_hz for c in store.channels.find(maneuver_id=maneuver.id)}
+    for name, terms in list_surface_parts(aircraft).items():
+        if name not in recorded and all(term in recorded for term, _ in terms):
+            recorded[name] = min(recorded[term] for term, _ in terms)
     names = list_excitation_names(frequencies.inputs, recorded)
     if not names or (frequencies.assigned_input < 0).any() or not recorded.keys() >= set(names):
         return None
     if frequencies.omega[-1] > np.pi * min(recorded[name] for name in names):
         return None
-    aircraft = store.aircraft.get(maneuver.aircraft_id)
     commands = read_spectra(store, maneuver, aircraft, tuple(names), frequencies).values
     own = commands[np.arange(frequencies.omega.size), frequencies.assigned_input]
     return estimate_noise_about_responses(

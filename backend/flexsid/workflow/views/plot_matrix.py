@@ -15,7 +15,7 @@ from flexsid.records.views import PlotMatrix
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import build_regressors
 from flexsid.sysid.spectra.collinearity import assess_collinearity
-from flexsid.workflow.aircraft.axes import find_body
+from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import select_frequencies
@@ -40,13 +40,19 @@ def compute_plot_matrix(
 ) -> PlotMatrix:
     """Read channels during the excitation and compute collinearity; inputs by default.
 
+    Left and right surfaces that only move together, or against each other, are one input.
     Trim before and after would add points at rest, which hide correlation. With ``modes`` the
     columns are the equation-error regressors with these modes, at harmonics only.
     """
     maneuver = store.maneuvers.get(maneuver_id)
     if modes:
         return _read_regressors(store, maneuver, tuple(dict.fromkeys(modes)))
-    selected = tuple(dict.fromkeys(channels)) or list_input_names(store, maneuver)
+    selected = tuple(dict.fromkeys(channels)) or list_moved_surfaces(
+        store.aircraft.get(maneuver.aircraft_id),
+        maneuver.axis,
+        maneuver.excitation,
+        list_input_names(store, maneuver),
+    )
     if domain == "frequency":
         return _read_spectra(store, maneuver, selected)
     excitation = maneuver.excitation
