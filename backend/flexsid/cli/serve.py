@@ -18,8 +18,8 @@ from flexsid.cli.database import open_store
 from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
 from flexsid.demo.campaign_process import CampaignProcess
+from flexsid.demo.demonstration import add_demonstration
 from flexsid.demo.flex28 import NAME, UNSTEADY_NAME
-from flexsid.demo.transport import add_transport
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
 from flexsid.jobs.health import PartHealth
@@ -133,8 +133,7 @@ def _serve_on(
 
 def _fill(settings: Settings, as_json: bool, *, unsteady: bool) -> None:
     with open_store(settings, new=True) as store:
-        campaign.add_campaign(store, _report_progress, unsteady=unsteady)
-        add_transport(store)
+        add_demonstration(store, _report_progress, unsteady=unsteady)
         maneuvers = store.maneuver_page(limit=None).items
     if sys.stderr.isatty():
         print(file=sys.stderr)

@@ -10,8 +10,8 @@ from contextlib import closing, suppress
 from multiprocessing.connection import Connection
 from types import FrameType
 
-from flexsid.demo.campaign import Report, add_campaign
-from flexsid.demo.transport import add_transport
+from flexsid.demo.campaign import Report
+from flexsid.demo.demonstration import add_demonstration
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.health import PartHealth, PartState
@@ -96,12 +96,11 @@ def main(arguments: list[str]) -> None:
     try:
         database, unsteady = connection.recv()
         with closing(Store.open(database)) as store:
-            add_campaign(
+            add_demonstration(
                 store,
                 lambda fraction, message: connection.send((fraction, message)),
                 unsteady=unsteady,
             )
-            add_transport(store)
     except FlexsidError as error:
         connection.send((None, error.message))
     except (KeyboardInterrupt, EOFError, OSError):

@@ -125,7 +125,7 @@ def fly(
         truth.source["noise_sigma"]["airspeed_ft_s"] * factor("ft/s", "speed"),
         generator,
     )
-    condition = _average(aircraft, states)
+    condition = average_condition(aircraft, states)
     assert condition.flutter_speed_m_s is not None
     return FlownManeuver(
         maneuver=Maneuver(
@@ -196,7 +196,7 @@ def _generate_gust(
     return generate_gust(turbulence, airspeed, lead + n_samples, RATE_HZ, generator), lead
 
 
-def _average(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:
+def average_condition(aircraft: Aircraft, states: list[FlownChannel]) -> Condition:
     """Return the average recorded condition, with the mass properties at its fuel."""
     assert all(channel.role is Role.CONDITION and channel.rate_hz == LOW for channel in states)
     mean = {

@@ -131,7 +131,7 @@ def compute_trim_reading(sensor: Sensor, condition: FlightCondition) -> float:
     """Return the reading of a sensor in steady level flight. [SI unit of the sensor]"""
     gravity = factor("g", "acceleration")
     if sensor.kind in (VANE.kind, ATTITUDE.kind):
-        return condition.alpha
+        return condition.alpha if sensor.axis == "y" else 0.0
     if sensor.kind == ACCELEROMETER.kind:
         tilt = {"x": np.sin(condition.alpha), "y": 0.0, "z": -np.cos(condition.alpha)}
         return gravity * float(tilt[sensor.axis])

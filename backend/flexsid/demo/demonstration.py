@@ -1,0 +1,22 @@
+"""All that the demonstration has: the campaign of FLEX-28, and aircraft with other motions."""
+
+from __future__ import annotations
+
+from flexsid.demo.campaign import Report, add_campaign
+from flexsid.demo.independent_surfaces import add_independent
+from flexsid.demo.transport import add_transport
+from flexsid.storage.store import Store
+
+
+def add_demonstration(store: Store, report: Report | None = None, *, unsteady: bool = False) -> int:
+    """Simulate and store what is missing of the demonstration; the arguments of ``add_campaign``.
+
+    Returns
+    -------
+    int
+        Number of maneuvers added to the campaign.
+    """
+    added = add_campaign(store, report, unsteady=unsteady)
+    add_transport(store)
+    add_independent(store)
+    return added
