@@ -232,6 +232,21 @@ def test_undeclared_axis_raises_a_query(aircraft: Aircraft) -> None:
         determine_axis(None, replace(aircraft, sensors=turned), flown("wf1s", roll=10.0))
 
 
+@pytest.mark.parametrize(("share", "is_lateral"), [(1.0, False), (0.8, False), (0.3, True)])
+def test_sides_that_move_against_each_other_raise_a_query(
+    aircraft: Aircraft, share: float, is_lateral: bool
+) -> None:
+    moved = np.sin(np.arange(99.0))
+    sides = [("wf1l", moved), ("wf1r", (2.0 * share - 1.0) * moved)]
+    channels = [(_channel(name, "deg", Role.INPUT), samples) for name, samples in sides]
+    if is_lateral:
+        with pytest.raises(BadInput, match=r"wf1l and wf1r move against.*combined") as asked:
+            determine_axis(None, aircraft, channels)
+        assert asked.value.code == "axis-needed"
+    else:
+        assert determine_axis(None, aircraft, channels) == "longitudinal"
+
+
 def test_column_named_after_another_axis_raises_a_query(aircraft: Aircraft) -> None:
     clock = Clock(start_s=0.0, rate_hz=100.0, n_samples=9)
     pitch = next(s for s in aircraft.sensors if s.kind == GYRO.kind)

@@ -18,6 +18,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensor_models import GYRO
+from flexsid.sysid.preparation.symmetry import find_pairs
 from flexsid.units import dimension, to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.aircraft.axes import (
@@ -35,6 +36,9 @@ _OTHER_RATIO = 3.0
 Symmetric surfaces of a symmetric aircraft excite no lateral motion; turbulence and feedback
 give similar rates. The lateral records of FLEX-28 have 25, its symmetric ones below 0.1.
 """
+
+_OPPOSED_SHARE = 0.25
+"""Half the difference of two sides over the largest input, rms: more than feedback of roll."""
 
 
 def require_own_motion(
@@ -110,14 +114,29 @@ def determine_axis(
         rates = {c.name: to_si(samples, c.unit) for c, samples in channels if c.name in axes}
         found = _find_other_motion(axes, rates, LONGITUDINAL)
         reason = None if found is None else found[1]
+    else:
+        moved = {c.name: to_si(x, c.unit) for c, x in channels if c.role is Role.INPUT}
+        opposed = _find_opposed_pair(moved)
+        reason = None if opposed is None else f"{' and '.join(opposed)} move against each other"
     if reason is None:
         return LONGITUDINAL.axis
     raise BadInput(
         f'The maneuver seems to be lateral: {reason}. State the axis: axis = "lateral" or '
-        'axis = "longitudinal".',
+        'axis = "longitudinal", or axis = "combined" if both are excited.',
         code="axis-needed",
         key="maneuver.axis",
     )
+
+
+def _find_opposed_pair(moved: Mapping[str, np.ndarray]) -> tuple[str, str] | None:
+    """Find a left and a right surface whose difference is no small part of the excitation."""
+    largest = max((float(np.std(samples)) for samples in moved.values()), default=0.0)
+    for left, right, _ in find_pairs(moved):
+        if len(moved[left]) != len(moved[right]):
+            continue
+        if 0.5 * float(np.std(moved[right] - moved[left])) > _OPPOSED_SHARE * largest:
+            return left, right
+    return None
 
 
 def _require_separated_outputs(
