@@ -10,6 +10,7 @@ import io
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -133,6 +134,7 @@ def _list_runs(run: EstimationRun) -> tuple[int, ...]:
     return tuple(dict.fromkeys(number for number in numbers if number is not None))
 
 
+@cache  # those that this process has begun with
 def _list_packages() -> str:
     """List the installed packages with their versions, as pip freeze."""
     found = {(one.metadata["Name"] or "").lower(): one.version for one in metadata.distributions()}
