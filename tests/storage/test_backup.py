@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sqlite3
 import threading
 import time
@@ -207,6 +208,11 @@ def test_damaged_samples_of_incremental_backups_are_written_again(
     (folder / SAMPLES).write_bytes(b"no database" * 9000)
     with pytest.raises(DatabaseUnavailable, match="move it away"):
         _back_up(flown_url, folder / "scheduled-3.db")
+    with pytest.raises(DatabaseUnavailable, match=r"scheduled-1.db cannot be read"):
+        copies.restore(flown_url, folder / "scheduled-1.db")
+    copies.backup(flown_url, tmp_path / "copy")
+    shutil.copy(folder / SAMPLES, tmp_path)
+    assert copies.find_damaged(tmp_path / "copy") == [], "complete in itself"
     assert {one.name for one in folder.iterdir()} == {"scheduled-1.db", "scheduled-2.db", SAMPLES}
 
 

@@ -8,15 +8,8 @@ from flexsid.demo.transport import add_transport
 from flexsid.storage.store import Store
 
 
-def add_demonstration(store: Store, report: Report | None = None, *, unsteady: bool = False) -> int:
-    """Simulate and store what is missing of the demonstration; the arguments of ``add_campaign``.
-
-    Returns
-    -------
-    int
-        Number of maneuvers added to the campaign.
-    """
-    added = add_campaign(store, report, unsteady=unsteady)
+def add_demonstration(store: Store, report: Report, *, unsteady: bool) -> None:
+    """Simulate and store what is missing, with the arguments of ``add_campaign``."""
+    add_campaign(store, report, unsteady=unsteady)
     add_transport(store)
     add_independent(store)
-    return added

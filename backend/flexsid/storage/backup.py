@@ -380,15 +380,24 @@ def check(file: Path) -> None:
 
 
 def find_damaged(file: Path) -> list[str]:
-    """Describe the rows that differ from their seals, and name the arrays that do from theirs."""
+    """Describe the rows that differ from their seals, and name the arrays that do from theirs.
+
+    Raises
+    ------
+    DatabaseUnavailable
+        If the samples cannot be read, such as those beside an incremental backup.
+    """
     with closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as opened:
         add_seal_function(opened)
-        data = attach_samples(opened, file.parent)
         engine = sa.create_engine("sqlite://", creator=lambda: opened, poolclass=StaticPool)
         with engine.connect() as connection:
             rows = [str(changed) for changed in find_changed_rows(connection)]
-        found = opened.execute(f"SELECT hash, dtype, shape, unit, {data} FROM arrays")
-        return rows + [f"samples {row[0]}" for row in found if not is_sound(*row)]
+        try:
+            data = attach_samples(opened, file.parent)
+            found = opened.execute(f"SELECT hash, dtype, shape, unit, {data} FROM arrays")
+            return rows + [f"samples {row[0]}" for row in found if not is_sound(*row)]
+        except sqlite3.Error as error:
+            raise DatabaseUnavailable(f"the samples of {file} cannot be read: {error}") from error
 
 
 def find_file(url: str) -> Path:

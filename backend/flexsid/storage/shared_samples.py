@@ -175,9 +175,13 @@ def include_samples(copy: Path, folder: Path) -> None:
 
 
 def attach_samples(opened: sqlite3.Connection, folder: Path) -> str:
-    """Make the file of a folder readable in an open backup; return the expression of the data."""
+    """Make the file of a folder readable in an open backup; return the expression of the data.
+
+    A complete backup has no samples in the file, whatever it is.
+    """
     file = folder / SAMPLES
-    if not file.is_file():
+    is_complete = opened.execute(f"SELECT 1 FROM arrays WHERE {_IS_APART}").fetchone() is None
+    if is_complete or not file.is_file():
         return "data"
     opened.execute("ATTACH ? AS shared", (f"{file.absolute().as_uri()}?mode=ro",))
     found = "(SELECT s.data FROM shared.arrays AS s WHERE s.hash = arrays.hash)"

@@ -141,9 +141,14 @@ def list_harmonics(
     """List the harmonics that excite a surface: its own, and those of the parts that move it."""
     if excitation is None:
         return ()
-    parts = list_surface_parts(aircraft).items()
-    moving = [surface, *(name for name, terms in parts if surface in (t for t, _ in terms))]
+    moving = list_exciting(aircraft, surface)
     return tuple(sorted({one for name in moving for one in excitation.harmonics.get(name, ())}))
+
+
+def list_exciting(aircraft: Aircraft, surface: str) -> tuple[str, ...]:
+    """List the inputs that move a surface: itself, and the parts that it is a term of."""
+    parts = list_surface_parts(aircraft).items()
+    return (surface, *(name for name, terms in parts if surface in dict(terms)))
 
 
 def require_axis_inputs(aircraft: Aircraft, inputs: Iterable[str], body: RigidBody) -> None:

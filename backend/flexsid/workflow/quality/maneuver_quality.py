@@ -15,7 +15,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
-from flexsid.records.aircraft import Aircraft, list_surface_parts
+from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
@@ -39,7 +39,12 @@ from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_def
 from flexsid.sysid.stability.poles import compute_separation_factor
 from flexsid.units import si_unit
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
-from flexsid.workflow.aircraft.axes import find_body, list_axis_surfaces, list_harmonics
+from flexsid.workflow.aircraft.axes import (
+    find_body,
+    list_axis_surfaces,
+    list_exciting,
+    list_harmonics,
+)
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,
     list_predicted_modes,
@@ -227,25 +232,15 @@ def _compute_signal_to_noise(
         return {}
     result = {}
     aircraft = store.aircraft.get(maneuver.aircraft_id)
-    moving = _name_exciting(aircraft, spectra.inputs)
     for column, name in enumerate(spectra.names):
         power, noise = spectra.magnitude[:, column] ** 2, spectra.noise[:, column] ** 2
         usable = np.isfinite(power) & np.isfinite(noise) & (noise > 0)
         if name in spectra.inputs:
-            usable &= np.isin(spectra.assigned_inputs, moving[name])
+            usable &= np.isin(spectra.assigned_inputs, list_exciting(aircraft, name))
         if usable.any():
             ratio = np.median(power[usable] / noise[usable])
             result[name] = float(10.0 * np.log10(max(ratio, 1e-6)))
     return result
-
-
-def _name_exciting(aircraft: Aircraft, surfaces: Sequence[str]) -> dict[str, list[str]]:
-    """Name what excites each surface: itself, and the parts that move it."""
-    parts = list_surface_parts(aircraft).items()
-    return {
-        surface: [surface, *(name for name, terms in parts if surface in dict(terms))]
-        for surface in surfaces
-    }
 
 
 @dataclass(frozen=True, slots=True)
