@@ -14,6 +14,7 @@ from flexsid.records.live import (
     RecordedState,
     StreamHeader,
 )
+from flexsid.records.views import DefaultChannels
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,10 +42,10 @@ class ReceiverItem:
 class StreamDetail:
     """A stream: its channels, what is known at present, test points and alarms.
 
-    ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of
-    a frame. ``outputs`` and ``inputs`` are those of the estimates; empty where the stream does not
-    run here. ``alarms`` are those of all maneuvers. ``expected_std_errors`` are those of the run
-    whose settings the stream has.
+    ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of a
+    frame. ``outputs`` and ``inputs`` are those of the estimates; empty where the stream does not
+    run here. ``default_channels`` are those that strip charts show first. ``alarms`` are those of
+    all maneuvers. ``expected_std_errors`` are those of the run whose settings the stream has.
     """
 
     stream: LiveStream
@@ -52,6 +53,7 @@ class StreamDetail:
     packet_bytes: int | None
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
+    default_channels: DefaultChannels | None
     snapshot: LiveSnapshot | None
     test_points: tuple[LiveTestPoint, ...]
     alarms: tuple[LiveAlarm, ...]

@@ -14,6 +14,7 @@ from flexsid.records.maneuver import (
 )
 from flexsid.records.modal_data import ModalTable, ModeAtFuel, SensorSight
 from flexsid.records.model_structure import StructureVersion
+from flexsid.records.views import DefaultChannels
 from flexsid.storage.quality_list import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import Upload
@@ -43,6 +44,7 @@ class ManeuverDetail(Maneuver):
     flight_number: int
     aircraft_name: str
     channels: list[Channel]
+    default_channels: DefaultChannels
     tags: list[str]
 
 

@@ -34,6 +34,21 @@ class Envelope:
     marks: tuple[EnvelopeMark, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DefaultChannels:
+    """The channels of a maneuver that views show first.
+
+    ``inputs`` are the surfaces that it moves, with left and right ones that move together as one;
+    ``outputs`` are one of each rigid-body quantity of its axis, ``rates`` one rate of each axis,
+    and ``combinations`` are those of recorded channels, of its axis first.
+    """
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    rates: tuple[str, ...]
+    combinations: tuple[str, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChannelTrace:
     """One channel on its own time axis: ``time_s`` and ``values`` (n_samples,)."""

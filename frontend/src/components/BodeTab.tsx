@@ -2,13 +2,12 @@ import { MultiSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/cor
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { figureQuery, maneuversQuery, runsQuery } from "../api/queries";
 import { bandOf, overFrequency, windowOf } from "../lib/band";
-import { excitedInputs, rateOutputs } from "../lib/channels";
+import { excitedInputs, offeredChannels } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
-import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 import { BODE_PLANES } from "../views";
 
@@ -25,8 +24,7 @@ interface BlankedPoint {
 export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
   const runs = useQuery(runsQuery({ maneuver_id: maneuver.id, state: "succeeded" }));
   const excited = excitedInputs(maneuver);
-  const offered = useOfferedChannels(maneuver);
-  const outputs = view.outputs ?? rateOutputs(maneuver);
+  const outputs = view.outputs ?? maneuver.default_channels.rates;
   const inputs = view.inputs ?? excited.slice(0, 3);
   const params = {
     maneuver_id: maneuver.id,
@@ -123,7 +121,7 @@ export function BodeTab({ maneuver, view, onChange }: ManeuverTabProps) {
         />
         <ChannelPicker
           label="Outputs"
-          groups={offered(["output"])}
+          groups={offeredChannels(maneuver, ["output"])}
           value={outputs}
           height={300}
           onChange={(names) => {

@@ -1,13 +1,12 @@
 import { SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { figureQuery } from "../api/queries";
-import { named } from "../lib/channels";
+import { offeredChannels } from "../lib/channels";
 import { integers } from "../lib/urlState";
 import { ChannelPicker } from "./ChannelPicker";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
-import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
 interface Meta {
@@ -18,8 +17,7 @@ interface Meta {
 
 /** Plot matrix of channels or equation-error regressors, with their collinearity. */
 export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
-  const offered = useOfferedChannels(maneuver);
-  const channels = view.channels ?? named(maneuver.channels, "input");
+  const channels = view.channels ?? maneuver.default_channels.inputs;
   const modes = view.regressors;
   const domain = modes === undefined ? (view.domain ?? "time") : "frequency";
   const params = {
@@ -56,7 +54,7 @@ export function PlotMatrixTab({ maneuver, view, onChange }: ManeuverTabProps) {
         {count !== undefined && (
           <ChannelPicker
             label="Channels"
-            groups={offered()}
+            groups={offeredChannels(maneuver)}
             value={channels}
             onChange={(names) => {
               onChange({ channels: names });

@@ -1,16 +1,14 @@
 import { Stack, Switch } from "@mantine/core";
-import { excitedInputs } from "../lib/channels";
+import { excitedInputs, offeredChannels } from "../lib/channels";
 import { bandOf, overFrequency, windowOf } from "../lib/band";
 import { BandBar } from "./BandBar";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
-import { useOfferedChannels } from "./useOfferedChannels";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
 
 /** Fourier magnitudes, colored by the excited input of each harmonic. */
 export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
-  const offered = useOfferedChannels(maneuver);
   const inputs = excitedInputs(maneuver).slice(0, 1);
   const channels =
     view.channels ??
@@ -30,7 +28,7 @@ export function SpectraTab({ maneuver, view, onChange }: ManeuverTabProps) {
         />
         <ChannelPicker
           label="Channels"
-          groups={offered()}
+          groups={offeredChannels(maneuver)}
           value={channels}
           onChange={(names) => {
             onChange({ channels: names });

@@ -1,10 +1,9 @@
 import type { Maneuver } from "../api/types";
-import { firstLook } from "../lib/channels";
+import { firstLook, offeredChannels } from "../lib/channels";
 import type { ManeuverView } from "../views";
 import { ChannelPicker } from "./ChannelPicker";
 import { Empty } from "./Empty";
 import { Figure } from "./Figure";
-import { useOfferedChannels } from "./useOfferedChannels";
 
 export interface ManeuverTabProps {
   maneuver: Maneuver;
@@ -14,13 +13,12 @@ export interface ManeuverTabProps {
 
 /** Channels against time; zooming asks the server for the finer samples of the window. */
 export function TimeHistoryTab({ maneuver, view, onChange }: ManeuverTabProps) {
-  const offered = useOfferedChannels(maneuver);
-  const channels = view.channels ?? firstLook(maneuver.channels);
+  const channels = view.channels ?? firstLook(maneuver.default_channels);
   return (
     <div className="split">
       <ChannelPicker
         label="Channels"
-        groups={offered()}
+        groups={offeredChannels(maneuver)}
         value={channels}
         onChange={(names) => {
           onChange({ channels: names });

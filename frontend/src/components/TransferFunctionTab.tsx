@@ -2,7 +2,7 @@ import { Alert, Select, Stack, Switch } from "@mantine/core";
 import { transferFunctionResult } from "../api/queries";
 import type { TransferFunction } from "../api/types";
 import { overFrequency } from "../lib/band";
-import { excitedInputs, named, rateOutputs } from "../lib/channels";
+import { excitedInputs, named, offeredChannels } from "../lib/channels";
 import { withError } from "../lib/format";
 import { ComputedResult } from "./ComputedResult";
 import { DataTable, numeric, type Column } from "./DataTable";
@@ -10,7 +10,6 @@ import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { NumberField } from "./NumberField";
 import type { ManeuverTabProps } from "./TimeHistoryTab";
-import { useOfferedChannels } from "./useOfferedChannels";
 import { WindowBar } from "./WindowBar";
 
 const ORDERS = [
@@ -38,13 +37,12 @@ const COLUMNS: Column<Quantity>[] = [
 
 /** Transfer function of one input and output: low-order equivalent system with delay. */
 export function TransferFunctionTab({ maneuver, view, onChange }: ManeuverTabProps) {
-  const offered = useOfferedChannels(maneuver);
   const excited = excitedInputs(maneuver);
   const commands = named(maneuver.channels, "command").filter((name) =>
     excited.includes(name.replace(/_command$/, "")),
   );
   const input = view.from_input ?? excited[0];
-  const output = view.to_output ?? rateOutputs(maneuver)[0];
+  const output = view.to_output ?? maneuver.default_channels.rates[0];
   if (input === undefined || output === undefined) {
     return <Empty title="No transfer function">It needs an input and an output.</Empty>;
   }
@@ -78,7 +76,7 @@ export function TransferFunctionTab({ maneuver, view, onChange }: ManeuverTabPro
           label="Output"
           searchable
           data-testid="transfer-output"
-          data={offered(["output"]).map((group) => ({
+          data={offeredChannels(maneuver, ["output"]).map((group) => ({
             group: group.label,
             items: group.items.map((item) => item.name),
           }))}

@@ -24,17 +24,6 @@ export function byRole(channels: readonly ChannelLike[], roles = ROLE_NAMES.map(
     .filter((group) => group.items.length > 0);
 }
 
-/** Combinations, such as half the difference of left and right, whose channels were all recorded. */
-export function combined(
-  channels: readonly ChannelLike[],
-  combinations: readonly { name: string; terms: (string | number)[][] }[],
-): string[] {
-  const recorded = new Set<string | number | undefined>(channels.map((channel) => channel.name));
-  return combinations
-    .filter((one) => one.terms.every(([channel]) => recorded.has(channel)))
-    .map((one) => one.name);
-}
-
 export const named = (channels: readonly ChannelLike[], role: ChannelLike["role"]): string[] =>
   channels.filter((channel) => channel.role === role).map((channel) => channel.name);
 
@@ -47,21 +36,23 @@ export function excitedInputs(maneuver: {
   return excited.length > 0 ? excited : named(maneuver.channels, "input");
 }
 
-/** Default channels: two inputs, then rigid-body motion, then further outputs. */
-export function firstLook(channels: readonly ChannelLike[]): string[] {
-  const outputs = named(channels, "output");
-  const rigid = ["alpha", "q", "az_egi"].filter((name) => outputs.includes(name));
-  const rest = outputs.filter((name) => !rigid.includes(name));
-  return [...named(channels, "input").slice(0, 2), ...[...rigid, ...rest].slice(0, 4)];
+/** Channels of a maneuver by role, with what the aircraft combines from them. */
+export function offeredChannels(
+  maneuver: {
+    channels: readonly ChannelLike[];
+    default_channels: { combinations: string[] };
+  },
+  roles?: ChannelLike["role"][],
+) {
+  const groups = byRole(maneuver.channels, roles);
+  const names = maneuver.default_channels.combinations;
+  if (names.length === 0) return groups;
+  const combinations = { label: "Combined", items: names.map((name) => ({ name, note: "" })) };
+  const after = groups.findIndex((group) => group.label === "Inputs") + 1;
+  return groups.toSpliced(after, 0, combinations);
 }
 
-/** Rates of the axes that a maneuver excites, as recorded; else its first output. */
-export function rateOutputs(maneuver: {
-  axis: string;
-  channels: readonly ChannelLike[];
-}): string[] {
-  const outputs = named(maneuver.channels, "output");
-  const rates = { lateral: ["p"], combined: ["q", "p"] }[maneuver.axis] ?? ["q"];
-  const recorded = rates.filter((name) => outputs.includes(name));
-  return recorded.length > 0 ? recorded : outputs.slice(0, 1);
+/** Channels of time histories at first: two inputs, then rigid-body motion. */
+export function firstLook({ inputs, outputs }: { inputs: string[]; outputs: string[] }): string[] {
+  return [...inputs.slice(0, 2), ...outputs.slice(0, 5)];
 }

@@ -40,7 +40,8 @@ function Stream({ detail }: { detail: LiveStreamDetail }) {
   const change = (next: Partial<typeof view>) =>
     void navigate({ search: { ...view, ...next }, replace: true });
   const channels = useMemo(() => header?.channels ?? [], [header]);
-  const shown = view.channels ?? firstLook(channels);
+  const shown =
+    view.channels ?? (detail.default_channels === null ? [] : firstLook(detail.default_channels));
   const { samples, states, alarms, reception, receiver } = useLiveStream(detail, shown);
   const stop = useStopStream(stream.id);
   const hasEnded = stream.status !== "running";

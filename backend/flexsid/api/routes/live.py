@@ -28,15 +28,20 @@ from flexsid.records.live import (
     LiveTestPoint,
     LiveTestPointStatus,
     ReceiverSettings,
+    StreamHeader,
     StreamStatus,
     StripChart,
 )
+from flexsid.records.run import EstimationRun
+from flexsid.records.views import DefaultChannels
 from flexsid.storage.live_history import list_alarms, list_states
 from flexsid.storage.paging import Items
 from flexsid.storage.repository import LARGEST_ID
+from flexsid.storage.store import Store
 from flexsid.streams.receiver import Receiver
 from flexsid.streams.receivers import is_installed, load_receivers
 from flexsid.workflow.live.packets import compute_packet_size
+from flexsid.workflow.views.channels import select_default_channels
 
 router = make_router("/live", tag="live")
 
@@ -144,6 +149,7 @@ def get_stream(context: TheContext, stream_id: Identity) -> Json:
             packet_bytes=None if header is None else compute_packet_size(header),
             outputs=() if task is None else tuple(output.name for output in task.outputs),
             inputs=() if task is None else task.inputs,
+            default_channels=None if header is None else _select_channels(store, run, header),
             snapshot=context.streams.find_snapshot(stream_id),
             test_points=tuple(store.live_test_points.find(stream_id=stream_id)),
             alarms=list_alarms(store, stream_id),
@@ -153,6 +159,13 @@ def get_stream(context: TheContext, stream_id: Identity) -> Json:
             },
         )
     )
+
+
+def _select_channels(store: Store, run: EstimationRun, header: StreamHeader) -> DefaultChannels:
+    maneuver = store.maneuvers.get(run.maneuver_id)
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    roles = {channel.name: channel.role for channel in header.channels}
+    return select_default_channels(aircraft, run.structure.axis, maneuver.excitation, roles)
 
 
 @router.post("/streams/{stream_id}/stop", response_model=LiveStream)

@@ -38,6 +38,7 @@ from flexsid.text import split_ids
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
+from flexsid.workflow.views.channels import select_default_channels
 
 router = make_router("/maneuvers", tag="maneuvers", route_class=JsonRoute)
 
@@ -167,12 +168,18 @@ def delete_maneuver(store: TheStore, maneuver_id: Identity) -> None:
 def build_maneuver_detail(store: Store, maneuver: Maneuver) -> ManeuverDetail:
     """Return a maneuver with its channels."""
     assert maneuver.id is not None
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    channels = store.channels.find(maneuver_id=maneuver.id)
+    roles = {channel.name: channel.role for channel in channels}
     return extend_record(
         ManeuverDetail,
         maneuver,
         flight_number=store.flights.get(maneuver.flight_id).number,
-        aircraft_name=store.aircraft.get(maneuver.aircraft_id).name,
-        channels=store.channels.find(maneuver_id=maneuver.id),
+        aircraft_name=aircraft.name,
+        channels=channels,
+        default_channels=select_default_channels(
+            aircraft, maneuver.axis, maneuver.excitation, roles
+        ),
         tags=store.tags_of_maneuver(maneuver.id),
     )
 

@@ -2,22 +2,96 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.aircraft import Combination
-from flexsid.records.maneuver import Channel, Maneuver, Role
-from flexsid.records.views import ChannelTrace
+from flexsid.records.aircraft import (
+    Aircraft,
+    Combination,
+    Sensor,
+    get_symmetry,
+    list_surface_parts,
+)
+from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
+from flexsid.records.views import ChannelTrace, DefaultChannels
 from flexsid.storage.store import Store
+from flexsid.sysid.model.sensor_models import load_sensor_models
 from flexsid.units import si_unit, to_si
+from flexsid.workflow.aircraft.axes import classify_part, list_bodies, list_moved_surfaces
 from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.recording import Conditioning
 
 Interval = tuple[float, float]
 _Parts = list[tuple[Channel, float]]
+
+
+_KINDS_FIRST = ("vane", "gyro", "attitude")
+_RATE = "gyro"
+
+
+def select_default_channels(
+    aircraft: Aircraft, axis: str, excitation: Excitation | None, recorded: Mapping[str, Role]
+) -> DefaultChannels:
+    """Select the channels of a maneuver that views show first, of those that were recorded.
+
+    Of several sensors of one quantity it is the one nearest to the plane of symmetry.
+    """
+    sensors = _list_rigid_body_sensors(aircraft, axis, recorded)
+    rates = {
+        one.model.mirror_sign(one.axis): one.name for one in sensors[::-1] if one.kind == _RATE
+    }
+    outputs = [name for name, role in recorded.items() if role is Role.OUTPUT]
+    own = {body.symmetry for body in list_bodies(axis)}
+    combined = (
+        one
+        for one in aircraft.combinations
+        if one.name not in recorded and all(term in recorded for term, _ in one.terms)
+    )
+    return DefaultChannels(
+        inputs=list_moved_surfaces(
+            aircraft, axis, excitation, (n for n, role in recorded.items() if role is Role.INPUT)
+        ),
+        outputs=tuple(sensor.name for sensor in sensors) or tuple(outputs),
+        rates=tuple(rates[sign] for sign in sorted(rates, reverse=True)) or tuple(outputs[:1]),
+        combinations=tuple(
+            one.name
+            for one in sorted(combined, key=lambda one: _find_part(aircraft, one) not in own)
+        ),
+    )
+
+
+def _find_part(aircraft: Aircraft, combination: Combination) -> str | None:
+    """Find the part of the motion that a combination of surfaces or sensors has."""
+    if combination.name in list_surface_parts(aircraft):
+        return get_symmetry(aircraft, combination.name)
+    models = load_sensor_models()
+    sensors = {sensor.name: sensor for sensor in aircraft.sensors if sensor.kind in models}
+    known = [(sensors[name], weight) for name, weight in combination.terms if name in sensors]
+    return classify_part(known) if len(known) == len(combination.terms) > 0 else None
+
+
+def _list_rigid_body_sensors(
+    aircraft: Aircraft, axis: str, recorded: Mapping[str, Role]
+) -> list[Sensor]:
+    """List one sensor of each rigid-body quantity of an axis, angles and rates first."""
+    bodies, models = list_bodies(axis), load_sensor_models()
+    found: dict[tuple[str, str], Sensor] = {}
+    for sensor in sorted(aircraft.sensors, key=lambda one: abs(one.location_m[1])):
+        model = models.get(sensor.kind)  # None: of a package that is not installed
+        if model is None or recorded.get(sensor.name) is not Role.OUTPUT:
+            continue
+        if any(model.measures_rigid_body(sensor.axis, body) for body in bodies):
+            found.setdefault((sensor.kind, sensor.axis), sensor)
+    return sorted(found.values(), key=_rank)
+
+
+def _rank(sensor: Sensor) -> tuple[int, bool]:
+    known = sensor.kind in _KINDS_FIRST
+    rank = _KINDS_FIRST.index(sensor.kind) if known else len(_KINDS_FIRST)
+    return rank, sensor.axis != sensor.model.usual_axis and not known
 
 
 def list_input_names(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
