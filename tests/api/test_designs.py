@@ -288,6 +288,12 @@ def test_amplitudes_are_optimised_within_limits(client: TestClient):
     for row in result["limited"]:
         assert row["limit"] == (0.1 if row["name"] == "load factor" else 0.012)
         assert max(row["minimax"], row["d_optimal"]) <= 1.01 * row["limit"]
+    speeds = [row["airspeed_m_s"] for row in result["levels"]]
+    assert speeds == sorted(speeds)
+    assert {row["limited_by"] for row in result["levels"]} <= {"deflection", "rate", "load_factor"}
+    for row in result["levels"]:
+        # Below or beyond the largest amplitude: the noise decides, not the limits.
+        assert (row["least"] < row["largest"]) == (row["signal_to_noise"] > 10.0)
 
     stored = client.post(
         f"{where}/rescaled", json={"name": "optimised", "gains": result["gains"]["minimax"]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,11 @@ from flexsid.records.quality import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE
-from flexsid.sysid.excitation.designer import compute_peak_factors, design
+from flexsid.sysid.excitation.designer import (
+    check_specification,
+    compute_peak_factors,
+    design,
+)
 from flexsid.sysid.excitation.targets import interleave_harmonics
 from flexsid.workflow.excitation.excitation_designs import specify_design
 from flexsid.workflow.excitation.target_modes import (
@@ -85,15 +90,17 @@ def list_by_number(store: Store, query: TargetQuery, period_s: float):
 def specify_row(store: Store, number: int, query: TargetQuery, least_s: float, effort: str):
     """Specify a row at the least duration with three harmonics about each target."""
     duration = float(np.ceil(max(least_s, 24.0 * CATALOGUE[number].periods)))
-    rate = 100.0 if duration < 900.0 else 40.0
     peaks, targets = (0.01, 0.02, 0.04), find_row_targets(store, number, query)
-    return specify_design(number, duration, rate, 6, peaks, effort, 0, targets)
+    made = specify_design(number, duration, 200.0, 6, peaks, effort, 0, targets)
+    highest_hz = max(max(own.harmonics) for own in made.inputs) / duration
+    return replace(made, rate_hz=next(hz for hz in (40.0, 80.0, 200.0) if hz > 2.2 * highest_hz))
 
 
 def require_reached(store: Store, query: TargetQuery, missing: set[str] | None = None) -> None:
     """Every row reaches its targets at the duration that the list states, at equal spacing."""
     for number, row in list_by_number(store, query, 24.0).items():
         made = specify_row(store, number, query, row.least_duration_s, "quick")
+        check_specification(made)  # nothing is proposed that a design refuses
         surfaces, _ = CATALOGUE[number].input_names()
         period_s = made.duration_s / CATALOGUE[number].periods
         at_least = list_by_number(store, query, period_s)[number]

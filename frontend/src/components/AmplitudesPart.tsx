@@ -9,6 +9,7 @@ import { DataTable, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
+import { quantity } from "./Quantity";
 
 const LOAD_FACTOR = "load factor";
 const WAYS = [
@@ -63,20 +64,64 @@ const ERRORS: Column<OptimisedError>[] = [
   },
 ];
 
+type AmplitudeLevel = OptimisedAmplitudes["levels"][number];
+
+const LEVELS: Column<AmplitudeLevel>[] = [
+  quantity("airspeed", "Airspeed", (row) => row.airspeed_m_s, "m/s", 1),
+  {
+    key: "ratio",
+    header: (
+      <>
+        V/V<sub>f</sub>
+      </>
+    ),
+    numeric: true,
+    render: (row) => (row.airspeed_ratio === null ? "–" : fixed(row.airspeed_ratio, 2)),
+  },
+  {
+    key: "largest",
+    header: "Largest amplitude",
+    unit: "deg",
+    numeric: true,
+    render: (row) => fixed(degrees(row.largest), 2),
+  },
+  { key: "limit", header: "Limited by", render: (row) => row.limited_by.replace("_", " ") },
+  {
+    key: "ratio-of-noise",
+    header: "Signal-to-noise ratio there",
+    numeric: true,
+    render: (row) => fixed(row.signal_to_noise, 1),
+  },
+  {
+    key: "least",
+    header: "Amplitude of ratio 10",
+    unit: "deg",
+    numeric: true,
+    render: (row) =>
+      row.least <= row.largest ? fixed(degrees(row.least), 2) : "beyond the limits",
+  },
+];
+
 interface Props {
   design: Design;
   level: number;
   run: number;
-  /** Limits as typed [deg], [g]. */
+  /** Limits as typed [deg], [deg/s], [g]. */
   allowed: number | undefined;
+  fastest: number | undefined;
   load: number | undefined;
-  onChange: (part: { allowed?: number | undefined; load?: number | undefined }) => void;
+  onChange: (part: {
+    allowed?: number | undefined;
+    fastest?: number | undefined;
+    load?: number | undefined;
+  }) => void;
 }
 
 /** Amplitude optimisation within the same limits, compared with the design. */
-export function AmplitudesPart({ design, level, run, allowed, load, onChange }: Props) {
+export function AmplitudesPart({ design, level, run, allowed, fastest, load, onChange }: Props) {
   const options = amplitudesResult(design.id, level, run, {
     deflection: allowed === undefined ? undefined : (allowed * Math.PI) / 180,
+    rate: fastest === undefined ? undefined : (fastest * Math.PI) / 180,
     load_factor: load,
   });
   return (
@@ -91,6 +136,17 @@ export function AmplitudesPart({ design, level, run, allowed, load, onChange }: 
           value={allowed}
           onChange={(next) => {
             onChange({ allowed: next });
+          }}
+        />
+        <NumberField
+          label="Rate limit"
+          unit="deg/s"
+          placeholder="limit of the design"
+          isPositive
+          w={190}
+          value={fastest}
+          onChange={(next) => {
+            onChange({ fastest: next });
           }}
         />
         <NumberField
@@ -197,6 +253,24 @@ function Found({
         rowKey={(row) => row.name}
         maxHeight={420}
       />
+      {result.levels.length > 0 && (
+        <div>
+          <Text size="sm" fw={600}>
+            Amplitude of the design by airspeed
+          </Text>
+          <Text size="sm" className="quiet">
+            Within the limits, below the flutter speed of the run. Derivatives, weight, noise and
+            the response of the surfaces are those of the run.
+          </Text>
+          <DataTable
+            label="Amplitude by airspeed"
+            testId="amplitudes-levels"
+            columns={LEVELS}
+            rows={result.levels}
+            rowKey={(row) => String(row.airspeed_m_s)}
+          />
+        </div>
+      )}
     </>
   );
 }

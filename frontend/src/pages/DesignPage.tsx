@@ -199,6 +199,7 @@ function OneDesign({ design }: { design: Design }) {
                   level={level}
                   run={run}
                   allowed={view.allowed}
+                  fastest={view.fastest}
                   load={view.load}
                   onChange={change}
                 />

@@ -51,6 +51,7 @@ async def _read_amplitude_query(
     design_id: Identity,
     run_id: RequiredReference,
     deflection: Deflection = None,
+    rate: Rate = None,
     load_factor: Limit = None,
     level: Level = 0,
 ) -> AmplitudeQuery:
@@ -59,6 +60,7 @@ async def _read_amplitude_query(
         run_id=run_id,
         level=level,
         deflection=deflection,
+        rate=rate,
         load_factor=load_factor,
     )
 
@@ -142,8 +144,8 @@ def get_input_comparison(store: TheStore, query: TheDesignQuery) -> Json:
 def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
     """Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
 
-    Limits: largest deflection of any surface [rad] and load factor [g], feedback included;
-    if omitted, those of the design.
+    Limits: largest deflection of any surface [rad], its rate [rad/s] and load factor [g], feedback
+    included; if omitted, those of the design. ``levels`` are amplitudes by airspeed within them.
     """
     return Json(get_result(store, AMPLITUDES, query))
 

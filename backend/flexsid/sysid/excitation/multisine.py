@@ -48,6 +48,16 @@ class Multisine:
         """Names of the inputs, in the order of their columns."""
         return tuple(self.tones)
 
+    def scale(self, factor: float) -> Multisine:
+        """Multiply all amplitudes."""
+        return replace(
+            self,
+            tones={
+                name: replace(tones, amplitudes=factor * tones.amplitudes)
+                for name, tones in self.tones.items()
+            },
+        )
+
     def harmonics(self) -> dict[str, tuple[int, ...]]:
         """The sets K_j of Eq. 4 by input."""
         return {name: tuple(map(int, tones.harmonics)) for name, tones in self.tones.items()}

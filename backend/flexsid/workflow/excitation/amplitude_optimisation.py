@@ -16,7 +16,9 @@ from flexsid.sysid.estimation.amplitude_optimisation import (
     optimise_amplitudes_minimax,
 )
 from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
+from flexsid.workflow.excitation.amplitude_levels import AmplitudeLevel, propose_levels
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
+from flexsid.workflow.excitation.excitation_peaks import find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
     DesignQuery,
     PredictionModel,
@@ -31,11 +33,13 @@ _SIGNIFICANT = 4.0  # standard errors from zero, from which a relative error is 
 class AmplitudeQuery(DesignQuery):
     """A design, a run, and limits, by default those of the design.
 
-    ``deflection`` is the largest of any surface, feedback included [rad], and ``load_factor`` the
-    largest change at the centre of gravity [g].
+    ``deflection`` is the largest of any surface, feedback included [rad], ``rate`` its largest
+    rate [rad/s], and ``load_factor`` the largest change at the centre of gravity [g].
+    The rate limits the levels by airspeed only.
     """
 
     deflection: float | None = None
+    rate: float | None = None
     load_factor: float | None = None
 
 
@@ -67,12 +71,16 @@ class OptimisedError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OptimisedAmplitudes:
-    """``gains`` of the inputs by criterion, peaks of commands and of limited quantities."""
+    """``gains`` of the inputs by criterion, peaks of commands and of limited quantities.
+
+    ``levels`` are amplitudes of the design as it is, by airspeed.
+    """
 
     gains: dict[str, dict[str, float]]
     commands: tuple[OptimisedPeak, ...]
     limited: tuple[OptimisedPeak, ...]
     errors: tuple[OptimisedError, ...]
+    levels: tuple[AmplitudeLevel, ...] = ()
     next: str | None = None
 
 
@@ -112,6 +120,10 @@ def optimise_amplitudes(
     }
     std_errors = {name: at.compute_std_errors(one) for name, one in predicted.items()}
     multisine = build_multisine(design, query.level)
+    own = find_peaks(flat, multisine.period_s)
+    allowed = own.override(query.deflection, query.rate, query.load_factor)
+    report(Progress(fraction=0.7, message="Proposing levels by airspeed"))
+    levels = propose_levels(store, at, design, query.level, allowed)
     period = (
         np.arange(round(design.specification.duration_s * design.specification.rate_hz))
         / design.specification.rate_hz
@@ -144,6 +156,7 @@ def optimise_amplitudes(
             for k in columns
             if flat.theta[k] != 0.0
         ),
+        levels=levels,
     )
 
 

@@ -28,6 +28,7 @@ from flexsid.sysid.stability.root_errors import compute_crossing_slopes, compute
 from flexsid.sysid.stability.root_tracking import track_roots
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
+from flexsid.workflow.excitation.excitation_peaks import ExcitationPeaks, find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
     DesignQuery,
     PredictionModel,
@@ -118,23 +119,6 @@ class FoundDesign:
     gain: OptimalDesign
 
 
-@dataclass(frozen=True, slots=True)
-class _Limits:
-    """Peaks of deflection [rad], rate [rad/s] and load factor [1], the first two of any surface."""
-
-    deflection: float
-    rate: float
-    load_factor: float
-
-    def find_scale(self, peaks: _Limits) -> float:
-        """Largest factor on an excitation with these peaks."""
-        return min(
-            self.deflection / peaks.deflection,
-            self.rate / peaks.rate,
-            self.load_factor / peaks.load_factor,
-        )
-
-
 def identify_optimal_design(store: Store, query: OptimalDesignQuery) -> tuple[object, ...]:
     """Check a query, and return all records on which its result depends.
 
@@ -211,12 +195,8 @@ def compute_optimal_design(
     at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
     multisine = build_multisine(design, query.level)
     standard = at.predict(design, query.level)
-    own = _find_peaks(standard, multisine.period_s)
-    limits = _Limits(
-        query.deflection or own.deflection,
-        query.rate or own.rate,
-        query.load_factor or own.load_factor,
-    )
+    own = find_peaks(standard, multisine.period_s)
+    limits = own.override(query.deflection, query.rate, query.load_factor)
     report(Progress(fraction=0.05, message="Predicting the information of every harmonic"))
     prior = _build_prior(store, at, query)
     nominal = at.parameters.start
@@ -229,16 +209,16 @@ def compute_optimal_design(
     powers = optimise_powers(candidates, _compute_usage(standard, multisine, own, limits))
     made = _search_phases(design, multisine, powers, report)
     first = at.predict_multisine(build_multisine(made, 2))
-    scale = limits.find_scale(_find_peaks(first, multisine.period_s))
+    scale = limits.find_scale(find_peaks(first, multisine.period_s))
     peaks = tuple(level * scale * made.specification.peaks[2] for level in _LEVELS)
     made = replace(made, specification=replace(made.specification, peaks=peaks))
     check_amplitudes(made.specification)
     best = at.predict_multisine(build_multisine(made, 2))
     factor = limits.find_scale(own)
-    scaled = at.predict_multisine(_scale(multisine, factor))
+    scaled = at.predict_multisine(multisine.scale(factor))
     figures = [criterion(_predict_covariance(one, prior))[0] for one in (scaled, best)]
     quantity, unit, describe = _describe(query)
-    found, reached = (_find_peaks(one, multisine.period_s) for one in (scaled, best))
+    found, reached = (find_peaks(one, multisine.period_s) for one in (scaled, best))
     time_s = _find_standard_time(scaled, prior, criterion, figures[1], multisine.period_s)
     sizes = [describe(value) for value in figures]
     note = (
@@ -365,20 +345,11 @@ def _collect_factors(information: FisherInformation, multisine: Multisine) -> np
     return np.concatenate(found)
 
 
-def _find_peaks(information: FisherInformation, period_s: float) -> _Limits:
-    """Find the peaks of deflections, their rates, and the load factor over one period."""
-    waves = information.waves.sum(axis=0)
-    moving = [k for k, name in enumerate(information.limited) if name != LOAD_FACTOR]
-    omega = 2.0 * np.pi * np.fft.rfftfreq(len(waves), period_s / len(waves))
-    rates = np.fft.irfft(1j * omega[:, None] * np.fft.rfft(waves[:, moving], axis=0), len(waves), 0)
-    load = waves[:, information.limited.index(LOAD_FACTOR)]
-    return _Limits(
-        float(np.abs(waves[:, moving]).max()), float(np.abs(rates).max()), float(np.abs(load).max())
-    )
-
-
 def _compute_usage(
-    information: FisherInformation, multisine: Multisine, peaks: _Limits, limits: _Limits
+    information: FisherInformation,
+    multisine: Multisine,
+    peaks: ExcitationPeaks,
+    limits: ExcitationPeaks,
 ) -> np.ndarray:
     """Compute the share of every limit that unit power of each harmonic uses.
 
@@ -447,16 +418,6 @@ def _search_phases(
         specification=replace(specification, inputs=inputs, peaks=(largest, largest, largest)),
         phases={name: tuple(tones.phases.tolist()) for name, tones in made.tones.items()},
         peak_factors=designer.compute_peak_factors(made),
-    )
-
-
-def _scale(multisine: Multisine, factor: float) -> Multisine:
-    return replace(
-        multisine,
-        tones={
-            name: replace(own, amplitudes=own.amplitudes * factor)
-            for name, own in multisine.tones.items()
-        },
     )
 
 

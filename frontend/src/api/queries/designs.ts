@@ -143,8 +143,9 @@ export const preflightSimulationsQuery = (designId: number) =>
   });
 
 interface AmplitudeLimits {
-  /** Largest deflection [rad] and load factor [g]; the design's own where undefined. */
+  /** Deflection [rad], rate [rad/s] and load factor [g]; those of the design where undefined. */
   deflection?: number;
+  rate?: number;
   load_factor?: number;
 }
 
