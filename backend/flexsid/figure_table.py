@@ -50,6 +50,7 @@ from flexsid.figures.search import draw_search_path, draw_search_stability
 from flexsid.figures.signal_to_noise import draw_signal_to_noise
 from flexsid.figures.spec import Spec
 from flexsid.figures.spectrum import draw_spectrum
+from flexsid.figures.surface_histories import draw_surface_histories
 from flexsid.figures.time_check import draw_time_check
 from flexsid.figures.time_comparison import Arrangement, draw_time_comparison
 from flexsid.figures.time_history import draw_time_history
@@ -148,6 +149,7 @@ from flexsid.workflow.views.run import (
     read_iterations,
     read_poles,
 )
+from flexsid.workflow.views.surface_histories import read_surface_histories
 from flexsid.workflow.views.time_check import check_in_time
 from flexsid.workflow.views.time_comparison import compare_in_time
 
@@ -409,6 +411,12 @@ class _FlightHistory(_Flight):
     start_s: _Number = None
     stop_s: _Number = None
     points: _Points = 2000
+
+
+class _SurfaceHistories(_Maneuver):
+    start_s: _Number = None
+    stop_s: _Number = None
+    points: _Points = 1000
 
 
 class _Spectrum(_Channels):
@@ -788,6 +796,10 @@ _KINDS = (
     FigureKind("time-history", _TimeHistory, read_time_history, draw_time_history,
         "Draw channels over time, decimated for the screen; by default the inputs.\n\n"
         "CSV and MAT files contain every sample of the window."),
+    FigureKind("surface-histories", _SurfaceHistories, read_surface_histories,
+        draw_surface_histories,
+        "Draw measured surfaces over time, with their commands through the servos (Fig. 4).\n\n"
+        "Left and right ones share a row. Commands have no feedback."),
     FigureKind("flight-history", _FlightHistory, read_flight_history, draw_time_history,
         "Draw channels of a whole flight over time; by default the commands."),
     FigureKind("spectrum", _Spectrum, compute_spectrum, draw_spectrum,

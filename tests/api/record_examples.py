@@ -1,9 +1,9 @@
 """Record responses of all routes as the examples of the OpenAPI description.
 
-``python -m tests.api.record_examples DATABASE`` sends the example request of every route to a copy
-of the demonstration campaign and stores the shortened responses in ``flexsid/api/examples.json``;
-examples that need files outside the project are not renewed. ``test_examples.py`` checks them
-against the declared models.
+``PYTHONPATH=tests/servers python -m tests.api.record_examples DATABASE`` sends the example request
+of every route to a copy of the demonstration campaign and stores the shortened responses in
+``flexsid/api/examples.json``; examples that need files outside the project are not renewed.
+``test_examples.py`` checks them against the declared models.
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ API = "/api/v1"
 FIGURES = (
     "envelope?fta=506",
     "time-history?maneuver_id=1&channels=bfs,q&start_s=1&stop_s=3",
+    "surface-histories?maneuver_id=1&start_s=1&stop_s=3",
     "spectrum?maneuver_id=1",
     "plot-matrix?maneuver_id=1",
     "bode?maneuver_id=1&output=q,az_egi&inputs=bfs",

@@ -144,6 +144,12 @@ RESPONSES: dict[str, Any] = {
         "packet_bytes": 216,
         "outputs": ["q"],
         "inputs": ["wf4s"],
+        "default_channels": {
+            "inputs": ["wf4s"],
+            "outputs": ["q"],
+            "rates": ["q"],
+            "combinations": [],
+        },
         "snapshot": {
             "stream_id": 1,
             "state": _STATE,

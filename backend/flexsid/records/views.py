@@ -61,6 +61,23 @@ class ChannelTrace:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurfaceHistory:
+    """A surface as measured, and its command through servo and instrument; None if not recorded."""
+
+    measured: ChannelTrace
+    commanded: ChannelTrace | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurfaceHistories:
+    """Surfaces against their commands, left and right ones together; ``points`` per curve."""
+
+    maneuver_id: int
+    rows: tuple[tuple[SurfaceHistory, ...], ...]
+    points: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChannelHistories:
     """Channels of a maneuver over one window; downsampled to ``points`` per channel when drawn."""
 

@@ -55,7 +55,7 @@ export function QualityTab({ maneuver, view, onChange }: ManeuverTabProps) {
     <Loaded query={quality} rows={10}>
       {({ quality: found }) =>
         found !== null ? (
-          <Found id={maneuver.id} quality={found} shared={overFrequency(view, onChange)} />
+          <Found id={maneuver.id} quality={found} view={view} onChange={onChange} />
         ) : job ? (
           <JobWait key={job.id} id={job.id} onEnd={() => void quality.refetch()} />
         ) : (
@@ -66,14 +66,14 @@ export function QualityTab({ maneuver, view, onChange }: ManeuverTabProps) {
   );
 }
 
-interface FoundProps {
+interface FoundProps extends Pick<ManeuverTabProps, "view" | "onChange"> {
   id: number;
   quality: ManeuverQuality;
-  shared: ReturnType<typeof overFrequency>;
 }
 
-function Found({ id, quality, shared }: FoundProps) {
+function Found({ id, quality, view, onChange }: FoundProps) {
   const { report } = quality;
+  const shared = overFrequency(view, onChange);
   return (
     <Stack gap="md">
       <Alert
@@ -108,6 +108,15 @@ function Found({ id, quality, shared }: FoundProps) {
           note="As flown against the recorded commands: servo, motion without command, limits"
         >
           <QualitySurfaces surfaces={report.surfaces} />
+          <Figure
+            kind="surface-histories"
+            title="Surfaces against their commands"
+            params={{ maneuver_id: id, start_s: view.from, stop_s: view.to, points: 2000 }}
+            revision={[view.from, view.to].join()}
+            onWindow={(window) => {
+              onChange({ from: window?.[0], to: window?.[1] });
+            }}
+          />
         </Section>
       )}
       <Section

@@ -250,6 +250,20 @@ def get_servo(aircraft: Aircraft, surface: str) -> Instrument:
     )
 
 
+def get_recorded_servo(aircraft: Aircraft, surface: str) -> Instrument:
+    """Return what lies between the command of a surface and its recording, as far as declared.
+
+    Servo and instrument in sequence; an input that is no surface of the aircraft has none.
+    """
+    own = next((one for one in aircraft.surfaces if one.name == surface), None)
+    names = () if own is None else (own.servo, own.instrument)
+    chain = [_get_instrument(aircraft, name) for name in names]
+    return Instrument(
+        elements=tuple(element for one in chain for element in one.elements),
+        delay_s=sum(one.delay_s for one in chain),
+    )
+
+
 def _get_instrument(aircraft: Aircraft, name: str | None) -> Instrument:
     if name is None:
         return _NO_INSTRUMENT
