@@ -7,19 +7,21 @@ import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
+from flexsid.demo.independent_surfaces import add_independent
 from flexsid.errors import BadInput
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.job import Job
-from flexsid.records.maneuver import Flight
+from flexsid.records.maneuver import COMBINED, Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
+from flexsid.sysid.model.axes import ModelAxis
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
@@ -28,12 +30,14 @@ from flexsid.workflow.excitation.excitation_designs import (
 )
 from flexsid.workflow.excitation.preflight_simulation import (
     SimulationRequest,
+    SimulationResult,
     list_simulations,
     simulate_design,
     store_simulation,
 )
 from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
+from flexsid.workflow.runs.run_proposal import propose_run
 
 
 def flown(store: Store, ratio: float) -> EstimationRun:
@@ -70,6 +74,20 @@ def _simulate(
     return store.preflight_simulations.get(stored["simulation_id"] or 0)
 
 
+def _estimate(
+    store: Store, design: ExcitationDesign, simulated: PreflightSimulation
+) -> SimulationResult:
+    claimed = queue.claim(store, simulated.run_id)
+    assert claimed is not None
+    run = store.runs.get(simulated.run_id)
+    store_result(
+        *(store, simulated.run_id, claimed.attempt),
+        compute_run(prepare(store, run), lambda progress: None),
+    )
+    (done,) = list_simulations(store, design)
+    return done
+
+
 def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers_what_flew(
     store: Store,
 ):
@@ -86,12 +104,7 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
     assert waiting.state is RunState.QUEUED
     assert waiting.derivatives == ()
 
-    claimed = queue.claim(store, simulated.run_id)
-    assert claimed is not None
-    claimed_run = store.runs.get(simulated.run_id)
-    computed = compute_run(prepare(store, claimed_run), lambda progress: None)
-    store_result(store, simulated.run_id, claimed.attempt, computed)
-    (done,) = list_simulations(store, design)
+    done = _estimate(store, design, simulated)
     assert done.correlation is not None
     assert 0.02 < done.correlation < 0.6
     z = [(row.estimate - row.flown) / (row.std_error or np.nan) for row in done.derivatives]
@@ -150,3 +163,36 @@ def test_excitation_enters_before_the_mixer_where_a_design_has_its_commands(stor
     assert np.abs(commands[1]).max() > 0.01
     np.testing.assert_allclose(commands[0], -0.4 * commands[1], atol=1e-8)
     assert not commands[2].any()
+
+
+@pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
+def test_a_design_of_independent_sides_is_simulated_for_each_axis(store: Store, axis: ModelAxis):
+    """The maneuver of the run had the same amplitude, and its own harmonics of all ten sides."""
+    aircraft = add_independent(store)
+    flown = next(m for m in store.maneuvers.find(aircraft_id=aircraft.id) if m.axis == COMBINED)
+    run = execute_run(
+        store,
+        EstimationRun(
+            maneuver_id=flown.id or 0,
+            method=Method.OE,
+            structure=propose_run(store, (flown.id or 0,), axis=axis).structure,
+            settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+        ),
+        RUN,
+        lambda progress: None,
+    )
+    peak = float(np.deg2rad(2.0))
+    specification = specify_design(556, 24.0, 100.0, 6, (0.5 * peak, peak, 2 * peak), "quick")
+    order = DesignOrder(name="FTA 556", specification=specification, fta=556)
+    design = store.designs.add(compute_design(order, lambda progress: None))
+    (controller,) = store.controllers.find(aircraft_id=aircraft.id)  # of both axes
+    simulated = _simulate(store, design, run.id or 0, controller.id)
+    maneuver = store.maneuvers.get(simulated.maneuver_id)
+    assert maneuver.axis == axis
+    done = _estimate(store, design, simulated)
+    assert done.correlation is not None
+    assert done.correlation < 0.6
+    z = [(row.estimate - row.flown) / (row.std_error or np.nan) for row in done.derivatives]
+    assert np.sqrt(np.mean(np.square(z))) < 1.5
+    ratios = [(row.expected or np.nan) / (row.std_error or np.nan) for row in done.derivatives]
+    assert 0.8 < np.median(ratios) < 1.25

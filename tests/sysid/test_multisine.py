@@ -122,3 +122,18 @@ def test_clipping_lowers_the_peak_of_schroeder_phases():
         )
 
     assert factor(lower_peak(harmonics, amplitudes, start)) < factor(start) - 0.05
+
+
+def test_parts_of_independent_sides_have_the_harmonics_of_both():
+    assigned = assign_harmonics(("wf1l", "wf1r"), 20, 6)
+    sides = design_multisine(assigned, 24.0, {"wf1l": 0.02, "wf1r": 0.03})
+    parts = sides.combine({"wf1s": {"wf1l": 0.5, "wf1r": 0.5}, "wf1a": {"wf1l": -0.5, "wf1r": 0.5}})
+    time_s = np.arange(0.0, 24.0, 0.01)
+    left, right = sides.sample(time_s).T
+    np.testing.assert_allclose(
+        parts.sample(time_s),
+        np.column_stack([0.5 * (left + right), 0.5 * (right - left)]),
+        atol=1e-15,
+    )
+    for tones in parts.tones.values():
+        assert tones.harmonics.tolist() == sorted((*assigned["wf1l"], *assigned["wf1r"]))

@@ -3,7 +3,7 @@ import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
 import { useSimulatePreflight } from "../api/commands";
-import { controllersQuery, preflightSimulationsQuery } from "../api/queries";
+import { preflightSimulationsQuery } from "../api/queries";
 import type { Design, SimulationResult, SimulatedDerivative } from "../api/types";
 import { degrees, fixed, withError } from "../lib/format";
 import { DataTable, numeric, type Column } from "./DataTable";
@@ -15,6 +15,7 @@ import { Loaded } from "./Loaded";
 import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
+import { useControllersOf } from "./useControllersOf";
 
 const away = (row: SimulatedDerivative) =>
   row.std_error === null || row.std_error === 0 ? null : (row.estimate - row.flown) / row.std_error;
@@ -100,7 +101,7 @@ interface Props {
 
 /** Closed-loop simulation of the design with a run's model, followed by its estimation. */
 export function PreflightPart({ design, level, run }: Props) {
-  const controllers = useQuery(controllersQuery);
+  const known = useControllersOf(run);
   const simulations = useQuery(preflightSimulationsQuery(design.id));
   const simulate = useSimulatePreflight(design.id);
   const cache = useQueryClient();
@@ -111,7 +112,6 @@ export function PreflightPart({ design, level, run }: Props) {
   const [errors, setErrors] = useState<Errors>({});
   const [channels, setChannels] = useState("");
   const given = Object.entries(limits).filter(([, one]) => isGiven(one));
-  const known = controllers.data ?? [];
   const selected = controller ?? String(known[0]?.id ?? "");
   const law = known.find((one) => String(one.id) === selected);
   const inputs = design.specification.inputs.map((own) => own.name);

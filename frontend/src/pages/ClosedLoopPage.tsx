@@ -1,7 +1,7 @@
 import { Alert, MultiSelect, Select, Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
-import { closedLoopResult, controllersQuery, runsQuery } from "../api/queries";
+import { closedLoopResult, runsQuery } from "../api/queries";
 import type { ClosedLoopStability, MarginRow } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
 import { NumberField } from "../components/NumberField";
@@ -25,6 +25,7 @@ import { Section } from "../components/Section";
 import { degrees, fixed } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { ClosedLoopView } from "../views";
+import { useControllersOf } from "../components/useControllersOf";
 
 const route = getRouteApi("/closed-loop");
 
@@ -75,8 +76,7 @@ export function ClosedLoopPage() {
   const { view, approved } = useDefaultRuns(search);
   const navigate = route.useNavigate();
   const runs = useQuery(runsQuery({ state: "succeeded" }));
-  const controllers = useQuery(controllersQuery);
-  const known = controllers.data ?? [];
+  const known = useControllersOf(view.runs?.[0]);
   const controller = view.controller ?? known[0]?.id;
   const query = {
     run_ids: (view.runs ?? []).join(","),

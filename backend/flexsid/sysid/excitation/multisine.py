@@ -58,6 +58,22 @@ class Multisine:
             },
         )
 
+    def combine(self, sums: Mapping[str, Mapping[str, float]]) -> Multisine:
+        """Combine inputs to weighted sums, which have the harmonics of all their terms.
+
+        Every harmonic has one input, so that it has one term of each sum.
+        """
+        tones = {}
+        for name, weights in sums.items():
+            terms = [(self.tones[term], weight) for term, weight in weights.items()]
+            harmonics = np.concatenate([one.harmonics for one, _ in terms])
+            order = np.argsort(harmonics)
+            amplitudes = np.concatenate([abs(weight) * one.amplitudes for one, weight in terms])
+            turned = [one.phases + (np.pi if weight < 0.0 else 0.0) for one, weight in terms]
+            phases = np.concatenate(turned)
+            tones[name] = Tones(harmonics[order], amplitudes[order], phases[order])
+        return replace(self, tones=tones)
+
     def harmonics(self) -> dict[str, tuple[int, ...]]:
         """The sets K_j of Eq. 4 by input."""
         return {name: tuple(map(int, tones.harmonics)) for name, tones in self.tones.items()}

@@ -97,7 +97,8 @@ def optimise_amplitudes(
         If the optimiser fails.
     """
     at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
-    flat = at.predict(design, query.level)
+    multisine = build_multisine(design, query.level)
+    flat = at.predict_multisine(multisine)
     given = [query.load_factor if n == LOAD_FACTOR else query.deflection for n in flat.limited]
     given = np.array(given, float)
     limits = np.where(np.isnan(given), _find_peaks(flat), given)
@@ -119,7 +120,6 @@ def optimise_amplitudes(
         name: _predict_scaled(at, design, query.level, flat, g) for name, g in gains.items()
     }
     std_errors = {name: at.compute_std_errors(one) for name, one in predicted.items()}
-    multisine = build_multisine(design, query.level)
     own = find_peaks(flat, multisine.period_s)
     allowed = own.override(query.deflection, query.rate, query.load_factor)
     report(Progress(fraction=0.7, message="Proposing levels by airspeed"))

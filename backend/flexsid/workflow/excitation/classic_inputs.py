@@ -64,7 +64,8 @@ def compare_inputs(store: Store, query: DesignQuery, report: ReportProgress) -> 
     """
     at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
     information = at.predict(design, query.level)
-    multisine, rate = build_multisine(design, query.level), design.specification.rate_hz
+    multisine = at.select_axis(build_multisine(design, query.level))
+    rate = design.specification.rate_hz
     command = multisine.sample(np.arange(round(multisine.period_s * rate)) / rate)
     count = len(at.derivatives)
     rows = [_summarise("multisine", None, information, command, rate, count)]

@@ -194,7 +194,7 @@ def compute_optimal_design(
     """
     at, design = load_prediction_model(store, query.run_id), store.designs.get(query.design_id)
     multisine = build_multisine(design, query.level)
-    standard = at.predict(design, query.level)
+    standard = at.predict_multisine(multisine)
     own = find_peaks(standard, multisine.period_s)
     limits = own.override(query.deflection, query.rate, query.load_factor)
     report(Progress(fraction=0.05, message="Predicting the information of every harmonic"))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.records.aircraft import Aircraft
+from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.excitation import ExcitationDesign, ExpectedError
 from flexsid.records.run import EstimationRun, Method, Pole, Progress, ReportProgress
 from flexsid.records.views import ExpectedMode, ExpectedResponse
@@ -86,7 +86,8 @@ class PredictedAccuracy:
 class PredictionModel:
     """Model, free parameters, noise and surfaces of an output-error run.
 
-    ``nuisance`` are the free derivatives of the modes that the run retained.
+    ``nuisance`` are the free derivatives of the modes that the run retained. ``parts`` are the
+    inputs of the model that combine left and right surfaces, with their weights.
     """
 
     run: EstimationRun
@@ -97,6 +98,7 @@ class PredictionModel:
     nuisance: frozenset[str]
     surfaces: str
     band: tuple[float, float]  # [rad/s]
+    parts: Mapping[str, Mapping[str, float]]
 
     @property
     def derivatives(self) -> tuple[str, ...]:
@@ -107,7 +109,23 @@ class PredictionModel:
         """Predict the Fisher information of a design at one of its amplitudes."""
         check_amplitudes(design.specification)  # designs stored before amplitudes were checked
         check_evaluation(design.specification)
-        return self.predict_multisine(build_multisine(design, level))
+        return self.predict_multisine(self.select_axis(build_multisine(design, level)))
+
+    def select_axis(self, multisine: Multisine) -> Multisine:
+        """Select what excites the axis of the model: the parts of sides that move independently.
+
+        Other multisines stay as they are.
+        """
+        sides = {side for terms in self.parts.values() for side in terms}
+        if not sides.issuperset(multisine.inputs) or set(multisine.inputs) <= set(
+            self.model.inputs
+        ):
+            return multisine
+        moved = {
+            part: {side: weight for side, weight in terms.items() if side in multisine.tones}
+            for part, terms in self.parts.items()
+        }
+        return multisine.combine({part: terms for part, terms in moved.items() if terms})
 
     def compute_std_errors(self, information: FisherInformation) -> np.ndarray:
         """Compute standard errors with those due to the modal table, which no data reduce."""
@@ -315,6 +333,11 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
         nuisance=frozenset(row.name for row in marginalised),
         surfaces=surfaces,
         band=(float(omega[0]), float(omega[-1])),
+        parts={
+            part: dict(terms)
+            for part, terms in list_surface_parts(aircraft).items()
+            if part in found.model.inputs
+        },
     )
 
 

@@ -17,7 +17,7 @@ from flexsid.records.excitation import (
 )
 from flexsid.records.flutter import Controller
 from flexsid.records.job import Job
-from flexsid.records.maneuver import Channel, Excitation, Flight, Maneuver, Role
+from flexsid.records.maneuver import COMBINED, Channel, Excitation, Flight, Maneuver, Role
 from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress, RunState, Start
 from flexsid.storage import queue
 from flexsid.storage.store import Store
@@ -44,7 +44,11 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     load_prediction_model,
 )
 from flexsid.workflow.excitation.simulated_channels import simulate_channels
-from flexsid.workflow.flutter.controllers import enters_before_mixer, interpolate_controller
+from flexsid.workflow.flutter.controllers import (
+    enters_before_mixer,
+    interpolate_controller,
+    select_axis_of_controller,
+)
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, find_or_add_flight
 from flexsid.workflow.model_structures.run_results import refuse_altered
 from flexsid.workflow.runs.run_identity import add_hashes
@@ -158,7 +162,7 @@ def simulate_design(
     flown = store.maneuvers.get(at.run.maneuver_id)
     aircraft = store.aircraft.get(flown.aircraft_id)
     check_amplitudes(design.specification)
-    multisine = build_multisine(design, level)
+    multisine = at.select_axis(build_multisine(design, level))
     rate = design.specification.rate_hz * int(np.ceil(_RATE_HZ / design.specification.rate_hz))
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
@@ -166,6 +170,9 @@ def simulate_design(
             "the controller belongs to another aircraft; select one of this aircraft",
             code="wrong-aircraft",
         )
+    if controller is not None:
+        own = at.model.inputs, at.model.body
+        controller = select_axis_of_controller(controller, aircraft, *own)
     lead = round(_LEAD_S * rate) if request.turbulence is not Turbulence.NONE else 0
     injected = _inject(at, multisine, controller, rate, lead)
     airspeed = flown.condition.airspeed_m_s
@@ -228,7 +235,7 @@ def simulate_design(
         duration_s=(injected.n_samples - lead) / rate,
         condition=flown.condition,
         fta=design.fta,
-        axis=flown.axis,
+        axis=at.model.body.axis if flown.axis == COMBINED else flown.axis,
         excitation=Excitation(
             period_s=multisine.period_s, harmonics=injected.harmonics, start_s=_TRIM_S
         ),

@@ -29,7 +29,10 @@ from flexsid.sysid.stability.loop_sweep import (
 from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import complete_condition
-from flexsid.workflow.flutter.controllers import interpolate_controller
+from flexsid.workflow.flutter.controllers import (
+    interpolate_controller,
+    select_axis_of_controller,
+)
 from flexsid.workflow.flutter.flutter_analysis import describe_failed_fits
 from flexsid.workflow.flutter.flutter_models import (
     FlutterModels,
@@ -143,6 +146,7 @@ def analyse_closed_loop(
             code="wrong-aircraft",
         )
     table = fused.found.aircraft.derivatives
+    controller = select_axis_of_controller(controller, fused.aircraft, table.inputs, table.body)
     samples = [
         replace(table, values=values)
         for values in fused.found.uncertain.draw(table, _MONTE_CARLO_SAMPLES, seed=0)

@@ -11,12 +11,17 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.importers.source import Sources
+from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
 from flexsid.records.flutter import ControlLaw, Controller, Matrix
 from flexsid.records.views import ControlLoopDiagram
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.laws import Law, check_laws, realise_transfer_functions, schedule_law
+from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.workflow.aircraft.aircraft_models import define_outputs
+from flexsid.workflow.aircraft.axes import find_other, reads_own_motion_only
 
+_CANCELLED = 1e-9  # of the largest gain: left and right ones that cancel but for rounding
 _MATRICES = ("A", "B", "C", "D")
 _EXAMPLE = (
     'expected {"reads": ["q"], "drives": ["wf4s"], "laws": [{"airspeed_m_s": 30, "A": [[...]], '
@@ -71,6 +76,99 @@ def add_controller(store: Store, controller: Controller) -> Controller:
             f"the delay is {controller.delay_s:g} s; expected at least 0 and less than 1 s"
         )
     return store.controllers.add(replace(controller, id=None))
+
+
+def select_axis_of_controller(
+    controller: Controller, aircraft: Aircraft, inputs: Sequence[str], body: RigidBody
+) -> Controller:
+    """Select what a controller does to the motion of one axis.
+
+    What it reads of the other motion only is zero in this one. Left and right surfaces that it
+    drives singly move the inputs of the model that combine them; surfaces of the other symmetry,
+    and inputs whose gains cancel, are omitted. A controller of one axis stays as it is.
+
+    Raises
+    ------
+    BadInput
+        If it does not act on the motion of this axis.
+    """
+    other = find_other(body)
+    parts = {p: dict(terms) for p, terms in list_surface_parts(aircraft).items() if p in inputs}
+    sides = {side for terms in parts.values() for side in terms}
+    own = [name for name in controller.drives if name in inputs or name not in sides]
+    direct = [n for n in own if n in inputs or get_symmetry(aircraft, n) != other.symmetry]
+    combined = [p for p, terms in parts.items() if set(terms) & set(controller.drives) - set(own)]
+    weights = np.array(
+        [
+            *([float(row == name) for name in controller.drives] for row in direct),
+            *([parts[row].get(name, 0.0) for name in controller.drives] for row in combined),
+        ]
+    )
+    read = [
+        k for k, name in enumerate(controller.reads) if not _measures_only(aircraft, name, other)
+    ]
+    drives = (*direct, *combined)
+    if drives == controller.drives and len(read) == len(controller.reads):
+        return controller
+    if not drives or not read:
+        raise _refuse_other_axis(controller, body)
+    outputs = (
+        [np.array(controller.mixer)]
+        if controller.mixer
+        else [
+            np.hstack([_reshape_output_matrix(law, controller), np.array(law.D)[:, read]])
+            for law in controller.laws
+        ]
+    )
+    sizes = np.abs(weights @ np.hstack(outputs)).max(axis=1)
+    moved = np.flatnonzero(sizes > _CANCELLED * sizes.max()).tolist()
+    if not moved:
+        raise _refuse_other_axis(controller, body)
+    weights = weights[moved]
+    mixer = controller.mixer and _to_rows(weights @ np.array(controller.mixer))
+    through = np.eye(len(controller.commands)) if controller.mixer else weights
+    return replace(
+        controller,
+        reads=tuple(controller.reads[k] for k in read),
+        drives=tuple(drives[k] for k in moved),
+        mixer=mixer,
+        laws=tuple(
+            replace(
+                law,
+                B=_to_rows(np.reshape(law.B, (len(law.A), len(controller.reads)))[:, read]),
+                C=_to_rows(through @ _reshape_output_matrix(law, controller)),
+                D=_to_rows(through @ np.array(law.D)[:, read]),
+            )
+            for law in controller.laws
+        ),
+    )
+
+
+def _reshape_output_matrix(law: ControlLaw, controller: Controller) -> np.ndarray:
+    """Return C with its shape, which laws without states do not have."""
+    return np.reshape(law.C, (len(controller.commands or controller.drives), len(law.A)))
+
+
+def _refuse_other_axis(controller: Controller, body: RigidBody) -> BadInput:
+    return BadInput(
+        f"the controller '{controller.name}' does not act on {body.axis} motion: it reads"
+        f" {', '.join(controller.reads)} and drives {', '.join(controller.drives)}; select a"
+        " controller of this axis, or none",
+        code="controller-of-other-axis",
+    )
+
+
+def _measures_only(aircraft: Aircraft, name: str, body: RigidBody) -> bool:
+    """Whether a signal is free of the motion of the other axis than this one."""
+    try:
+        (output,) = define_outputs(aircraft, (name,))
+    except BadInput:  # refused where the loop is closed
+        return False
+    return reads_own_motion_only(output.terms, body)
+
+
+def _to_rows(matrix: np.ndarray) -> Matrix:
+    return tuple(tuple(row) for row in matrix.tolist())
 
 
 def interpolate_controller(controller: Controller, airspeed_m_s: float) -> StateSpace:
