@@ -56,6 +56,10 @@ def read_surface_histories(
             commanded=None if commanded is None else _cut(commanded, window),
         )
     right = {left: other for left, other, _ in find_pairs(names)}
+    for terms in list_surface_parts(aircraft).values():
+        sides = tuple(side for side, _ in terms)
+        if len(sides) == 2 and set(sides) <= set(names):
+            right |= [sides]
     rows = ((name, right[name]) if name in right else (name,) for name in names)
     return SurfaceHistories(
         maneuver_id=maneuver_id,
