@@ -68,6 +68,34 @@ def test_design_is_created_checked_and_exported(empty: TestClient):
     assert empty.get(where).status_code == 404
 
 
+def test_throttles_have_a_unit_and_a_limit_of_their_own(empty: TestClient):
+    row = FTA_503 | {"fta": 518, "duration_s": 96.0, "throttle_peak": 0.1}
+    made = empty.post(URL, json=row)
+    assert made.status_code == 201, made.text
+    where = made.headers["location"]
+    limits = "natural_frequency=60&position=0.01"
+    checks = {
+        one["name"]: one for one in empty.get(f"{where}/checks?level=1&{limits}").json()["inputs"]
+    }
+    throttle, flap = checks["throttle"], checks["bfs"]
+    assert (throttle["unit"], flap["unit"]) == ("1", "rad")
+    assert throttle["command_peak"] == pytest.approx(0.1, rel=1e-3)
+    assert throttle["deflection_peak"] == pytest.approx(0.1, rel=1e-3)
+    assert throttle["within_limits"]
+    assert not flap["within_limits"]
+    number = where.rsplit("/", 1)[1]
+    figure = empty.get(f"/api/v1/figures/design-history?design_id={number}").json()
+    titles = [axis["title"]["text"] for name, axis in figure["layout"].items() if "yaxis" in name]
+    assert sum(text.endswith("[%]") for text in titles) == 1
+    for changes, code in (
+        ({"throttle_peak": 0.6}, "amplitude-too-large"),  # 120 % at the high amplitude
+        ({"fta": None, "inputs": [{"name": "u", "harmonics": [6]}]}, "bad-input"),
+    ):
+        refused = empty.post(URL, json=row | changes)
+        assert refused.status_code == 422, refused.text
+        assert refused.json()["code"] == code
+
+
 @pytest.mark.parametrize(
     ("changes", "code", "words"),
     [

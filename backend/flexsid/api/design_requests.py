@@ -52,7 +52,9 @@ class DesignRequest(Request):
 
     ``peaks`` are the low, medium and high amplitudes of an input with relative peak 1 [rad], at
     most 60 deg. With ``aircraft_id`` the band of a row includes its target modes on that aircraft,
-    in flight at ``airspeed_m_s``, or structural modes in vacuo without it.
+    in flight at ``airspeed_m_s``, or structural modes in vacuo without it. ``throttle_peak`` is the
+    medium amplitude of the throttles of a row, a share of their full range; by default it is the
+    number of the medium one of ``peaks``.
     """
 
     name: Title
@@ -65,6 +67,7 @@ class DesignRequest(Request):
     fuel_fraction: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.5
     altitude_m: Annotated[float, Field(strict=True, ge=-1000.0, le=11_000.0)] = 0.0
     first_harmonic: Harmonic = 1
+    throttle_peak: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] | None = None
     inputs: Annotated[tuple[InputRequest, ...], Field(max_length=40)] = ()
     bands: Annotated[tuple[BandRequest, ...], Field(max_length=40)] = ()
     effort: Effort = "thorough"
@@ -80,6 +83,11 @@ class DesignRequest(Request):
                 "aircraft_id is valid with fta only; omit it with inputs or bands, which define"
                 " their frequencies"
             )
+        if self.throttle_peak is not None and self.fta is None:
+            raise BadInput(
+                "throttle_peak is valid with fta only; omit it with inputs or bands, whose"
+                " throttles have a relative_peak"
+            )
         if self.airspeed_m_s is not None and self.aircraft_id is None:
             raise BadInput("airspeed_m_s is valid with aircraft_id only; give both or neither")
         if self.fta is not None:
@@ -92,6 +100,7 @@ class DesignRequest(Request):
                 self.effort,
                 self.seed,
                 self._find_targets(store, self.fta),
+                self.throttle_peak,
             )
         if self.bands:
             bands = tuple(

@@ -37,7 +37,7 @@ def design(_settings: Settings, arguments: argparse.Namespace) -> int:
         endings = ", ".join(f".{ending}" for ending in MEDIA)
         raise BadInput(f"--output ends in '{output.suffix}'; expected one of {endings}")
     low, medium, high = (float(np.deg2rad(level * arguments.peak_deg)) for level in _LEVELS)
-    row = find_flight_test_aid(arguments.fta)
+    row, percent = find_flight_test_aid(arguments.fta), arguments.throttle_percent
     specification = specify_design(
         arguments.fta,
         arguments.duration or _T_S * row.periods,
@@ -46,6 +46,7 @@ def design(_settings: Settings, arguments: argparse.Namespace) -> int:
         (low, medium, high),
         arguments.effort,
         arguments.seed,
+        throttle_peak=None if percent is None else percent / 100.0,
     )
     check_amplitudes(specification)
     multisine = designer.design(specification, _report_progress)

@@ -421,6 +421,8 @@ def _add_design_options(command: argparse.ArgumentParser) -> None:
     option("--first-harmonic", type=int, default=6, metavar="K")
     meaning = "peak amplitude of the body flap"
     option("--peak-deg", type=float, default=2.0, metavar="DEG", help=meaning)
+    meaning = "peak amplitude of throttles, of their full range"
+    option("--throttle-percent", type=float, metavar="PERCENT", help=meaning)
     option("--effort", choices=("quick", "thorough", "patient"), default="thorough")
     option("--seed", type=int, default=0)
     meaning = ".csv, .mat, .h, or .json (parameters of the design)"

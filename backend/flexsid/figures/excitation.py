@@ -23,22 +23,22 @@ from flexsid.records.views import DesignedExcitation, ExpectedResponse
 
 def draw_design_history(value: DesignedExcitation) -> Spec:
     """Draw one period of every input in its own row."""
-    shown = quantities.of_unit("Command", "rad")
     labels = [quantities.of_channel(name).label for name in value.names]
+    units = [_show_unit(unit) for unit in value.units]
     data = [
         scatter(
             column(value.time_s, exact=True),
-            shown.factor * value.command[:, number],
+            units[number].factor * value.command[:, number],
             "lines",
             row=number + 1,
             name=label,
             line={"color": style.of_index(number)[0], "width": 1},
             meta=value.names[number],
-            hovertemplate=f"%{{y:.3f}} {shown.unit}<extra>{label}</extra>",
+            hovertemplate=f"%{{y:.3f}} {units[number].unit}<extra>{label}</extra>",
         )
         for number, label in enumerate(labels)
     ]
-    axes = [title(f"{label} [{shown.unit}]") for label in labels]
+    axes = [title(f"{label} [{own.unit}]") for label, own in zip(labels, units, strict=True)]
     return {
         "data": data,
         "layout": stack(time_axis(), axes, showlegend=False, hovermode="x"),
@@ -47,10 +47,13 @@ def draw_design_history(value: DesignedExcitation) -> Spec:
 
 def draw_design_spectrum(value: DesignedExcitation) -> Spec:
     """Draw the amplitude of every harmonic, coloured by input."""
-    shown = quantities.of_unit("Amplitude per harmonic", "rad")
+    surfaces = _show_unit("rad")
     data: list[Spec] = []
-    for number, name in enumerate(value.names):
+    for number, (name, unit) in enumerate(zip(value.names, value.units, strict=True)):
+        shown = _show_unit(unit)
         label = quantities.of_channel(name).label
+        if shown != surfaces:  # not that of the axis
+            label += f" [{shown.unit}]"
         amplitude = shown.factor * value.amplitude[name]
         trace = _draw_harmonics(
             number,
@@ -61,7 +64,7 @@ def draw_design_spectrum(value: DesignedExcitation) -> Spec:
         )
         trace["error_y"] = stems(amplitude, style.of_index(number)[0])
         data.append(trace)
-    y_axis = {**title(shown.axis_title), "rangemode": "tozero"}
+    y_axis = {**title(surfaces.axis_title), "rangemode": "tozero"}
     return {"data": data, "layout": plane(_title_frequency(), y_axis, 2)}
 
 
@@ -112,6 +115,14 @@ def draw_design_signal(value: ExpectedResponse) -> Spec:
         mark |= {"layer": "above", "line": {"color": style.MARK, "width": 1, "dash": "dot"}}
         label["yanchor"] = "bottom"
     return {"data": [trace], "layout": layout}
+
+
+def _show_unit(unit: str) -> quantities.DisplayQuantity:
+    """Return the display quantity of an input: a deflection, or percent of the full range."""
+    name = "Amplitude per harmonic"
+    if unit == "1":
+        return quantities.DisplayQuantity(name, "%", 100.0)
+    return quantities.of_unit(name, unit)
 
 
 def _draw_harmonics(

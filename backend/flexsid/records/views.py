@@ -335,12 +335,14 @@ class GroundSpectra:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignedExcitation:
-    """One period of a design: ``command`` (n, n_inputs) [rad], and its harmonics by input.
+    """One period of a design: ``command`` (n, n_inputs) [units], and its harmonics by input.
 
-    ``frequency_hz`` and ``amplitude`` [rad] are (n_harmonics,) of each input.
+    ``frequency_hz`` and ``amplitude`` [unit] are (n_harmonics,) of each input. The unit is rad, of
+    throttles their full range.
     """
 
     names: tuple[str, ...]
+    units: tuple[str, ...]
     time_s: np.ndarray
     command: np.ndarray
     frequency_hz: dict[str, np.ndarray]

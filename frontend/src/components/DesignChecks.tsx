@@ -20,13 +20,32 @@ interface PartProps {
   onChange: (part: Partial<DesignView>) => void;
 }
 
-const CHECK_COLUMNS: Column<DesignChecks["inputs"][number]>[] = [
+type InputCheck = DesignChecks["inputs"][number];
+
+/** A column in the display unit of surfaces; the full range of throttles is 100 %. */
+const motion = (
+  key: string,
+  header: string,
+  value: (row: InputCheck) => number,
+  unit: "rad" | "rad/s" | "rad/s2",
+  decimals: number,
+): Column<InputCheck> => {
+  const column = quantity(key, header, value, unit, decimals);
+  const suffix = unit.slice("rad".length).replace("2", "²");
+  return {
+    ...column,
+    render: (row) =>
+      row.unit === "1" ? `${fixed(100 * value(row), 2)} %${suffix}` : column.render(row),
+  };
+};
+
+const CHECK_COLUMNS: Column<InputCheck>[] = [
   { key: "name", header: "Input", render: (row) => row.name },
   { key: "rpf", header: "RPF", numeric: true, render: (row) => fixed(row.peak_factor, 3) },
-  quantity("command", "Command", (row) => row.command_peak, "rad", 4),
-  quantity("deflection", "Deflection", (row) => row.deflection_peak, "rad", 4),
-  quantity("rate", "Rate", (row) => row.rate_peak, "rad/s", 3),
-  quantity("acceleration", "Acceleration", (row) => row.acceleration_peak, "rad/s2", 2),
+  motion("command", "Command", (row) => row.command_peak, "rad", 4),
+  motion("deflection", "Deflection", (row) => row.deflection_peak, "rad", 4),
+  motion("rate", "Rate", (row) => row.rate_peak, "rad/s", 3),
+  motion("acceleration", "Acceleration", (row) => row.acceleration_peak, "rad/s2", 2),
   {
     key: "limits",
     header: "Limits",
@@ -44,7 +63,10 @@ export function Checks({ design, level, view, onChange }: PartProps) {
     }),
   );
   return (
-    <Section title="Behind the actuator" note="Largest of one period, damping ratio 0.7">
+    <Section
+      title="Behind the actuator"
+      note="Largest of one period, damping ratio 0.7; throttles without actuator, their limit is the full range"
+    >
       <Group mb="sm">
         <Limit
           label="Natural frequency [rad/s]"

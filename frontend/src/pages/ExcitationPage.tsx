@@ -101,10 +101,11 @@ export function ExcitationPage() {
     rate: 100,
     first: 6,
     peak: 2,
+    throttle: 5,
     aircraft: "",
     airspeed: 0,
   });
-  const { period, rate, first, peak } = draft;
+  const { period, rate, first, peak, throttle } = draft;
   const airspeed = draft.airspeed > 0 ? draft.airspeed : undefined;
   const known = (aircraft.data ?? []).map((one) => ({ value: String(one.id), label: one.name }));
   // The first aircraft is the default; without an aircraft the band of the catalogue is used.
@@ -123,7 +124,7 @@ export function ExcitationPage() {
   );
   const targetsOf = (row: CatalogueRow) =>
     aircraftId === NONE ? undefined : targets.data?.find((one) => one.number === row.number);
-  const set = (key: "period" | "rate" | "first" | "peak") => (value: number) => {
+  const set = (key: "period" | "rate" | "first" | "peak" | "throttle") => (value: number) => {
     setDraft((previous) => ({ ...previous, [key]: value }));
   };
 
@@ -140,6 +141,7 @@ export function ExcitationPage() {
     duration_s: period * row.periods,
     rate_hz: rate,
     first_harmonic: first,
+    throttle_peak: row.throttles === 0 ? null : throttle / 100,
     peaks: [LEVELS[0] * peak * DEGREE, LEVELS[1] * peak * DEGREE, LEVELS[2] * peak * DEGREE],
     inputs: [],
     bands: [],
@@ -306,6 +308,12 @@ export function ExcitationPage() {
                   unit="deg"
                   value={peak}
                   onChange={set("peak")}
+                />
+                <PositiveInput
+                  label="Throttles, medium"
+                  unit="%"
+                  value={throttle}
+                  onChange={set("throttle")}
                 />
               </Group>
               {targets.isError && <ProblemAlert error={targets.error} />}

@@ -20,6 +20,14 @@ ELASTIC_GROUPS = {"LE": slice(0, 2), "HE": slice(2, 8)}
 X-56A's finite element model, whose first six are rigid (Sec. V.B)."""
 
 
+_THROTTLE = "throttle"
+
+
+def is_throttle(name: str) -> bool:
+    """Whether an input is a throttle by its name; its unit is the full range."""
+    return name.startswith(_THROTTLE)
+
+
 @dataclass(frozen=True, slots=True)
 class FlightTestAid:
     """One row of Table 1, numbered by its lowest amplitude; the counts are per input.

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.sysid.excitation.catalogue import is_throttle
+from flexsid.sysid.excitation.export import list_units
 from flexsid.sysid.excitation.extrema import evaluate_magnitude
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.excitation.norms import HarmonicSpectrum
@@ -37,9 +39,13 @@ class ActuatorLimits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputCheck:
-    """One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]"""
+    """One input: command and true deflection at their largest. [unit], [unit/s], [unit/s2]
+
+    The unit of throttles is their full range, and the deflection is the command.
+    """
 
     name: str
+    unit: str
     peak_factor: float
     command_peak: float
     start: float
@@ -67,24 +73,30 @@ def check_design(
 
     ``peak_factors`` are those of ``compute_peak_factors``. The multisine is at the amplitude to
     be flown. The periodic response of the actuator of every surface is exact and linear, so that
-    limits are compared with the unlimited deflection, without freeplay.
+    limits are compared with the unlimited deflection, without freeplay. The limit of a throttle is
+    its full range.
     """
     samples = multisine.sample_period(rate_hz)
     size = np.sqrt(np.sum(samples**2, axis=0))
     correlation = np.abs(samples.T @ samples / np.outer(size, size) - np.eye(size.size)).max()
     rows = []
+    units = list_units(multisine.inputs)
     for column, (name, tones) in enumerate(multisine.tones.items()):
         omega = 2.0 * np.pi * tones.harmonics / multisine.period_s
-        response = actuator.response(omega)
+        throttle = is_throttle(name)
+        response = np.ones_like(omega) if throttle else actuator.response(omega)
         peaks = []
         for order in range(3):
             moved = response * (1j * omega) ** order
             spectrum = HarmonicSpectrum(tones.harmonics, tones.amplitudes * np.abs(moved))
             peaks.append(evaluate_magnitude(spectrum, tones.phases + np.angle(moved)))
         limits = (actuator.position, actuator.rate, actuator.acceleration)
+        if throttle:
+            limits = (1.0, None, None)
         rows.append(
             InputCheck(
                 name=name,
+                unit=units[column],
                 peak_factor=peak_factors[name],
                 command_peak=float(np.abs(samples[:, column]).max()),
                 start=float(samples[0, column]),

@@ -16,6 +16,7 @@ import orjson
 from jaxtyping import Float, Int
 from scipy import io as matlab
 
+from flexsid.sysid.excitation.catalogue import is_throttle
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.text import escape_spreadsheet_cell, make_c_identifiers
@@ -24,7 +25,6 @@ FORMATS = ("csv", "mat", "h", "json")
 UNIT = "rad"
 """Unit of the samples; that of a throttle is its full range."""
 
-_THROTTLE = "throttle"
 _NOT_PLAIN = re.compile(r"[^\w .+-]")
 _PER_LINE = 6  # numbers of a table
 _TESTED = 5  # samples of the self-test, at equal distances over the period
@@ -54,7 +54,7 @@ def build_self_test(samples: Float[np.ndarray, "n_samples n_inputs"]) -> SelfTes
 
 def list_units(inputs: tuple[str, ...]) -> tuple[str, ...]:
     """List the unit of every input."""
-    return tuple("1" if name.startswith(_THROTTLE) else UNIT for name in inputs)
+    return tuple("1" if is_throttle(name) else UNIT for name in inputs)
 
 
 def to_csv(multisine: Multisine, rate_hz: float) -> str:

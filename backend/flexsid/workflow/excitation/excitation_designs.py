@@ -11,7 +11,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.records.views import DesignedExcitation
 from flexsid.sysid.excitation import designer, export
-from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
+from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid, is_throttle
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks, check_design
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band, assign_harmonics_to_bands
@@ -53,6 +53,7 @@ def specify_design(
     effort: str = "thorough",
     seed: int = 0,
     targets: tuple[Target, ...] = (),
+    throttle_peak: float | None = None,
 ) -> DesignSpecification:
     """Specify a design for a flight test aid of Table 1.
 
@@ -73,15 +74,20 @@ def specify_design(
     targets
         Target modes on an aircraft, about which every surface has harmonics; by default the band
         is that of Table 1.
+    throttle_peak
+        Largest command of throttles at the medium amplitude, a share of their full range; by
+        default the number of the medium deflection. [1]
     """
     aid = find_flight_test_aid(fta)
     scale: dict[str, float] = dict(zip(("bf", "wf1", "wf2", "wf3", "wf4"), _SCALES, strict=True))
-    surfaces, _ = aid.input_names()
+    surfaces, throttles = aid.input_names()
+    if throttle_peak is not None:
+        scale |= dict.fromkeys(throttles, throttle_peak / peaks[1])
     inputs = tuple(
         InputSpecification(
             name=name,
             harmonics=tuple(own.tolist()),
-            relative_peak=scale.get(name[:-1], 1.0),
+            relative_peak=scale.get(name if name in throttles else name[:-1], 1.0),
             power=weight_harmonics(own.tolist(), targets, duration_s) if name in surfaces else None,
         )
         for name, own in aid.harmonics(first_harmonic, targets, duration_s).items()
@@ -240,10 +246,18 @@ def check_amplitudes(specification: DesignSpecification) -> None:
     Raises
     ------
     BadInput
-        If the largest command of an input exceeds 60 deg.
+        If the largest command of a surface exceeds 60 deg, or of a throttle its full range.
     """
     for own in specification.inputs:
         largest = specification.peaks[-1] * own.relative_peak
+        if is_throttle(own.name):
+            if largest > 1.0:
+                raise BadInput(
+                    f"the largest amplitude of {own.name} is {100.0 * largest:.4g} % of its full"
+                    " range; expected at most 100 %",
+                    code="amplitude-too-large",
+                )
+            continue
         if largest > _LARGEST_RAD:
             raise BadInput(
                 f"the largest amplitude of {own.name} is {largest:g} rad, {np.rad2deg(largest):.4g}"
@@ -294,6 +308,7 @@ def sample_design(design: ExcitationDesign, level: int = 0) -> DesignedExcitatio
     time_s = np.arange(round(multisine.period_s * rate)) / rate
     return DesignedExcitation(
         names=multisine.inputs,
+        units=export.list_units(multisine.inputs),
         time_s=time_s,
         command=multisine.sample_period(rate),
         frequency_hz={
