@@ -140,6 +140,7 @@ export function AmplitudesPart({ design, level, run, allowed, fastest, load, onC
         />
         <NumberField
           label="Rate limit"
+          description="of the amplitudes by airspeed"
           unit="deg/s"
           placeholder="limit of the design"
           isPositive

@@ -33,7 +33,9 @@ class AmplitudeLevel:
 
     ``largest`` is the largest peak of any command within the limits, of which ``limited_by`` is the
     one that is reached, and ``signal_to_noise`` the ratio there: median over harmonics of the
-    largest of any output. ``least`` has a ratio of 10. [rad]
+    largest of any output. ``least`` has a ratio of 10, in proportion from there: where model error
+    counts, which grows with the amplitude, it is above the true one, and below beyond ``largest``.
+    [rad]
     """
 
     airspeed_m_s: float

@@ -18,7 +18,7 @@ from flexsid.records.aircraft import (
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.records.views import ChannelTrace, DefaultChannels
 from flexsid.storage.store import Store
-from flexsid.sysid.model.sensor_models import load_sensor_models
+from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE, load_sensor_models
 from flexsid.units import si_unit, to_si
 from flexsid.workflow.aircraft.axes import classify_part, list_bodies, list_moved_surfaces
 from flexsid.workflow.measurements.conditioning import read_conditioning
@@ -28,8 +28,7 @@ Interval = tuple[float, float]
 _Parts = list[tuple[Channel, float]]
 
 
-_KINDS_FIRST = ("vane", "gyro", "attitude")
-_RATE = "gyro"
+_KINDS_FIRST = (VANE.kind, GYRO.kind, ATTITUDE.kind)
 
 
 def select_default_channels(
@@ -41,7 +40,7 @@ def select_default_channels(
     """
     sensors = _list_rigid_body_sensors(aircraft, axis, recorded)
     rates = {
-        one.model.mirror_sign(one.axis): one.name for one in sensors[::-1] if one.kind == _RATE
+        one.model.mirror_sign(one.axis): one.name for one in sensors[::-1] if one.kind == GYRO.kind
     }
     outputs = [name for name, role in recorded.items() if role is Role.OUTPUT]
     own = {body.symmetry for body in list_bodies(axis)}
