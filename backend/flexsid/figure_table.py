@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isfinite, nan
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
@@ -282,6 +282,9 @@ class PredictedFlutterParameters(FigureParameters):
     """A prediction, its loading and the airspeeds of its flutter analysis."""
 
     prediction_id: _Id
+    axis: Literal["longitudinal", "lateral"] | None = Field(
+        None, description="Axis; by default the first of which the prediction has modes."
+    )
     fuel: float | None = Field(
         None, ge=0.0, le=1.0, description="Fuel fraction; by default the middle one predicted."
     )

@@ -372,6 +372,9 @@ const UNMODELLED_MODES = ["residualized"] as const;
 export const ALONG = ["dynamic_pressure", "fuel"] as const;
 export const VARIATIONS = ["linear", "global-model"] as const;
 
+export const PREDICTION_AXES = ["longitudinal", "lateral"] as const;
+export type PredictionAxis = (typeof PREDICTION_AXES)[number];
+
 export const flutterView = view((search) => ({
   runs: integers(search.runs),
   /** Fuel in percent, altitude [m] and next airspeed [m/s], where not the fastest point's. */
@@ -385,6 +388,8 @@ export const flutterView = view((search) => ({
   variation: oneOf(search.variation, VARIATIONS),
   /** Prediction whose flutter is shown, beside that of the runs or alone. */
   prediction: integer(search.prediction),
+  /** Axis of a prediction alone, where not its first. */
+  axis: oneOf(search.axis, PREDICTION_AXES),
 }));
 export type FlutterView = ReturnType<typeof flutterView>;
 

@@ -91,6 +91,7 @@ def test_flutter_of_a_prediction_is_drawn_alone(client):
 def draw_beside_prediction(client, flight) -> None:
     beside = {
         "prediction_id": 1,
+        "axis": flight["axis"],
         "fuel": flight["fuel_fraction"],
         "density_kg_m3": flight["density_kg_m3"],
         "from_m_s": flight["searched_from_m_s"],

@@ -24,6 +24,7 @@ from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.stability.poles import compute_named_poles
+from flexsid.sysid.stability.rational_crossing import find_rational_crossing
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_crossing_error
 from flexsid.sysid.stability.root_tracking import track_roots
 from flexsid.sysid.stability.state_family import Aeroelastic
@@ -216,7 +217,7 @@ def test_flutter_agrees_with_rational_functions_and_its_error_with_differences(s
 
 
 @needs_records
-def test_lateral_motion_has_responses_and_poles_but_no_roots_over_airspeed():
+def test_lateral_motion_has_responses_and_poles():
     table, blind = derivatives_at(0.5, 2), SensorRows((), np.zeros((4, 0, 5)))
     # One of the lags of the rational functions, so that these are exact.
     shape = lag(table.modes, table.inputs, LATERAL, rates=(0.3, 0.3))
@@ -245,10 +246,54 @@ def test_lateral_motion_has_responses_and_poles_but_no_roots_over_airspeed():
         slope = (above.value - below.value) / 2e-5
         assert pole.real_std == pytest.approx(abs(slope.real), abs=2e-3 * abs(slope))
 
-    aircraft = Aeroelastic(model.condition, model.modes, table, shape)
-    with pytest.raises(BadInput, match="without one") as refused:
-        track_roots(aircraft, np.linspace(30.0, 60.0, 5))
-    assert refused.value.code == "axis-not-supported"
     with pytest.raises(BadInput) as refused:
         replace(model, shape=lag(table.modes, table.inputs))
+    assert refused.value.code == "shape-of-other-model"
+
+
+@needs_records
+def test_lateral_flutter_with_unit_factors_is_quasi_steady_and_with_lags_that_of_their_states():
+    table = derivatives_at(0.5, 2)
+    known = Aeroelastic(condition_at(126.5, 0.5, 60.0), modes_at(0.5, 2), table)
+    airspeed = 0.3048 * np.linspace(150.0, 400.0, 60)
+    steady = track_roots(known, airspeed).flutter
+    assert steady is not None
+    # Trimmed where it flutters, which both methods then share.
+    there = condition_at(steady.airspeed / 0.3048, 0.5, 60.0)
+    constant = lag(table.modes, table.inputs, LATERAL)
+    constant = replace(constant, factors=np.ones_like(constant.factors))
+    found = track_roots(replace(known, condition=there, shape=constant), airspeed).flutter
+    assert found is not None
+    assert found.airspeed == pytest.approx(steady.airspeed, rel=1e-6)
+    assert found.frequency == pytest.approx(steady.frequency, rel=1e-6)
+    # Shares of coordinates here, of states there.
+    assert found.participation == pytest.approx(steady.participation, abs=0.1)
+
+    shaped = replace(known, shape=lag(table.modes, table.inputs, LATERAL, rates=(0.3, 0.3)))
+    locus = track_roots(shaped, airspeed)
+    assert "DR" in locus.names
+    crossing = locus.flutter
+    assert crossing is not None
+    assert abs(crossing.airspeed / steady.airspeed - 1.0) > 0.01
+    by_states = find_rational_crossing(shaped, crossing, known.condition.density)
+    assert by_states == pytest.approx((crossing.airspeed, crossing.frequency), rel=1e-4)
+
+    for row, column in ((3, 3), (1, 1), (2, 2)):  # CQ8_eta8, Cl_p, Cn_r
+        place = np.array([row]), np.array([column])
+        uncertain = UncertainDerivatives(*place, np.array([[1.0]]))
+        std = estimate_crossing_error(shaped, crossing, uncertain)
+        step = 1e-3 * abs(table.values[row, column])
+        ends = []
+        for change in (step, -step):
+            values = table.values.copy()
+            values[row, column] += change
+            moved = replace(shaped, derivatives=replace(table, values=values))
+            flutter = track_roots(moved, airspeed).flutter
+            assert flutter is not None
+            ends.append(flutter.airspeed)
+        assert std == pytest.approx(abs(ends[0] - ends[1]) / (2.0 * step), rel=2e-3)
+
+    other = replace(known, shape=lag(table.modes, table.inputs))
+    with pytest.raises(BadInput) as refused:
+        track_roots(other, airspeed)
     assert refused.value.code == "shape-of-other-model"

@@ -21,6 +21,8 @@ from flexsid.sysid.aerodynamics.pk_flutter import (
     build_modal_system,
     track_pk_roots,
 )
+from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "flex28_unsteady"
 needs_flex28 = pytest.mark.skipif(not DATA.exists(), reason="FLEX-28U is not beside the project")
@@ -242,10 +244,19 @@ def test_free_flight_flutter_agrees_with_rational_functions(modes):
             arrays["C"][fuel][:, : 2 + modes][:, :, columns],
         )
         reference = Reference(float(arrays["S"]), float(arrays["cbar"]), 28.0, np.zeros(3))
+        condition = FlightCondition(
+            airspeed=180.0,
+            density=0.0020482,
+            mass=state["mass_slug"],
+            pitch_inertia=state["Iyy"],
+            area=reference.area,
+            chord=reference.chord,
+        )
+        assert LONGITUDINAL.free_flight is not None
         system = build_free_system(
             C,
             reference,
-            (state["mass_slug"], state["Iyy"]),
+            LONGITUDINAL.free_flight(condition),
             np.ones(modes),
             np.array(state["omega_rad_s"][:modes]),
             np.array(state["zeta"][:modes]),

@@ -12,7 +12,9 @@ from flexsid.cli.predictions import read_planform
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
-from flexsid.errors import BadInput, Conflict
+from flexsid.demo.independent_surfaces import compute_true_derivatives, describe_independent
+from flexsid.demo.sources import build_modal_tables
+from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.jobs.inline import execute_request, execute_run
 from flexsid.jobs.kind import find_job, get_result
 from flexsid.jobs.kinds import PREDICTED_FLUTTER, PREDICTION, RUN
@@ -29,7 +31,10 @@ from flexsid.records.run import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.workflow.aircraft.derivative_predictions import load_frequency_shape
+from flexsid.workflow.aircraft.derivative_predictions import (
+    interpolate_prediction,
+    load_frequency_shape,
+)
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, fuse_runs
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.flutter.run_models import UnmodelledModes
@@ -37,6 +42,7 @@ from flexsid.workflow.modal_data.computed_predictions import (
     PlanformSurface,
     PredictionRequest,
     check_prediction,
+    prepare_prediction,
 )
 from flexsid.workflow.runs.estimation import prepare
 
@@ -193,3 +199,59 @@ def test_a_run_estimates_derivatives_with_the_shape_of_the_prediction(store: Sto
     with pytest.raises(BadInput) as refused:
         prepare(store, replace(asked, prediction_id=imported.id))
     assert refused.value.code == "no-frequency-shape"
+
+
+def test_a_planform_gives_derivatives_of_lateral_motion_and_their_flutter(store: Store):
+    aircraft = store.aircraft.add(describe_independent())
+    for table in build_modal_tables(load_truth(), aircraft.id or 0, store.arrays.put):
+        store.modal_tables.add(table)
+    whole = read_planform(PLANFORM)
+    lateral = replace(
+        whole,
+        aircraft_id=aircraft.id or 0,
+        axis="lateral",
+        panels=tuple(replace(p, spanwise=min(p.spanwise, 12)) for p in whole.panels),
+        surfaces=tuple(replace(one, name=f"{one.name[:-1]}a") for one in whole.surfaces),
+        reference_k=0.0,
+        highest_k=1.5,
+    )
+    job = execute_request(store, PREDICTION, replace(lateral, modes=(8, 10)), lambda progress: None)
+    assert job.error is None
+    found = store.predictions.get((job.result or {})["prediction_id"])
+    predicted = interpolate_prediction(store, found, 0.5)
+    # Trim lift and suction are not zero but unknown.
+    lacking = {"Cl_beta", "Cl_r", "Cn_p", "CY_p"}
+    assert set(found.names) - set(predicted) == lacking
+    assert all(name in found.note for name in lacking)
+    # Of a lattice of another origin, which has twice the strips.
+    truth = compute_true_derivatives(0.5).named()
+    for name in (
+        *("Cl_p", "CY_beta", "Cl_eta10", "Cl_bfa", "Cl_wf2a", "Cl_wf4a"),
+        *("CQ8_beta", "CQ8_etadot8", "CQ8_wf4a", "CQ10_p", "CQ10_eta10", "CQ10_etadot10"),
+    ):
+        assert predicted[name][0] == pytest.approx(truth[name], rel=0.08), name
+    assert predicted["Cl_p"][1] == pytest.approx(0.15 * abs(truth["Cl_p"]), rel=0.1)
+
+    query = PredictedFlutterQuery(prediction_id=found.id or 0, fuel=0.5)
+    execute_request(store, PREDICTED_FLUTTER, query, lambda progress: None)
+    result = get_result(store, PREDICTED_FLUTTER, query)
+    flutter = result.flutter
+    assert flutter.airspeed_m_s is not None
+    assert flutter.sentence.startswith("Flutter of AW1T with ")
+    assert "Without CY_p, Cl_beta, Cl_r, Cn_p" in result.roots.note
+    assert flutter.rational_airspeed_m_s == pytest.approx(flutter.airspeed_m_s, rel=0.003)
+    other = replace(query, axis="longitudinal")
+    refused = execute_request(store, PREDICTED_FLUTTER, other, lambda progress: None).error
+    assert refused is not None
+    assert "no longitudinal derivatives" in refused["message"]
+
+    check_prediction(store, replace(lateral, source="other"))
+    for change, words in (
+        ({"surfaces": whole.surfaces}, "'bfs'"),
+        ({"surfaces": (replace(whole.surfaces[0], name="bfl"),)}, "moves on one side"),
+        ({"axis": "combined"}, "longitudinal or lateral"),
+    ):
+        with pytest.raises(FlexsidError, match=words):
+            check_prediction(store, replace(lateral, source="other", **change))
+    with pytest.raises(BadInput, match="antisymmetric modes, which are 8, 10"):
+        prepare_prediction(store, replace(lateral, source="other", modes=(7,)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -57,12 +57,15 @@ class GlobalModelVersionRequest(Request):
 class ComputePredictionRequest(Request):
     """A prediction to compute from panels, or from the CAERO1 entries of a Nastran deck.
 
-    ``source`` names it. Modes are the lowest eight symmetric ones by default. ``reference_k`` is
-    the reduced frequency of the tabulated derivatives: 0, or that of the mode that flutters.
+    ``source`` names it. ``axis`` is that of the derivatives; modes are the lowest eight of its
+    symmetry by default, and antisymmetric surfaces are positive with the right trailing edge down.
+    ``reference_k`` is the reduced frequency of the tabulated derivatives: 0, or that of the mode
+    that flutters.
     """
 
     aircraft_id: Id
     source: Title
+    axis: Literal["longitudinal", "lateral"] = "longitudinal"
     panels: Annotated[tuple[PanelRequest, ...], Field(max_length=100)] = ()
     surfaces: Annotated[tuple[PlanformSurfaceRequest, ...], Field(max_length=40)] = ()
     deck: Annotated[str, Field(max_length=LONGEST_TEXT)] = ""

@@ -49,6 +49,7 @@ def predict_of_prediction(settings: Settings, arguments: argparse.Namespace) -> 
     """Print the flutter speed of the derivatives of a prediction alone."""
     query = PredictedFlutterQuery(
         prediction_id=arguments.prediction,
+        axis=arguments.axis,
         fuel=arguments.fuel,
         density_kg_m3=arguments.density,
         from_m_s=arguments.lowest,

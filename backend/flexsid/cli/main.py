@@ -529,6 +529,8 @@ def _add_global_model_options(command: argparse.ArgumentParser) -> None:
 def _add_predicted_flutter_options(command: argparse.ArgumentParser) -> None:
     option = command.add_argument
     option("prediction", type=int, metavar="PREDICTION", help="id of the prediction")
+    meaning = "axis; default: the first of which the prediction has modes"
+    option("--axis", choices=("longitudinal", "lateral"), help=meaning)
     meaning = "fuel fraction; default: the middle one of the prediction"
     option("--fuel", type=float, metavar="SHARE", help=meaning)
     meaning = "air density; default: standard air at sea level"

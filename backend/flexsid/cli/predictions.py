@@ -6,6 +6,7 @@ import argparse
 import tomllib
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from flexsid.api.prediction_requests import ComputePredictionRequest
@@ -34,6 +35,8 @@ def predict(settings: Settings, arguments: argparse.Namespace) -> int:
     lines = [f"prediction {stored.id}: {stored.source}, {stored.note}"]
     lines += [
         f"  {name:<16}{value:>12.5g} ± {error:.3g}"
+        if np.isfinite(value)
+        else f"  {name:<16}not predicted"
         for name, value, error in zip(stored.names, values, errors, strict=True)
     ]
     print_result(lines, stored, as_json=arguments.json)

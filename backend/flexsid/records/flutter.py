@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import Literal
 
 import numpy as np
 
@@ -143,7 +144,8 @@ class Flutter:
     unstable root that the data do not determine; empty otherwise. The
     search was from ``searched_from_m_s`` to ``searched_to_m_s``.
     ``derived_runs`` are the refits that the prediction rests on; where one of them failed,
-    ``spread_m_s`` and the interval are unknown.
+    ``spread_m_s`` and the interval are unknown. ``axis`` is that of the motion, None in results of
+    earlier versions.
     """
 
     sentence: str
@@ -174,6 +176,7 @@ class Flutter:
     equivalents: tuple[EquivalentLine, ...]
     equivalent_points: tuple[EquivalentPoint, ...]
     derived_runs: tuple[DerivedRun, ...] = ()
+    axis: Literal["longitudinal", "lateral"] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

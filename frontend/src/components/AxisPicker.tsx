@@ -10,7 +10,7 @@ interface Props {
   onChange: (axis: ModelAxis) => void;
 }
 
-const LABELS: Record<ModelAxis, string> = {
+export const AXIS_LABELS: Record<ModelAxis, string> = {
   longitudinal: "Longitudinal",
   lateral: "Lateral-directional",
   "longitudinal-airspeed": "Longitudinal with airspeed",
@@ -33,7 +33,7 @@ export function AxisPicker({ maneuver, value, onChange }: Props) {
     <SegmentedControl
       aria-label="Axis of the model"
       data-testid="model-axis"
-      data={axes.map((axis) => ({ value: axis, label: LABELS[axis] }))}
+      data={axes.map((axis) => ({ value: axis, label: AXIS_LABELS[axis] }))}
       value={value}
       onChange={(next) => {
         onChange(asAxis(next));

@@ -4,8 +4,10 @@ import { useState } from "react";
 import { useComputePrediction } from "../api/commands";
 import { predictionsQuery } from "../api/queries";
 import type { Aircraft } from "../api/types";
+import type { PredictionAxis } from "../views";
 import { JobWait } from "./JobWait";
 import { NumberField } from "./NumberField";
+import { PredictionAxisPicker } from "./PredictionAxisPicker";
 import { ProblemAlert } from "./ProblemAlert";
 
 const EXAMPLE = `CAERO1,1001,1,,10,8,,,1
@@ -15,6 +17,7 @@ const EXAMPLE = `CAERO1,1001,1,,10,8,,,1
 export function ComputePrediction({ aircraft }: { aircraft: Aircraft }) {
   const [editing, setEditing] = useState(false);
   const [source, setSource] = useState("Doublet lattice");
+  const [axis, setAxis] = useState<PredictionAxis>("longitudinal");
   const [deck, setDeck] = useState("");
   const [unit, setUnit] = useState("m");
   const [surfaces, setSurfaces] = useState("");
@@ -60,6 +63,7 @@ export function ComputePrediction({ aircraft }: { aircraft: Aircraft }) {
             compute.mutate({
               aircraft_id: aircraft.id,
               source,
+              axis,
               panels: [],
               surfaces: found,
               deck,
@@ -77,6 +81,15 @@ export function ComputePrediction({ aircraft }: { aircraft: Aircraft }) {
               lattice on the right half. Mode shapes are those of the modal table. Thickness, drag
               and terms of the trim lift are not predicted.
             </Text>
+            <PredictionAxisPicker
+              description={
+                axis === "lateral"
+                  ? "Antisymmetric modes and surfaces; deflections positive with the right trailing edge down"
+                  : "Symmetric modes and surfaces"
+              }
+              value={axis}
+              onChange={setAxis}
+            />
             <TextInput
               label="Name"
               required
@@ -106,7 +119,7 @@ export function ComputePrediction({ aircraft }: { aircraft: Aircraft }) {
               autosize
               minRows={2}
               maxRows={12}
-              placeholder="wf1s, 0.9, 1.7, 0.75"
+              placeholder={axis === "lateral" ? "wf1a, 0.9, 1.7, 0.75" : "wf1s, 0.9, 1.7, 0.75"}
               error={wrong || undefined}
               styles={{ input: { fontFamily: "monospace" } }}
               value={surfaces}

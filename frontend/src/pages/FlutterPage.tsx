@@ -9,7 +9,7 @@ import {
   type FlutterParams,
 } from "../api/queries";
 import type { QueryValue } from "../api/client";
-import type { Flutter } from "../api/types";
+import type { Flutter, Prediction } from "../api/types";
 import { useConversion } from "../api/units";
 import { useStoredResult } from "../api/useStoredResult";
 import { ButtonLink } from "../components/ButtonLink";
@@ -27,6 +27,7 @@ import { JobWait } from "../components/JobWait";
 import { Loaded } from "../components/Loaded";
 import { AdequacyBadge } from "../components/ModelAdequacy";
 import { PageHead } from "../components/PageHead";
+import { PredictionAxisPicker } from "../components/PredictionAxisPicker";
 import { StoredPredictedFlutter } from "../components/PredictedFlutter";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Quantity, quantity, Sentence, UnitName, WithInterval } from "../components/Quantity";
@@ -61,14 +62,15 @@ export function FlutterPage() {
   const { result, jobId, error, onEnd, compute } = useStoredResult(flutterResult(query));
   const ready = result.data !== undefined;
   const alone = runs.length === 0 && view.prediction !== undefined;
-  // Beside flight: at the same loading, air density and airspeeds.
+  // Beside flight: in the same axis, at the same loading, air density and airspeeds.
   const beside = result.data && {
+    axis: result.data.axis ?? undefined,
     fuel: result.data.fuel_fraction,
     density_kg_m3: result.data.density_kg_m3,
     from_m_s: result.data.searched_from_m_s,
     to_m_s: result.data.searched_to_m_s,
   };
-  const others = alone ? { fuel: query.fuel } : beside;
+  const others = alone ? { axis: view.axis, fuel: query.fuel } : beside;
   const ofPrediction =
     view.prediction === undefined || others === undefined
       ? undefined
@@ -213,6 +215,11 @@ function Figures({ query, predictionId, along, onAlong }: FiguresProps) {
   );
 }
 
+const hasBothAxes = (prediction: Prediction | undefined) =>
+  ["_alpha", "_beta"].every((motion) =>
+    prediction?.names.some((name) => name.startsWith("CQ") && name.endsWith(motion)),
+  );
+
 interface ChoicesProps {
   view: FlutterView;
   result: Flutter | undefined;
@@ -223,6 +230,7 @@ function Choices({ view, result, onChange }: ChoicesProps) {
   const runs = useQuery(runsQuery({ state: "succeeded" }));
   const predictions = useQuery(predictionsQuery());
   const airspeed = useConversion()("m/s");
+  const prediction = predictions.data?.find((one) => one.id === view.prediction);
   return (
     <Stack gap="md">
       <MultiSelect
@@ -256,9 +264,17 @@ function Choices({ view, result, onChange }: ChoicesProps) {
           .map((one) => ({ value: String(one.id), label: one.source }))}
         value={view.prediction === undefined ? null : String(view.prediction)}
         onChange={(id) => {
-          onChange({ prediction: id === null ? undefined : Number(id) });
+          onChange({ prediction: id === null ? undefined : Number(id), axis: undefined });
         }}
       />
+      {(view.runs ?? []).length === 0 && hasBothAxes(prediction) && (
+        <PredictionAxisPicker
+          value={view.axis ?? "longitudinal"}
+          onChange={(axis) => {
+            onChange({ axis });
+          }}
+        />
+      )}
       <NumberField
         label="Next test point"
         unit="m/s"

@@ -16,11 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from scipy.interpolate import CubicSpline
+from scipy.linalg import block_diag
 from scipy.optimize import brentq, linear_sum_assignment
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
 from flexsid.sysid.aerodynamics.normal_washes import Reference
+from flexsid.sysid.model.rigid_body import FreeFlight
 
 MAX_ITERATIONS = 30
 TOLERANCE = 1e-10  # of the size of a root
@@ -109,30 +111,40 @@ def build_modal_system(
 def build_free_system(
     coefficients: UnsteadyCoefficients,
     reference: Reference,
-    rigid_mass: tuple[float, float],
+    rigid: FreeFlight,
     mass: Float[np.ndarray, " n"],
     omega: Float[np.ndarray, " n"],
     zeta: Float[np.ndarray, " n"],
 ) -> ModalSystem:
-    """Build the system of heave (up), pitch and elastic modes in symmetric free flight.
+    """Build the system of the rigid body and the elastic modes in free flight.
 
-    ``rigid_mass`` are mass and pitch inertia of the whole aircraft. Heave and pitch columns follow
-    from alpha and q: -(i k/b) C_alpha and C_alpha + i k C_q.
+    Parameters
+    ----------
+    coefficients, reference
+        Rows and columns begin with those of the rigid body.
+    rigid
+        Its coordinates, which come before the modes. Their columns follow from those of the
+        motions: (position + (i k/b) rate), of heave -(i k/b) C_alpha.
+    mass, omega, zeta
+        As in ``build_modal_system``.
     """
     modes = build_modal_system(coefficients, reference, mass, omega, zeta)
     rows, eta, etadot = _find_modes(coefficients)
-    n = len(rows) + 2
-    ik = 1j * coefficients.k[:, None]
-    C = coefficients.values[:, [0, 1, *rows]]
-    alpha, q = (C[:, :, coefficients.column(name)] for name in ("alpha", "q"))
-    Q = np.empty((coefficients.k.size, n, n), dtype=complex)
-    Q[:, :, 0], Q[:, :, 1] = -ik / modes.b * alpha, alpha + ik * q
-    Q[:, :, 2:] = C[:, :, eta] + ik[:, :, None] * C[:, :, etadot]
-    Q[:, 0] *= -reference.area
-    Q[:, 1:] *= reference.area * reference.chord
-    M, D, K = (np.zeros((n, n)) for _ in range(3))
-    M[0, 0], M[1, 1] = rigid_mass
-    M[2:, 2:], D[2:, 2:], K[2:, 2:] = modes.mass, modes.damping, modes.stiffness
+    first = rigid.mass.shape[0]
+    ik = 1j * coefficients.k[:, None, None]
+    C = coefficients.values[:, [*range(first), *rows]]
+    motion = rigid.position + ik / modes.b * rigid.rate
+    Q = np.concatenate([C[:, :, :first] @ motion, C[:, :, eta] + ik * C[:, :, etadot]], axis=2)
+    Q[:, :first] = rigid.force @ Q[:, :first]
+    Q[:, first:] *= reference.area * reference.chord
+    M, D, K = (
+        block_diag(of_body, of_modes)
+        for of_body, of_modes in (
+            (rigid.mass, modes.mass),
+            (rigid.damping, modes.damping),
+            (rigid.stiffness, modes.stiffness),
+        )
+    )
     return ModalSystem(M, D, K, modes.k, Q, modes.b)
 
 

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
-from flexsid.sysid.model.rigid_body import SPIRAL, Kinematics, RigidBody, stack_factors
+from flexsid.sysid.model.rigid_body import SPIRAL, FreeFlight, Kinematics, RigidBody, stack_factors
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
 
 BETA, P, R = range(3)
@@ -122,7 +122,7 @@ def _kinematics(condition: FlightCondition, trim: Trim) -> Kinematics:
     return Kinematics(inertia, coupling, gravity, attitude_rate)
 
 
-def _scale_rows(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, "*n_v 3"]:
+def _require_span_and_inertias(condition: FlightCondition) -> None:
     named = {
         "span": condition.span,
         "roll_inertia": condition.roll_inertia,
@@ -136,6 +136,10 @@ def _scale_rows(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, "*n
             code="no-lateral-inertia",
             key=missing[0],
         )
+
+
+def _scale_rows(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, "*n_v 3"]:
+    _require_span_and_inertias(condition)
     force = trim.dynamic_pressure * condition.area
     moment = force * condition.span
     return stack_factors(
@@ -150,6 +154,33 @@ def _scale_motions(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, 
     return stack_factors(1.0, rate, rate)
 
 
+def _describe_free_flight(condition: FlightCondition) -> FreeFlight:
+    """Describe side motion y, bank phi and heading psi.
+
+    Notes
+    -----
+    beta = ydot/V + sin(alpha0) phi - cos(gamma0) psi, p = phidot - sin(theta0) psidot and
+    r = cos(theta0) psidot make the equations of ``_kinematics`` m y'' = Y + m g cos(theta0) phi
+    and, in phi and psi, those of the moments about the body axes.
+    """
+    _require_span_and_inertias(condition)
+    theta, half_span = condition.alpha + condition.gamma, 0.5 * condition.span
+    sin, cos = np.sin(theta), np.cos(theta)
+    rates = np.array([[1.0, -sin], [0.0, cos]])  # p and r of phidot and psidot
+    product = condition.product_of_inertia
+    inertia = np.array([[condition.roll_inertia, -product], [-product, condition.yaw_inertia]])
+    rate, force, mass = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    rate[0, 0], rate[1:, 1:] = 1.0, half_span * rates
+    force[0, 0], force[1:, 1:] = condition.area, condition.area * condition.span * rates.T
+    mass[0, 0], mass[1:, 1:] = condition.mass, rates.T @ inertia @ rates
+    position, stiffness = np.zeros((3, 3)), np.zeros((3, 3))
+    position[0] = 0.0, np.sin(condition.alpha), -np.cos(condition.gamma)
+    stiffness[0, 1] = -condition.mass * GRAVITY * cos
+    # Dutch roll is side motion and yaw, the spiral has no coordinate of its own.
+    membership = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    return FreeFlight(position, rate, force, mass, np.zeros((3, 3)), stiffness, membership)
+
+
 LATERAL = RigidBody(
     axis="lateral",
     symmetry="antisymmetric",
@@ -162,4 +193,5 @@ LATERAL = RigidBody(
     kinematics=_kinematics,
     scale_rows=_scale_rows,
     scale_motions=_scale_motions,
+    free_flight=_describe_free_flight,
 )

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
-from flexsid.sysid.model.rigid_body import Kinematics, RigidBody, stack_factors
+from flexsid.sysid.model.rigid_body import FreeFlight, Kinematics, RigidBody, stack_factors
 from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
 
 
@@ -127,6 +127,23 @@ def _scale_motions(condition: FlightCondition, trim: Trim) -> Float[np.ndarray, 
     return stack_factors(1.0, condition.chord / (2.0 * trim.airspeed))
 
 
+def _describe_free_flight(condition: FlightCondition) -> FreeFlight:
+    """Describe heave (up) and pitch: alpha = theta - hdot/V, q = thetadot.
+
+    Thrust follows the body: it acts on heave by the angle of attack.
+    """
+    forward = condition.thrust * np.cos(condition.alpha)
+    return FreeFlight(
+        position=np.array([[0.0, 1.0], [0.0, 0.0]]),
+        rate=np.array([[-1.0, 0.0], [0.0, 0.5 * condition.chord]]),
+        force=condition.area * np.diag([-1.0, condition.chord]),
+        mass=np.diag([condition.mass, condition.pitch_inertia]),
+        damping=np.diag([forward / condition.airspeed, 0.0]),
+        stiffness=np.array([[0.0, -forward], [0.0, 0.0]]),
+        membership=np.ones((1, 2)),
+    )
+
+
 LONGITUDINAL = RigidBody(
     axis="longitudinal",
     symmetry="symmetric",
@@ -139,4 +156,5 @@ LONGITUDINAL = RigidBody(
     kinematics=_kinematics,
     scale_rows=_scale_rows,
     scale_motions=_scale_motions,
+    free_flight=_describe_free_flight,
 )

@@ -38,6 +38,24 @@ class Kinematics:
 
 
 @dataclass(frozen=True, slots=True)
+class FreeFlight:
+    """The rigid body in coordinates of second order, such as heave and pitch.
+
+    The motions, as ``scale_motions`` makes them nondimensional, are (position + rate d/dt / V) q;
+    M q'' + D q' + K q = qbar force C with the coefficients C. ``membership`` assigns coordinates to
+    poles.
+    """
+
+    position: Float[np.ndarray, "n_rigid n_rigid"]
+    rate: Float[np.ndarray, "n_rigid n_rigid"]
+    force: Float[np.ndarray, "n_rigid n_rigid"]
+    mass: Float[np.ndarray, "n_rigid n_rigid"]
+    damping: Float[np.ndarray, "n_rigid n_rigid"]
+    stiffness: Float[np.ndarray, "n_rigid n_rigid"]
+    membership: Float[np.ndarray, "n_poles n_rigid"]
+
+
+@dataclass(frozen=True, slots=True)
 class RigidBody:
     """Rigid-body part of the motion r = [motions..., eta_1..n] in one axis.
 
@@ -62,6 +80,8 @@ class RigidBody:
         Dimensional factors of the coefficients. [1/s, 1/s2...]
     scale_motions
         Factors that make the motions nondimensional.
+    free_flight
+        The same motion at a condition in coordinates of second order, None where it has none.
     fast
         Rigid body without the slow motions, which are its last ones; the rows of sensors that
         do not measure these are those of it.
@@ -78,6 +98,7 @@ class RigidBody:
     kinematics: Callable[[FlightCondition, Trim], Kinematics]
     scale_rows: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
     scale_motions: Callable[[FlightCondition, Trim], Float[np.ndarray, "*n_v n_rigid"]]
+    free_flight: Callable[[FlightCondition], FreeFlight] | None = None
     fast: RigidBody | None = None
 
     @property

@@ -147,11 +147,12 @@ def _track_shaped_roots(
     some = airspeed[:: max(1, airspeed.size // _SHAPED_SPEEDS)]
     some = some if some[-1] == airspeed[-1] else np.append(some, airspeed[-1])
 
-    def place_root(at: float, root: complex) -> ShapedRoots:
-        return ShapedRoots(system, np.array([at]), np.array([root]), air)
+    def share_root(at: float, root: complex) -> Float[np.ndarray, " n_motions"]:
+        there = ShapedRoots(system, np.array([at]), np.array([root]), air)
+        return compute_shaped_participation(there, aircraft)[:, 0]
 
     return _build_shaped_locus(
-        track_pk_roots(system, some, air), airspeed, aircraft.motions, place_root
+        track_pk_roots(system, some, air), airspeed, aircraft.motions, share_root
     )
 
 
@@ -167,19 +168,21 @@ def track_shaped_loadings(
     """
     systems = [build_shaped_system(build(at)) for at in along.tolist()]
 
-    def place_root(at: float, root: complex) -> ShapedRoots:
-        system = build_shaped_system(build(at))
-        return ShapedRoots(system, np.array([airspeed]), np.array([root]), density)
+    def share_root(at: float, root: complex) -> Float[np.ndarray, " n_motions"]:
+        aircraft = build(at)
+        system = build_shaped_system(aircraft)
+        there = ShapedRoots(system, np.array([airspeed]), np.array([root]), density)
+        return compute_shaped_participation(there, aircraft)[:, 0]
 
     found = track_pk_systems(systems, along, airspeed, density)
-    return _build_shaped_locus(found, along, build(float(along[0])).motions, place_root)
+    return _build_shaped_locus(found, along, build(float(along[0])).motions, share_root)
 
 
 def _build_shaped_locus(
     found: PkRoots,
     along: Float[np.ndarray, " n_v"],
     motions: tuple[str, ...],
-    place_root: Callable[[float, complex], ShapedRoots],
+    share_root: Callable[[float, complex], Float[np.ndarray, " n_motions"]],
 ) -> RootLocus:
     """Build the locus of p-k roots, whose places are some of ``along``.
 
@@ -195,12 +198,10 @@ def _build_shaped_locus(
         at, values = some[known[:, branch]], found.roots[known[:, branch], branch]
         within = np.clip(along, at[0], at[-1])
         roots[:, column] = CubicSpline(at, values)(within) if at.size > 1 else values[0]
-        start = place_root(float(at[0]), complex(values[0]))
-        shares[:, column] = compute_shaped_participation(start)[:, 0]
+        shares[:, column] = share_root(float(at[0]), complex(values[0]))
     crossings = []
     for crossing in found.crossings:
-        there = place_root(crossing.airspeed, 1j * crossing.omega)
-        participation = compute_shaped_participation(there)[:, 0].tolist()
+        participation = share_root(crossing.airspeed, 1j * crossing.omega).tolist()
         column = own.index(crossing.branch)
         stable = np.flatnonzero((along > crossing.airspeed) & (np.real(roots[:, column]) < 0.0))
         crossings.append(

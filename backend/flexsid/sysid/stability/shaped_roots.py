@@ -7,20 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from scipy.interpolate import CubicSpline
+from scipy.linalg import block_diag
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
 from flexsid.sysid.aerodynamics.normal_washes import Reference
 from flexsid.sysid.aerodynamics.pk_flutter import ModalSystem, build_free_system
 from flexsid.sysid.model.derivatives import coefficients, variables
-from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import FreeFlight
 from flexsid.sysid.stability.state_family import Aeroelastic
 
 _STEP = 1e-5  # of k and airspeed, in central differences
 
 
 def build_shaped_system(aircraft: Aeroelastic) -> ModalSystem:
-    """Build heave, pitch and modes with the air forces theta S(k), in SI units.
+    """Build free flight of rigid body and modes with the air forces theta S(k), in SI units.
 
     Parameters
     ----------
@@ -30,19 +31,19 @@ def build_shaped_system(aircraft: Aeroelastic) -> ModalSystem:
     Raises
     ------
     BadInput
-        If the derivatives or the frequency shape are not of the longitudinal axis.
+        If the motion has no coordinates of second order, as that with airspeed, or the frequency
+        shape is of another axis.
     NotIdentifiable
         If a derivative is no number.
     """
     assert aircraft.shape is not None
     table = aircraft.derivatives
-    for body in (table.body, aircraft.shape.body):
-        if body.axis != LONGITUDINAL.axis:
-            raise BadInput(
-                f"the roots of {body.axis} motion over airspeed are not computed with a frequency "
-                "shape; select runs without one",
-                code="axis-not-supported",
-            )
+    if aircraft.shape.body.axis != table.body.axis:
+        raise BadInput(
+            f"the frequency shape is of the {aircraft.shape.body.axis} axis, the derivatives are "
+            f"of the {table.body.axis} one",
+            code="shape-of-other-model",
+        )
     if not np.isfinite(table.values).all():
         raise NotIdentifiable("the model has a derivative that is not finite; select other runs")
     c, modes = aircraft.condition, aircraft.modes
@@ -54,14 +55,26 @@ def build_shaped_system(aircraft: Aeroelastic) -> ModalSystem:
         shape.factors * table.values,
     )
     reference = Reference(c.area, c.chord, c.chord, np.zeros(3))
-    system = build_free_system(
-        C, reference, (c.mass, c.pitch_inertia), modes.mass, modes.omega, modes.zeta
-    )
-    # Thrust follows the body: it acts on heave by the angle of attack, theta - hdot/V.
-    forward = c.thrust * np.cos(c.alpha)
-    system.damping[0, 0] = forward / c.airspeed
-    system.stiffness[0, 1] = -forward
-    return system
+    rigid = describe_free_flight(aircraft)
+    return build_free_system(C, reference, rigid, modes.mass, modes.omega, modes.zeta)
+
+
+def describe_free_flight(aircraft: Aeroelastic) -> FreeFlight:
+    """Describe the rigid body of an aircraft in coordinates of second order.
+
+    Raises
+    ------
+    BadInput
+        If its motion has none.
+    """
+    body = aircraft.derivatives.body
+    if body.free_flight is None:
+        raise BadInput(
+            f"the roots of {body.axis} motion over airspeed are not computed with a frequency "
+            "shape; select runs without one",
+            code="axis-not-supported",
+        )
+    return body.free_flight(aircraft.condition)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,16 +126,19 @@ class ShapedRoots:
         return by_p, by_k, by_V
 
 
-def compute_shaped_participation(found: ShapedRoots) -> Float[np.ndarray, "n_motions n"]:
-    """Compute the share of the short period and of each mode in every root.
+def compute_shaped_participation(
+    found: ShapedRoots, aircraft: Aeroelastic
+) -> Float[np.ndarray, "n_motions n"]:
+    """Compute the share of the motions of the rigid body and of each mode in every root.
 
     The parts of w^H (dF/dp) v, as left times right eigenvector elsewhere.
     """
     left, right = found.decompose()
     by_p = found.differentiate()[0]
     part = np.abs(left.conj() * (by_p @ right[:, :, None])[:, :, 0]).T
-    n_rigid = LONGITUDINAL.size  # heave and pitch
-    share = np.vstack([part[:n_rigid].sum(axis=0), part[n_rigid:]])
+    membership = describe_free_flight(aircraft).membership
+    n_rigid = membership.shape[1]
+    share = np.vstack([membership @ part[:n_rigid], part[n_rigid:]])
     return share / share.sum(axis=0)
 
 
@@ -139,22 +155,24 @@ def _load_by_derivative(
     shape = aircraft.shape.select(table.modes, table.inputs)
     s = shape.at(np.minimum(k, shape.k[-1]))
     rate, ik = (found.roots * b / V / k)[:, None], 1j * k[:, None]
+    rigid = describe_free_flight(aircraft)
+    n, first = len(table.modes), table.body.size
 
     def respond(forces: Complex[np.ndarray, "n n_rows"], motion: int) -> np.ndarray:
         return (np.real(forces) + rate * np.imag(forces)) * right[:, motion, None]
 
     load = np.zeros(s.shape, dtype=complex)  # inputs have no part in a root
-    load[:, :, 0] = respond(-ik / b * s[:, :, 0], 0) + respond(s[:, :, 0], 1)
-    load[:, :, 1] = respond(ik * s[:, :, 1], 1)
-    n = len(table.modes)
-    for motion in range(LONGITUDINAL.size, LONGITUDINAL.size + n):
+    for motion in range(first):
+        for q in range(first):
+            moved = rigid.position[motion, q] + ik / b * rigid.rate[motion, q]
+            load[:, :, motion] += respond(moved * s[:, :, motion], q)
+    for motion in range(first, first + n):
         load[:, :, motion] = respond(s[:, :, motion], motion)
         load[:, :, n + motion] = respond(ik * s[:, :, n + motion], motion)
     condition = aircraft.condition
-    force = np.full(s.shape[1], condition.area * condition.chord)
-    force[0] = -condition.area
+    force = block_diag(rigid.force, condition.area * condition.chord * np.eye(n))
     pressure = 0.5 * found.density * V**2
-    return -(pressure[:, None] * left.conj() * force)[:, :, None] * load
+    return -(pressure[:, None] * (left.conj() @ force))[:, :, None] * load
 
 
 def compute_shaped_slopes(
@@ -191,7 +209,7 @@ def compute_shaped_slopes(
         return moved[:, 0] + 1j * moved[:, 1]
 
     by_theta = _load_by_derivative(found, aircraft, left, right)[:, rows, columns]
-    modal = slice(LONGITUDINAL.size, None)
+    modal = slice(aircraft.derivatives.body.size, None)
     mass = np.diag(found.system.mass)[modal]
     by_stiffness = left.conj()[:, modal] * mass * right[:, modal]
     by_speed = (by_V - by_k * k / V)[:, None]

@@ -86,7 +86,7 @@ def load_frequency_shape(
     """Load the frequency shape of a model's derivatives at a fuel fraction.
 
     ``smallest_ratio`` is that of ``build_frequency_shape``; ``coarse_mesh`` loads the shape of the
-    mesh with half the divisions along the chord.
+    mesh with half the divisions along the chord. What the lattice does not predict is unshaped.
 
     Raises
     ------
@@ -112,7 +112,9 @@ def load_frequency_shape(
     flat = every.reshape(at.size, -1)
     values = interpolate(at, np.real(flat), fuel) + 1j * interpolate(at, np.imag(flat), fuel)
     values = values.reshape(every.shape[1:])
-    predicted = dict(zip(prediction.names, values.T, strict=True))
+    known = interpolate_prediction(store, prediction, fuel)
+    by_name = zip(prediction.names, values.T, strict=True)
+    predicted = {name: column for name, column in by_name if name in known}
     k = np.array(unsteady.k)
     return build_frequency_shape(
         modes, inputs, k, predicted, unsteady.reference_k, body, smallest_ratio

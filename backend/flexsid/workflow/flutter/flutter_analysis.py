@@ -23,6 +23,7 @@ from flexsid.records.flutter import (
 from flexsid.records.job import Job
 from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
+from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
@@ -89,6 +90,7 @@ def summarise_flutter(store: Store, models: FlutterModels) -> Flutter:
     known = models.at.aircraft.flutter
     equivalents, equivalent_points = compute_equivalents(store, models)
     failed = describe_failed_fits(models.derived_runs)
+    body = models.best.found.aircraft.derivatives.body
     return Flutter(
         sentence=f"{best.sentence} {_describe_search(models)}{failed}",
         refusal=best.refusal,
@@ -127,6 +129,7 @@ def summarise_flutter(store: Store, models: FlutterModels) -> Flutter:
         equivalents=equivalents,
         equivalent_points=equivalent_points,
         derived_runs=models.derived_runs,
+        axis="lateral" if body.symmetry == LATERAL.symmetry else "longitudinal",
     )
 
 

@@ -19,9 +19,16 @@ from flexsid.records.flutter import (
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
+from flexsid.sysid.model.derivatives import (
+    DerivativeTable,
+    coefficients,
+    list_derivative_names,
+    variables,
+)
 from flexsid.sysid.model.frequency_shape import FrequencyShape
+from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
 from flexsid.sysid.stability.rational_crossing import AGREEMENT, find_rational_crossing
@@ -52,11 +59,12 @@ That of wing bending at the flutter speed is 0.3 for FLEX-28 and 0.2 for mAEWing
 class PredictedFlutterQuery:
     """A prediction, loading and air density.
 
-    By default the middle fuel weight of the prediction, standard air at sea level, and airspeeds at
-    which the lowest mode has reduced frequencies from 1 to 0.1.
+    By default the first axis of which the prediction has modes, its middle fuel weight, standard
+    air at sea level, and airspeeds at which the lowest mode has reduced frequencies from 1 to 0.1.
     """
 
     prediction_id: int
+    axis: str | None = None
     fuel: float | None = None
     density_kg_m3: float | None = None
     from_m_s: float | None = None
@@ -77,6 +85,7 @@ class PredictedFlutterTask:
     fuel: float
     density: float
     band: tuple[float, float]
+    not_predicted: tuple[str, ...]
 
     def build_aircraft(self, airspeed: float) -> Aeroelastic:
         """Build the derivatives on the structure, trimmed at an airspeed."""
@@ -90,9 +99,10 @@ class PredictedFlutterTask:
 
 
 def query_beside_flight(prediction_id: int, flight: Flutter) -> PredictedFlutterQuery:
-    """Return the query at the loading, air density and airspeeds of flutter from flight."""
+    """Return the query at the axis, loading, air density and airspeeds of flutter from flight."""
     return PredictedFlutterQuery(
         prediction_id=prediction_id,
+        axis=flight.axis,
         fuel=flight.fuel_fraction,
         density_kg_m3=flight.density_kg_m3,
         from_m_s=flight.searched_from_m_s,
@@ -129,27 +139,20 @@ def prepare_predicted_flutter(store: Store, query: PredictedFlutterQuery) -> Pre
     Raises
     ------
     BadInput
-        If the prediction has no symmetric modes of the modal table.
+        If the prediction has no modes of the modal table in the axis.
     """
     prediction = store.predictions.get(query.prediction_id)
     modes = load_modes(store, *_find_tables(store, prediction))
-    symmetric = [n for n in modes.table.numbers if modes.belongs_to(n, LONGITUDINAL)]
-    numbers = list_predicted_modes(prediction, symmetric)
-    if not numbers:
-        raise BadInput(
-            f"prediction '{prediction.source}' has no derivatives of symmetric modes of the modal "
-            "table; select another one",
-            code="no-predicted-modes",
-        )
+    body, numbers = _select_modes(prediction, modes, query.axis)
     fuel = prediction.fuel[len(prediction.fuel) // 2] if query.fuel is None else query.fuel
     values = interpolate_prediction(store, prediction, fuel)
-    table = DerivativeTable.from_names(numbers, (), {n: v for n, (v, _) in values.items()})
+    table = DerivativeTable.from_names(numbers, (), {n: v for n, (v, _) in values.items()}, body)
     shape, unshaped = None, ()
     if prediction.unsteady is not None:
         # The coefficients themselves, also of derivatives that are zero at the reference.
-        shape = load_frequency_shape(store, prediction, fuel, numbers, (), LONGITUDINAL, 0.0)
-        unshaped = load_frequency_shape(store, prediction, fuel, numbers, (), LONGITUDINAL).unshaped
-    rows, columns = coefficients(numbers), variables(numbers, ())
+        shape = load_frequency_shape(store, prediction, fuel, numbers, (), body, 0.0)
+        unshaped = load_frequency_shape(store, prediction, fuel, numbers, (), body).unshaped
+    rows, columns = coefficients(numbers, body), variables(numbers, (), body)
     std = {
         (i, j): error
         for i, row in enumerate(rows)
@@ -176,6 +179,28 @@ def prepare_predicted_flutter(store: Store, query: PredictedFlutterQuery) -> Pre
         if query.density_kg_m3 is None
         else query.density_kg_m3,
         band=(query.from_m_s or low, query.to_m_s or high),
+        not_predicted=tuple(
+            name
+            for name in list_derivative_names(numbers, (), body)
+            if name in prediction.names and name not in values
+        ),
+    )
+
+
+def _select_modes(
+    prediction: DerivativePrediction, modes: AircraftModes, axis: str | None
+) -> tuple[RigidBody, tuple[int, ...]]:
+    """Select the axis, the first with predicted modes unless it is requested, and its modes."""
+    for body in (LONGITUDINAL, LATERAL):
+        own = [number for number in modes.table.numbers if modes.belongs_to(number, body)]
+        numbers = list_predicted_modes(prediction, own, body)
+        if numbers and axis in (None, body.axis):
+            return body, numbers
+    of_axis = "" if axis is None else f"{axis} "
+    raise BadInput(
+        f"prediction '{prediction.source}' has no {of_axis}derivatives of modes of the modal "
+        "table; select another one",
+        code="no-predicted-modes",
     )
 
 
@@ -221,7 +246,12 @@ def compute_predicted_flutter(
         interval=prediction.interval if task.uncertain.rows.size else None,
         tested_to=None,
         by_monte_carlo=bands.by_monte_carlo,
-        note=f"Derivatives of {task.source}, whose standard errors are taken as independent.",
+        note=f"Derivatives of {task.source}, whose standard errors are taken as independent."
+        + (
+            f" Without {', '.join(task.not_predicted)}, which are not predicted."
+            if task.not_predicted
+            else ""
+        ),
     )
     return PredictedFlutterResult(flutter=_summarise(task, aircraft, prediction), roots=roots)
 

@@ -16,6 +16,7 @@ from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import (
+    NOT_PREDICTED,
     REDUCED_FREQUENCIES,
     UnsteadyCoefficients,
     compute_loadings,
@@ -29,9 +30,11 @@ from flexsid.sysid.aerodynamics.normal_washes import (
 )
 from flexsid.sysid.aerodynamics.splines import SplinedSurface, interpolate_shapes, select_nodes
 from flexsid.sysid.model.derivatives import list_derivative_names, variables
+from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.units import factor
-from flexsid.workflow.aircraft.axes import require_axis_inputs
+from flexsid.workflow.aircraft.axes import get_symmetry, require_axis_inputs
 from flexsid.workflow.aircraft.derivative_predictions import select_by_id
 from flexsid.workflow.modal_data.modal_tables import (
     TO_STRUCTURE,
@@ -43,15 +46,22 @@ from flexsid.workflow.modal_data.modal_tables import (
 
 KIND = "doublet lattice"
 
-_MOST_MODES = 8  # lowest symmetric ones, unless modes are named
+_BODIES = {body.axis: body for body in (LONGITUDINAL, LATERAL)}
+_MOST_MODES = 8  # lowest ones of the symmetry of the axis, unless modes are named
 _MOST_FUELS = 17
 _LARGEST_DIVISION = 200
 _COARSE_SHARE = 0.2  # of the work: the coarser mesh of the spread has a quarter of the pairs
 
-_SPREAD = {"alpha": 0.15, "q": 0.15, "eta": 0.15, "etadot": 0.25}
-_SPREAD_OF_SURFACES = 0.20
+_SPREAD = {"alpha": 0.15, "q": 0.15, "p": 0.15, "eta": 0.15, "etadot": 0.25}
+_SPREAD_OF_OTHERS = 0.20
 """Standard deviations relative to the value, beside that of the mesh (design notes of the project:
-lattices and flight differ by so much for thickness, gaps and viscosity)."""
+lattices and flight differ by so much for thickness, gaps and viscosity). Sideslip and yaw rate act
+on bodies and winglets, of which a lattice represents as little as of surfaces with gaps."""
+_SYMMETRIES = {
+    LONGITUDINAL.symmetry: Symmetry.SYMMETRIC,
+    LATERAL.symmetry: Symmetry.ANTISYMMETRIC,
+}
+_NOT_PREDICTED = {f"{row}_{column}" for row, column in NOT_PREDICTED}
 _SMALL = 0.05  # of the largest derivative of its row: such an entry has a spread of that size
 
 
@@ -83,13 +93,16 @@ class PlanformSurface:
 class PredictionRequest:
     """Planform, modes, Mach number and reduced frequencies of a prediction to compute.
 
-    Panels are given, or CAERO1 entries of a Nastran ``deck`` in ``deck_unit``. ``modes`` are the
-    lowest symmetric ones by default. ``reference_k`` is the reduced frequency of the tabulated
-    derivatives: 0, or that of the mode that flutters; never an average over the band.
+    Panels are given, or CAERO1 entries of a Nastran ``deck`` in ``deck_unit``. ``axis`` is that of
+    the derivatives; ``modes`` are the lowest ones of its symmetry by default, and deflections of
+    antisymmetric surfaces are positive with the right trailing edge down. ``reference_k`` is the
+    reduced frequency of the tabulated derivatives: 0, or that of the mode that flutters; never an
+    average over the band.
     """
 
     aircraft_id: int
     source: str
+    axis: str = LONGITUDINAL.axis
     panels: tuple[PlanformPanel, ...] = ()
     surfaces: tuple[PlanformSurface, ...] = ()
     deck: str = ""
@@ -114,10 +127,18 @@ class PredictionTask:
     nodes: np.ndarray
     shapes: np.ndarray  # (fuel, modes, nodes, 6), structural axes
 
+    @property
+    def body(self) -> RigidBody:
+        """Rigid body of the axis."""
+        return _BODIES[self.request.axis]
+
 
 @dataclass(frozen=True, slots=True)
 class ComputedPrediction:
-    """A prediction before it is stored: complex coefficients and standard deviations."""
+    """A prediction before it is stored: complex coefficients and standard deviations.
+
+    ``values`` and ``std_errors`` of derivatives that a lattice does not predict are NaN.
+    """
 
     task: PredictionTask
     names: tuple[str, ...]
@@ -150,23 +171,20 @@ def prepare_prediction(store: Store, request: PredictionRequest) -> PredictionTa
         modal = find_modal_tables(store, request.aircraft_id, None, None)[0]
     modes = open_modes(store, modal)
     nodes = read_nodes(store, modes.table)
-    numbers = (
-        request.modes
-        or tuple(
-            number
-            for number, symmetric in zip(modes.table.numbers, modes.table.symmetric, strict=True)
-            if symmetric
-        )[:_MOST_MODES]
-    )
+    body = _BODIES[request.axis]
+    symmetric = dict(zip(modes.table.numbers, modes.table.symmetric, strict=True))
+    own = [n for n in modes.table.numbers if symmetric[n] == (body.symmetry == "symmetric")]
+    numbers = request.modes or tuple(own[:_MOST_MODES])
     for number in numbers:
-        if number not in modes.table.numbers:
+        if number not in symmetric:
             raise BadInput(
                 f"mode {number} is not in modal table '{modes.table.name}'", code="unknown-mode"
             )
-        if not modes.table.symmetric[modes.table.numbers.index(number)]:
+        if number not in own:
             raise BadInput(
-                f"mode {number} is antisymmetric, and derivatives of lateral motion are not "
-                "computed from a planform; select symmetric modes",
+                f"mode {number} has the other symmetry; a {body.axis} prediction has "
+                f"{body.symmetry} modes, which are {', '.join(map(str, own)) or 'none'} in modal "
+                f"table '{modes.table.name}'",
                 code="axis-not-supported",
                 mode=number,
             )
@@ -218,7 +236,22 @@ def check_prediction(store: Store, request: PredictionRequest) -> None:
                 f"{', '.join(known) or 'none'}",
                 code="unknown-input",
             )
-    require_axis_inputs(aircraft, [surface.name for surface in request.surfaces], LONGITUDINAL)
+    body = _BODIES.get(request.axis)
+    if body is None:
+        raise BadInput(
+            f"derivatives are computed for one axis, {' or '.join(_BODIES)}; "
+            f"'{request.axis}' is neither",
+            code="axis-not-supported",
+        )
+    require_axis_inputs(aircraft, [surface.name for surface in request.surfaces], body)
+    for surface in request.surfaces:
+        if get_symmetry(aircraft, surface.name) == "single":
+            raise BadInput(
+                f"'{surface.name}' moves on one side; compute the derivatives of both sides "
+                f"together, as a {body.symmetry} surface of the aircraft",
+                code="axis-not-supported",
+                channel=surface.name,
+            )
     boxes = mesh_panels(_read_panels(request))
     for surface in request.surfaces:
         _place(boxes, surface)
@@ -254,19 +287,22 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
     coarse = _compute(task, coarse_boxes, k, progress)[1] if is_coarser else found
     # The lattice numbers modes from 1.
     inputs = tuple(surface.name for surface in request.surfaces)
-    names = list_derivative_names(task.modes, inputs)
+    names = list_derivative_names(task.modes, inputs, task.body)
     values = np.array([np.real(C.at(request.reference_k)) for C in found])
     mesh = values - np.array([np.real(C.at(request.reference_k)) for C in coarse])
-    std = np.hypot(compute_spread(values, variables(task.modes, inputs)), mesh)
+    std = np.hypot(compute_spread(values, variables(task.modes, inputs, task.body)), mesh)
     n_fuel = len(task.fuel)
+    values, std = values.reshape(n_fuel, -1), std.reshape(n_fuel, -1)
+    not_predicted = [name in _NOT_PREDICTED for name in names]
+    values[:, not_predicted] = std[:, not_predicted] = np.nan
     return ComputedPrediction(
         task,
         names,
         k,
         np.array([C.values for C in found]).reshape(n_fuel, k.size, -1),
         np.array([C.values for C in coarse]).reshape(n_fuel, k.size, -1) if is_coarser else None,
-        values.reshape(n_fuel, -1),
-        std.reshape(n_fuel, -1),
+        values,
+        std,
         len(boxes),
         tuple(
             f"{s.name}: hinge {s.hinge_fraction:.3f}, Y {s.span_range[0]:.3f} to "
@@ -281,7 +317,7 @@ def compute_spread(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
 
     15 to 25 % of each derivative, at least of 5 % of the largest of its row.
     """
-    relative = [_SPREAD.get(c.rstrip("0123456789"), _SPREAD_OF_SURFACES) for c in columns]
+    relative = [_SPREAD.get(c.rstrip("0123456789"), _SPREAD_OF_OTHERS) for c in columns]
     size = np.maximum(np.abs(values), _SMALL * np.abs(values).max(axis=2, keepdims=True))
     return size * np.array(relative)
 
@@ -308,8 +344,7 @@ def store_computed_prediction(
             names=found.names,
             values=store.arrays.put(found.values),
             std_errors=store.arrays.put(found.std_errors),
-            note=f"computed: {found.n_boxes} boxes on the right half, Mach {request.mach:g}, "
-            f"derivatives at k = {request.reference_k:g}; no thickness, no drag",
+            note=_describe(found),
             unsteady=UnsteadyPrediction(
                 k=tuple(found.k.tolist()),
                 reference_k=request.reference_k,
@@ -326,6 +361,15 @@ def store_computed_prediction(
         )
     )
     return {"prediction_id": stored.id}
+
+
+def _describe(found: ComputedPrediction) -> str:
+    request = found.task.request
+    lacking = [name for name in found.names if name in _NOT_PREDICTED]
+    return (
+        f"computed: {found.n_boxes} boxes on the right half, {found.task.body.symmetry} motion, "
+        f"Mach {request.mach:g}, derivatives at k = {request.reference_k:g}; no thickness, no drag"
+    ) + (f"; not predicted: {', '.join(lacking)}" if lacking else "")
 
 
 def _read_panels(request: PredictionRequest) -> tuple[Panel, ...]:
@@ -423,7 +467,7 @@ def _compute(
         loadings,
         surfaces,
         mach=task.request.mach,
-        symmetry=Symmetry.SYMMETRIC,
+        symmetry=_SYMMETRIES[task.body.symmetry],
         k=k,
         report_progress=report,
     )

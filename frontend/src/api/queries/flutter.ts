@@ -27,6 +27,7 @@ export const flutterResult = (query: FlutterParams): StoredResultOptions<Flutter
 
 export interface PredictedFlutterParams {
   prediction_id: number;
+  axis?: "longitudinal" | "lateral";
   fuel?: number;
   density_kg_m3?: number;
   from_m_s?: number;
