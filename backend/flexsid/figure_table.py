@@ -30,6 +30,7 @@ from flexsid.figures.forest import draw_forest
 from flexsid.figures.global_model import draw_coverage, draw_slice
 from flexsid.figures.ground_test import draw_ground_test
 from flexsid.figures.iterations import draw_iterations
+from flexsid.figures.lattice import draw_lattice
 from flexsid.figures.live_history import draw_live_history
 from flexsid.figures.loops import draw_loops
 from flexsid.figures.modal_data import (
@@ -81,6 +82,7 @@ from flexsid.records.views import (
     DesignedExcitation,
     ExpectedResponse,
     FitPlot,
+    LatticeQuantity,
     Reconstruction,
     Residuals,
 )
@@ -126,6 +128,7 @@ from flexsid.workflow.views.bode import compute_bode
 from flexsid.workflow.views.campaign import read_envelope
 from flexsid.workflow.views.dashboard import read_derivative_coverage
 from flexsid.workflow.views.fuel import trace_modes
+from flexsid.workflow.views.lattice import view_lattice
 from flexsid.workflow.views.loops import estimate_loops
 from flexsid.workflow.views.maneuver import (
     POINTS,
@@ -596,6 +599,17 @@ class _SummaryFigure(SummaryParameters):
     )
 
 
+class _Lattice(FigureParameters):
+    prediction_id: _Id
+    quantity: LatticeQuantity = LatticeQuantity.LAYOUT
+    column: str | None = Field(
+        None,
+        max_length=64,
+        description="Variable of a pressure, such as alpha, eta7 or wf1s, or number of a mode; "
+        "the first by default.",
+    )
+
+
 class _ModalTable(FigureParameters):
     modal_table_id: _Id
 
@@ -799,6 +813,9 @@ _KINDS = (
     FigureKind("time-history", _TimeHistory, read_time_history, draw_time_history,
         "Draw channels over time, decimated for the screen; by default the inputs.\n\n"
         "CSV and MAT files contain every sample of the window."),
+    FigureKind("lattice", _Lattice, view_lattice, draw_lattice,
+        "Draw the boxes of a computed prediction, by default surfaces and sensors (Fig. 3).\n\n"
+        "Or pressures, modes as splined to the boxes, aspect ratios, and boxes per wavelength."),
     FigureKind("surface-histories", _SurfaceHistories, read_surface_histories,
         draw_surface_histories,
         "Draw measured surfaces over time, with their commands through the servos (Fig. 4).\n\n"

@@ -550,7 +550,22 @@ export type DesignView = ReturnType<typeof designView>;
 export const glossaryView = view((search) => ({ search: text(search.search) }));
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
-export const aircraftView = view((search) => ({ id: integer(search.id) }));
+export const LATTICE_QUANTITIES = [
+  "layout",
+  "pressure",
+  "mode",
+  "aspect-ratio",
+  "resolution",
+] as const;
+
+export const aircraftView = view((search) => ({
+  id: integer(search.id),
+  /** Prediction whose boxes are shown, by which quantity, and its variable or mode. */
+  prediction: integer(search.prediction),
+  quantity: oneOf(search.quantity, LATTICE_QUANTITIES),
+  column: text(search.column),
+}));
+export type AircraftView = ReturnType<typeof aircraftView>;
 
 export const batchView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
 

@@ -141,6 +141,7 @@ class _Recorder:
             elif response.status_code >= 300:
                 print(f"{name}: {method} {path}: {response.status_code} {response.text[:200]}")
             if name in (
+                "compute_prediction",
                 "request_search",
                 "request_flutter",
                 "request_predicted_flutter",
@@ -173,6 +174,8 @@ class _Recorder:
         if name == "cancel_search":
             body = {"maneuver_ids": [2], "method": "OE", "structure": {"modes": [7, 9, 11]}}
             values["path"]["search_id"] = self._create("searches", body).rpartition("/")[2]
+        if name == "draw_lattice":
+            values["query"]["prediction_id"] = 3  # that of compute_prediction
         if name == "export_design":
             values["query"]["form"] = "json"
         if name == "vote_on_decision":

@@ -212,6 +212,25 @@ def _symmetry_in_name(name: str, others: list[str]) -> SurfaceSymmetry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Lattice:
+    """Boxes on the right half of a computed prediction, at one fuel weight.
+
+    Hashes of arrays: ``corners`` (n, 4, 3) in structural axes [m], ``surface`` (n,) index into
+    ``surfaces`` or -1, ``pressures`` complex (len(columns), n) per unit of each variable at the
+    reference k, and ``displacements`` (modes, n) along the normals of the boxes per unit eta [m].
+    """
+
+    fuel: float
+    corners: str
+    surfaces: tuple[str, ...]
+    surface: str
+    columns: tuple[str, ...]
+    pressures: str
+    modes: tuple[int, ...]
+    displacements: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class UnsteadyPrediction:
     """Derivatives of a prediction over reduced frequency k = omega cbar/2V, and their provenance.
 
@@ -219,7 +238,8 @@ class UnsteadyPrediction:
     normal washes. The values of the prediction are their real parts at ``reference_k``.
     ``coarse_coefficients`` are those of a mesh with half the divisions along the chord, None where
     there is none.
-    ``geometry`` is the hash of panels, surfaces and divisions.
+    ``geometry`` is the hash of panels, surfaces and divisions; ``lattice`` is None in predictions
+    of earlier versions and of other programs.
     """
 
     k: tuple[float, ...]
@@ -231,6 +251,7 @@ class UnsteadyPrediction:
     modal_table_id: int | None = None
     surfaces: tuple[str, ...] = ()  # with hinge and span after snapping to boxes
     coarse_coefficients: str | None = None
+    lattice: Lattice | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

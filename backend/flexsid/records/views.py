@@ -7,6 +7,7 @@ are plain numpy; a number that does not exist is NaN in an array, None in a fiel
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 import numpy as np
 
@@ -58,6 +59,34 @@ class ChannelTrace:
     role: Role
     time_s: np.ndarray
     values: np.ndarray
+
+
+class LatticeQuantity(StrEnum):
+    """Quantity on the boxes of a lattice."""
+
+    LAYOUT = "layout"
+    PRESSURE = "pressure"
+    MODE = "mode"
+    ASPECT_RATIO = "aspect-ratio"
+    RESOLUTION = "resolution"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LatticeView:
+    """One quantity on the boxes of both halves, and the sensors; x aft, y right, z up [m].
+
+    ``corners`` are (n, 4, 3), displaced where a mode is shown; ``values`` (n,), NaN where there is
+    none; of the layout they are indices of ``surfaces``. ``parameter`` is the variable of a
+    pressure, or the name of a mode; ``sensors`` are names with x and y.
+    """
+
+    quantity: LatticeQuantity
+    parameter: str
+    corners: np.ndarray
+    values: np.ndarray
+    surfaces: tuple[str, ...]
+    sensors: tuple[tuple[str, float, float], ...]
+    note: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,6 +9,7 @@ import { Facts } from "../components/ConditionFacts";
 import { ComputePrediction } from "../components/ComputePrediction";
 import { DataTable, numeric } from "../components/DataTable";
 import { Empty } from "../components/Empty";
+import { LatticeSection } from "../components/LatticeSection";
 import { Loaded } from "../components/Loaded";
 import { ModalTableView } from "../components/ModalTableView";
 import { quantity } from "../components/Quantity";
@@ -83,6 +84,9 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
   const tables = useQuery(modalTablesQuery(aircraft.id));
   const predictions = useQuery(predictionsQuery(aircraft.id));
   const { geometry, mass, flutter } = aircraft;
+  const view = route.useSearch();
+  const navigate = route.useNavigate();
+  const shown = predictions.data?.find((one) => one.id === view.prediction);
   const predictionsPanel = useRef<HTMLDivElement>(null);
   const { hash } = useLocation();
   useEffect(() => {
@@ -169,6 +173,21 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
                     ),
                     { key: "note", header: "Note", wraps: true, render: (one) => one.note },
                     {
+                      key: "lattice",
+                      header: "Lattice",
+                      render: (one) =>
+                        one.unsteady?.lattice && (
+                          <Link
+                            to="/aircraft"
+                            search={{ id: aircraft.id, prediction: one.id }}
+                            resetScroll={false}
+                            className="link"
+                          >
+                            Lattice
+                          </Link>
+                        ),
+                    },
+                    {
                       key: "flutter",
                       header: "Flutter",
                       render: (one) =>
@@ -187,6 +206,19 @@ function OneAircraft({ aircraft }: { aircraft: Aircraft }) {
           </Loaded>
         </Section>
       </div>
+      {shown && (
+        <LatticeSection
+          prediction={shown}
+          view={view}
+          onChange={(change) =>
+            void navigate({
+              search: (previous) => ({ ...previous, ...change }),
+              replace: true,
+              resetScroll: false,
+            })
+          }
+        />
+      )}
       <Loaded query={tables}>
         {(all) =>
           all.length === 0 ? (

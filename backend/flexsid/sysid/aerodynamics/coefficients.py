@@ -165,6 +165,26 @@ def compute_loadings(
     ]
 
 
+def compute_pressures(
+    boxes: Boxes,
+    shapes: BoxShapes,
+    surfaces: Sequence[ControlSurface],
+    reference: Reference,
+    *,
+    mach: float,
+    symmetry: Symmetry,
+    k: float,
+) -> Complex[np.ndarray, "n_columns n"]:
+    """Compute the pressure differences c_p = A(k)^-1 W of each column on the boxes.
+
+    Columns are those of ``define_washes``, each per unit of its variable; parameters as in
+    ``compute_coefficients``.
+    """
+    washes = define_washes(boxes, shapes, surfaces, reference, symmetry)
+    A = compute_influence(boxes, mach, k / (0.5 * reference.chord), symmetry)
+    return np.linalg.solve(A, washes.at(k)).T.astype(complex)
+
+
 def tabulate_derivatives(
     coefficients: UnsteadyCoefficients, k: float
 ) -> tuple[tuple[str, ...], Float[np.ndarray, "n_rows n_columns"]]:

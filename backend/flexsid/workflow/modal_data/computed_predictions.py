@@ -10,7 +10,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers.nastran.aero import read_aero_deck
-from flexsid.records.aircraft import Aircraft, DerivativePrediction, UnsteadyPrediction
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, Lattice, UnsteadyPrediction
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
@@ -20,6 +20,7 @@ from flexsid.sysid.aerodynamics.coefficients import (
     REDUCED_FREQUENCIES,
     UnsteadyCoefficients,
     compute_loadings,
+    compute_pressures,
 )
 from flexsid.sysid.aerodynamics.influence import MAX_BOXES, Symmetry
 from flexsid.sysid.aerodynamics.normal_washes import (
@@ -147,8 +148,10 @@ class ComputedPrediction:
     coarse_coefficients: np.ndarray | None  # the same, of half the divisions along the chord
     values: np.ndarray  # (fuel, names)
     std_errors: np.ndarray
-    n_boxes: int
-    surfaces: tuple[str, ...]
+    boxes: Boxes
+    surfaces: tuple[ControlSurface, ...]
+    displacements: np.ndarray  # (modes, boxes), at the fuel weight of the pressures
+    pressures: np.ndarray  # (columns, boxes)
 
 
 def prepare_prediction(store: Store, request: PredictionRequest) -> PredictionTask:
@@ -293,6 +296,7 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
     std = np.hypot(compute_spread(values, variables(task.modes, inputs, task.body)), mesh)
     n_fuel = len(task.fuel)
     values, std = values.reshape(n_fuel, -1), std.reshape(n_fuel, -1)
+    shapes = _interpolate(task, boxes, task.shapes[n_fuel // 2])
     not_predicted = [name in _NOT_PREDICTED for name in names]
     values[:, not_predicted] = std[:, not_predicted] = np.nan
     return ComputedPrediction(
@@ -303,11 +307,17 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
         np.array([C.values for C in coarse]).reshape(n_fuel, k.size, -1) if is_coarser else None,
         values,
         std,
-        len(boxes),
-        tuple(
-            f"{s.name}: hinge {s.hinge_fraction:.3f}, Y {s.span_range[0]:.3f} to "
-            f"{s.span_range[1]:.3f} m"
-            for s in surfaces
+        boxes,
+        tuple(surfaces),
+        shapes.control,
+        compute_pressures(
+            boxes,
+            shapes,
+            surfaces,
+            task.references[n_fuel // 2],
+            mach=request.mach,
+            symmetry=_SYMMETRIES[task.body.symmetry],
+            k=request.reference_k,
         ),
     )
 
@@ -350,24 +360,47 @@ def store_computed_prediction(
                 reference_k=request.reference_k,
                 coefficients=store.arrays.put(found.coefficients),
                 mach=request.mach,
-                n_boxes=found.n_boxes,
+                n_boxes=len(found.boxes),
                 geometry=hashlib.sha256(geometry.encode()).hexdigest(),
                 modal_table_id=task.modal_table_id,
-                surfaces=found.surfaces,
+                surfaces=tuple(
+                    f"{s.name}: hinge {s.hinge_fraction:.3f}, Y {s.span_range[0]:.3f} to "
+                    f"{s.span_range[1]:.3f} m"
+                    for s in found.surfaces
+                ),
                 coarse_coefficients=None
                 if found.coarse_coefficients is None
                 else store.arrays.put(found.coarse_coefficients),
+                lattice=_store_lattice(store, found),
             ),
         )
     )
     return {"prediction_id": stored.id}
 
 
+def _store_lattice(store: Store, found: ComputedPrediction) -> Lattice:
+    task = found.task
+    names = tuple(surface.name for surface in found.surfaces)
+    surface = np.full(len(found.boxes), -1.0)
+    for index, one in enumerate(found.surfaces):
+        surface[one.boxes] = index
+    return Lattice(
+        fuel=task.fuel[len(task.fuel) // 2],
+        corners=store.arrays.put(found.boxes.corners),
+        surfaces=names,
+        surface=store.arrays.put(surface),
+        columns=variables(task.modes, names, task.body),
+        pressures=store.arrays.put(found.pressures),
+        modes=task.modes,
+        displacements=store.arrays.put(found.displacements),
+    )
+
+
 def _describe(found: ComputedPrediction) -> str:
     request = found.task.request
     lacking = [name for name in found.names if name in _NOT_PREDICTED]
     return (
-        f"computed: {found.n_boxes} boxes on the right half, {found.task.body.symmetry} motion, "
+        f"computed: {len(found.boxes)} boxes on the right half, {found.task.body.symmetry} motion, "
         f"Mach {request.mach:g}, derivatives at k = {request.reference_k:g}; no thickness, no drag"
     ) + (f"; not predicted: {', '.join(lacking)}" if lacking else "")
 
@@ -443,24 +476,24 @@ def _place(boxes: Boxes, surface: PlanformSurface) -> ControlSurface:
     return place_surface(boxes, surface.name, surface.span, surface.hinge)
 
 
+def _interpolate(task: PredictionTask, boxes: Boxes, shapes: np.ndarray) -> BoxShapes:
+    """Interpolate the mode shapes of one fuel weight to the boxes."""
+    if not task.modes:
+        return BoxShapes(*(np.zeros((0, len(boxes))) for _ in range(3)))
+    splined = [
+        SplinedSurface(inside, task.nodes[nodes], shapes[:, nodes, :3], shapes[:, nodes, 3:])
+        for inside, nodes in select_nodes(boxes, task.nodes)
+    ]
+    return interpolate_shapes(boxes, splined)
+
+
 def _compute(
     task: PredictionTask, boxes: Boxes, k: np.ndarray, report: Callable[[float], None]
 ) -> tuple[list[ControlSurface], list[UnsteadyCoefficients]]:
-    planes = select_nodes(boxes, task.nodes) if task.modes else []
-    loadings = []
-    for shapes, reference in zip(task.shapes, task.references, strict=True):
-        own = BoxShapes(*(np.zeros((0, len(boxes))) for _ in range(3)))
-        if task.modes:
-            own = interpolate_shapes(
-                boxes,
-                [
-                    SplinedSurface(
-                        inside, task.nodes[nodes], shapes[:, nodes, :3], shapes[:, nodes, 3:]
-                    )
-                    for inside, nodes in planes
-                ],
-            )
-        loadings.append((own, reference))
+    loadings = [
+        (_interpolate(task, boxes, shapes), reference)
+        for shapes, reference in zip(task.shapes, task.references, strict=True)
+    ]
     surfaces = [_place(boxes, asked) for asked in task.request.surfaces]
     found = compute_loadings(
         boxes,
