@@ -7,7 +7,7 @@ are those at the reference frequency; a quasi-steady model is s = 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -71,6 +71,17 @@ class FrequencyShape:
         by_place = factors.reshape(self.k.size, n_rows, -1)
         return FrequencyShape(
             modes, inputs, self.k, by_place, self.reference_k, unshaped, self.body
+        )
+
+    def add_gust(self, name: str) -> FrequencyShape:
+        """Return the shape with a gust as the last input: of the derivatives in the flow angle."""
+        rows, angle = coefficients(self.modes, self.body), self.body.motions[0]
+        unshaped = tuple(f"{row}_{name}" for row in rows if f"{row}_{angle}" in self.unshaped)
+        return replace(
+            self,
+            inputs=(*self.inputs, name),
+            factors=np.concatenate([self.factors, self.factors[:, :, :1]], axis=2),
+            unshaped=(*self.unshaped, *unshaped),
         )
 
 

@@ -118,11 +118,13 @@ def add_gust_input(
     Notes
     -----
     A gust acts as the angle of the flow does, without the motion of the aircraft: its derivatives
-    are those in alpha (beta in the lateral-directional axis).
+    are those in alpha (beta in the lateral-directional axis), with their frequency shape. The lag
+    of a gust that reaches the tail later than the nose is not included.
     """
     inputs = (*model.inputs, GUST)
     values = np.hstack([derivatives.values, derivatives.values[:, :1]])
-    plant = replace(model, inputs=inputs).state_space(
+    shape = None if model.shape is None else model.shape.add_gust(GUST)
+    plant = replace(model, inputs=inputs, shape=shape).state_space(
         replace(derivatives, inputs=inputs, values=values)
     )
     D = plant.D.copy()

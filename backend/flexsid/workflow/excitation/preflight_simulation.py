@@ -152,13 +152,6 @@ def simulate_design(
     run_id, level, controller_id = request.run_id, request.level, request.controller_id
     design = store.designs.get(request.design_id)
     at = load_prediction_model(store, run_id)
-    if at.model.shape is not None:
-        raise BadInput(
-            f"run {run_id} has derivatives with a frequency shape, and pre-flight simulations are "
-            "flown with quasi-steady ones; select a quasi-steady run",
-            code="not-with-shape",
-            run_id=run_id,
-        )
     flown = store.maneuvers.get(at.run.maneuver_id)
     aircraft = store.aircraft.get(flown.aircraft_id)
     check_amplitudes(design.specification)
