@@ -41,7 +41,8 @@ def write_fmu(store: Store, run_id: int, version: FmiVersion) -> bytes:
     store
         Database.
     run_id
-        A run that succeeded, without a frequency shape of the derivatives.
+        A run that succeeded. A frequency shape of its derivatives is represented by states of
+        rational functions.
     version
         Version of FMI.
 
@@ -76,11 +77,6 @@ def _separate_derivatives(found: IdentifiedModel) -> _AffineModel:
     BadInput
         If the matrices are not a sum over the derivatives.
     """
-    if found.model.shape is not None:
-        raise BadInput(
-            "an FMU has derivatives without a frequency shape; estimate a quasi-steady model",
-            code="not-with-shape",
-        )
     table = found.derivatives
     named = table.named()
 
