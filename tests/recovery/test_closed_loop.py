@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,11 +17,18 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import (
+    Aerodynamics,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+)
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import analyse_closed_loop
 from flexsid.workflow.flutter.controllers import add_controller
 from flexsid.workflow.flutter.flutter_models import FlutterQuery, fuse_runs
+from flexsid.workflow.flutter.run_models import UnmodelledModes
 
 
 def flown(store: Store, ratio: float) -> int:
@@ -84,3 +93,45 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
     )
     with pytest.raises(BadInput, match="nowhere"):
         analyse_closed_loop(store, models, stranger.id or 0)
+
+
+def test_a_loop_with_lagging_forces_is_lost_where_the_truth_loses_it(store: Store):
+    """A run with a frequency shape against the states of the true lags in the same loop."""
+    aircraft = add_aircraft(store, unsteady=True)
+    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
+    flown = fly(airspeed_ratio=0.95, seed=4, modes_in_truth=2, unsteady=True)
+    maneuver = add_maneuver(store, flown, flight.id or 0)
+    asked = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(modes=(7, 9), fixed={}),
+        settings=RunSettings(
+            aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED
+        ),
+        prediction_id=store.predictions.find(source="Doublet lattice")[0].id,
+    )
+    run = execute_run(store, asked, RUN, lambda progress: None)
+    query = FlutterQuery(run_ids=(run.id or 0,), unmodelled_modes=UnmodelledModes.RESIDUALIZED)
+    (controller,) = store.controllers.find()
+    models = fuse_runs(store, query)
+    result = analyse_closed_loop(store, models, controller.id or 0)
+    assert result.lost_m_s is not None
+    assert result.low_m_s is not None
+
+    drawn = draw_closed_loop_roots(result)
+    # The fast lags, to 70 times 2V/chord, leave the scale to the motion.
+    assert drawn["layout"]["xaxis"]["range"][0] > -250.0
+
+    truth = load_truth(unsteady=True)
+    best = models.best.found
+    true = replace(
+        best,
+        aircraft=replace(
+            best.aircraft, derivatives=truth.derivatives_at(0.5, 2), shape=truth.shape_at(0.5, 2)
+        ),
+    )
+    known = replace(models, groups=(replace(models.best, found=true),))
+    lost = analyse_closed_loop(store, known, controller.id or 0).lost_m_s
+    assert lost is not None
+    assert result.lost_m_s == pytest.approx(lost, rel=0.02)
+    assert result.low_m_s < lost < (result.high_m_s or 0.0)

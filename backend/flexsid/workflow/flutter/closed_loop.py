@@ -45,6 +45,7 @@ from flexsid.workflow.runs.derived_runs import DerivedResult, renumber, store_de
 _SPEEDS = 20  # airspeeds at which roots and margins are computed
 _MONTE_CARLO_SAMPLES = 24  # standard errors from samples scatter by 15 %
 _BAND = (0.6, 1.8)  # of the fastest flown point
+_FASTEST = 2.0  # of the highest frequency of the modes: roots with a frequency shape that are shown
 _FREQUENCIES = (0.3, 150.0)  # rad/s, range of the loop frequency responses
 
 
@@ -79,21 +80,12 @@ def identify_closed_loop(store: Store, query: ClosedLoopQuery) -> tuple[object, 
     Raises
     ------
     BadInput
-        As ``identify_query``, or if derivatives of a run have a frequency shape: loops are of
-        quasi-steady models.
+        As ``identify_query``.
     UnknownRecord
         If a run or the controller does not exist.
     Conflict
         If a run has no result, or it was altered.
     """
-    for number in query.run_ids:
-        if store.runs.get(number).settings.aerodynamics.is_shaped:
-            raise BadInput(
-                f"run {number} has derivatives with a frequency shape, and closed loops are "
-                "analysed with quasi-steady ones; select quasi-steady runs",
-                code="not-with-shape",
-                run_id=number,
-            )
     return *identify_query(store, query.flutter), store.controllers.get(query.controller_id)
 
 
@@ -181,7 +173,7 @@ def analyse_closed_loop(
         points.append(
             point.widen([_evaluate_other(*close_loop(float(airspeed), o), o) for o in fused.others])
         )
-        still.append(np.linalg.eigvals(model.state_space(table).A))
+        still.append(_select_slow(np.linalg.eigvals(model.state_space(table).A), model))
     lost, interval = find_stability_limit(points, growth_at, growths_at)
     spread = 0.0
     if lost is not None and interval is not None:
@@ -247,7 +239,16 @@ def _build_model(
     table = found.aircraft.derivatives
     outputs = define_outputs(fused.aircraft, controller.reads)
     modes, inputs = found.aircraft.modes, table.inputs
-    return build_model(fused.aircraft, condition, modes, inputs, outputs, table.body)
+    model = build_model(fused.aircraft, condition, modes, inputs, outputs, table.body)
+    shape = found.aircraft.shape
+    return model if shape is None else replace(model, shape=shape.select(modes.numbers, inputs))
+
+
+def _select_slow(roots: np.ndarray, model: AeroelasticModel) -> np.ndarray:
+    """Leave out roots of fast lags, which say nothing of the motion."""
+    if model.shape is None:
+        return roots
+    return roots[np.abs(roots) < _FASTEST * float(model.modes.omega.max(initial=1.0))]
 
 
 def _check_drives(controller: Controller, inputs: tuple[str, ...]) -> None:
