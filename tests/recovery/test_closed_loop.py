@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lagging_flight import estimate_with_shape
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
@@ -18,10 +19,8 @@ from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
-    Aerodynamics,
     EstimationRun,
     Method,
-    OutOfBandModes,
     RunSettings,
 )
 from flexsid.storage.store import Store
@@ -97,20 +96,7 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
 
 def test_a_loop_with_lagging_forces_is_lost_where_the_truth_loses_it(store: Store):
     """A run with a frequency shape against the states of the true lags in the same loop."""
-    aircraft = add_aircraft(store, unsteady=True)
-    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
-    flown = fly(airspeed_ratio=0.95, seed=4, modes_in_truth=2, unsteady=True)
-    maneuver = add_maneuver(store, flown, flight.id or 0)
-    asked = EstimationRun(
-        maneuver_id=maneuver.id or 0,
-        method=Method.OE,
-        structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(
-            aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED
-        ),
-        prediction_id=store.predictions.find(source="Doublet lattice")[0].id,
-    )
-    run = execute_run(store, asked, RUN, lambda progress: None)
+    run = estimate_with_shape(store, 0.95, Method.OE)
     query = FlutterQuery(run_ids=(run.id or 0,), unmodelled_modes=UnmodelledModes.RESIDUALIZED)
     (controller,) = store.controllers.find()
     models = fuse_runs(store, query)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lagging_flight import estimate_with_shape
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
@@ -17,7 +18,6 @@ from flexsid.records.job import Job
 from flexsid.records.maneuver import COMBINED, Flight
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
-    Aerodynamics,
     EstimationRun,
     Method,
     OutOfBandModes,
@@ -137,24 +137,7 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
 
 
 def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(store: Store):
-    aircraft = add_aircraft(store, unsteady=True)
-    lattice = store.predictions.find(source="Doublet lattice")[0]
-    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=9))
-    maneuver = add_maneuver(
-        store,
-        fly(airspeed_ratio=0.8, seed=4, modes_in_truth=2, unsteady=True),
-        flight.id or 0,
-    )
-    asked = EstimationRun(
-        maneuver_id=maneuver.id or 0,
-        method=Method.OE,
-        structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(
-            aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED
-        ),
-        prediction_id=lattice.id,
-    )
-    run = execute_run(store, asked, RUN, lambda progress: None)
+    run = estimate_with_shape(store, 0.8, Method.OE)
     (controller,) = store.controllers.find()
     peak = float(np.deg2rad(1.0))
     specification = specify_design(506, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")

@@ -14,21 +14,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from lagging_flight import estimate_with_shape
 from simulated_campaign import Truth, fly, store_runs
 
-from flexsid.demo.campaign import add_aircraft, add_maneuver
-from flexsid.demo.flights import fly as fly_maneuver
-from flexsid.jobs.inline import execute_run
-from flexsid.jobs.kinds import RUN
 from flexsid.records.global_model import PredictionTable
-from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
-    Aerodynamics,
-    EstimationRun,
     Method,
-    OutOfBandModes,
-    RunSettings,
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
@@ -138,19 +129,7 @@ def respond(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.nd
 
 
 def test_a_frequency_shape_is_represented_by_states(store: Store, tmp_path: Path):
-    aircraft = add_aircraft(store, unsteady=True)
-    flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
-    flown = fly_maneuver(airspeed_ratio=0.8, modes_in_truth=2, unsteady=True)
-    maneuver = add_maneuver(store, flown, flight.id or 0)
-    shaped = RunSettings(aerodynamics=Aerodynamics.SHAPED, out_of_band_modes=OutOfBandModes.OMITTED)
-    asked = EstimationRun(
-        maneuver_id=maneuver.id or 0,
-        method=Method.EE,
-        structure=Structure(modes=(7, 9), fixed={}),
-        settings=shaped,
-        prediction_id=store.predictions.find(source="Doublet lattice")[0].id,
-    )
-    run = execute_run(store, asked, RUN, lambda progress: None)
+    run = estimate_with_shape(store, 0.8, Method.EE)
     model = export_model(store, run.id or 0)
     A, B, C, D = (np.array(getattr(model, name)) for name in "ABCD")
     assert len(A) > 7

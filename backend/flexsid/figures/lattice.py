@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.figures import style
 from flexsid.figures.labels import parameter_label, parameter_unit
 from flexsid.figures.quantities import of_unit
-from flexsid.figures.spec import Spec, plane, scatter, title
+from flexsid.figures.spec import Spec, column, plane, scatter, title
 from flexsid.records.views import LatticeQuantity, LatticeView
 
 _AZIMUTH, _ELEVATION = np.radians(65.0), np.radians(40.0)  # of the view, from ahead on the left
@@ -99,11 +99,11 @@ def _draw_quantity(value: LatticeView) -> Spec:
         scatter(
             middle[:, 0], middle[:, 1], name=name, showlegend=False,
             marker={
-                "size": 6, "opacity": 0, "color": value.values, "cmin": low, "cmax": high,
+                "size": 6, "opacity": 0, "color": column(value.values), "cmin": low, "cmax": high,
                 "colorscale": scale, "showscale": True,
                 "colorbar": {"title": {"text": name, "side": "right"}, "thickness": 14},
             },
-            customdata=value.values,
+            customdata=column(value.values),
             hovertemplate="%{customdata:.4g}<extra></extra>",
         )
     )  # fmt: skip

@@ -296,7 +296,7 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
     std = np.hypot(compute_spread(values, variables(task.modes, inputs, task.body)), mesh)
     n_fuel = len(task.fuel)
     values, std = values.reshape(n_fuel, -1), std.reshape(n_fuel, -1)
-    shapes = _interpolate(task, boxes, task.shapes[n_fuel // 2])
+    shapes = _interpolate(task, boxes)[n_fuel // 2]
     not_predicted = [name in _NOT_PREDICTED for name in names]
     values[:, not_predicted] = std[:, not_predicted] = np.nan
     return ComputedPrediction(
@@ -476,24 +476,27 @@ def _place(boxes: Boxes, surface: PlanformSurface) -> ControlSurface:
     return place_surface(boxes, surface.name, surface.span, surface.hinge)
 
 
-def _interpolate(task: PredictionTask, boxes: Boxes, shapes: np.ndarray) -> BoxShapes:
-    """Interpolate the mode shapes of one fuel weight to the boxes."""
+def _interpolate(task: PredictionTask, boxes: Boxes) -> list[BoxShapes]:
+    """Interpolate the mode shapes of every fuel weight to the boxes."""
     if not task.modes:
-        return BoxShapes(*(np.zeros((0, len(boxes))) for _ in range(3)))
-    splined = [
-        SplinedSurface(inside, task.nodes[nodes], shapes[:, nodes, :3], shapes[:, nodes, 3:])
-        for inside, nodes in select_nodes(boxes, task.nodes)
+        return [BoxShapes(*(np.zeros((0, len(boxes))) for _ in range(3)))] * len(task.fuel)
+    planes = select_nodes(boxes, task.nodes)
+    return [
+        interpolate_shapes(
+            boxes,
+            [
+                SplinedSurface(inside, task.nodes[own], shapes[:, own, :3], shapes[:, own, 3:])
+                for inside, own in planes
+            ],
+        )
+        for shapes in task.shapes
     ]
-    return interpolate_shapes(boxes, splined)
 
 
 def _compute(
     task: PredictionTask, boxes: Boxes, k: np.ndarray, report: Callable[[float], None]
 ) -> tuple[list[ControlSurface], list[UnsteadyCoefficients]]:
-    loadings = [
-        (_interpolate(task, boxes, shapes), reference)
-        for shapes, reference in zip(task.shapes, task.references, strict=True)
-    ]
+    loadings = list(zip(_interpolate(task, boxes), task.references, strict=True))
     surfaces = [_place(boxes, asked) for asked in task.request.surfaces]
     found = compute_loadings(
         boxes,
