@@ -245,7 +245,7 @@ def _build_model(
 
 
 def _select_slow(roots: np.ndarray, model: AeroelasticModel) -> np.ndarray:
-    """Leave out roots of fast lags, which say nothing of the motion."""
+    """Leave out roots of fast lags, in which the aircraft hardly moves."""
     if model.shape is None:
         return roots
     return roots[np.abs(roots) < _FASTEST * float(model.modes.omega.max(initial=1.0))]
