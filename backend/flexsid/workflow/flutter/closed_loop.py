@@ -45,7 +45,7 @@ from flexsid.workflow.runs.derived_runs import DerivedResult, renumber, store_de
 _SPEEDS = 20  # airspeeds at which roots and margins are computed
 _MONTE_CARLO_SAMPLES = 24  # standard errors from samples scatter by 15 %
 _BAND = (0.6, 1.8)  # of the fastest flown point
-_FASTEST = 2.0  # of the highest frequency of the modes: roots with a frequency shape that are shown
+_FASTEST = 2.0  # of the highest frequency of the modes: faster roots are of lags
 _FREQUENCIES = (0.3, 150.0)  # rad/s, range of the loop frequency responses
 
 
@@ -173,7 +173,7 @@ def analyse_closed_loop(
         points.append(
             point.widen([_evaluate_other(*close_loop(float(airspeed), o), o) for o in fused.others])
         )
-        still.append(_select_slow(np.linalg.eigvals(model.state_space(table).A), model))
+        still.append(_select_motion(np.linalg.eigvals(model.state_space(table).A), model))
     lost, interval = find_stability_limit(points, growth_at, growths_at)
     spread = 0.0
     if lost is not None and interval is not None:
@@ -244,11 +244,13 @@ def _build_model(
     return model if shape is None else replace(model, shape=shape.select(modes.numbers, inputs))
 
 
-def _select_slow(roots: np.ndarray, model: AeroelasticModel) -> np.ndarray:
-    """Leave out roots of fast lags, in which the aircraft hardly moves."""
+def _select_motion(roots: np.ndarray, model: AeroelasticModel) -> np.ndarray:
+    """Leave out the roots of lags, which are real and stable or faster than all modes."""
     if model.shape is None:
         return roots
-    return roots[np.abs(roots) < _FASTEST * float(model.modes.omega.max(initial=1.0))]
+    is_slow = np.abs(roots) < _FASTEST * float(model.modes.omega.max(initial=1.0))
+    moves = (np.abs(np.imag(roots)) > STATIC_ROOT_RAD_S) | (np.real(roots) >= 0.0)
+    return roots[is_slow & moves]
 
 
 def _check_drives(controller: Controller, inputs: tuple[str, ...]) -> None:
