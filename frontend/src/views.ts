@@ -550,6 +550,7 @@ export type DesignView = ReturnType<typeof designView>;
 export const glossaryView = view((search) => ({ search: text(search.search) }));
 
 export const jobsView = view((search) => ({ state: oneOf<RunState>(search.state, STATES) }));
+
 export const LATTICE_QUANTITIES = [
   "layout",
   "pressure",

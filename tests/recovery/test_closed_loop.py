@@ -18,11 +18,7 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import (
-    EstimationRun,
-    Method,
-    RunSettings,
-)
+from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import analyse_closed_loop
 from flexsid.workflow.flutter.controllers import add_controller

@@ -17,13 +17,7 @@ from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import COMBINED, Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import (
-    EstimationRun,
-    Method,
-    OutOfBandModes,
-    RunSettings,
-    RunState,
-)
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
@@ -148,7 +142,7 @@ def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(s
     assert len(z) == 44
     assert np.sqrt(np.mean(np.square(z))) < 1.6
     ratios = [(row.expected or np.nan) / (row.std_error or np.nan) for row in done.derivatives]
-    # The misfit of the rational functions, up to 1.6 %, widens what is found.
+    # 0.61; the same flight with quasi-steady forces has 0.59, for a reason that is not known.
     assert 0.5 < np.median(ratios) < 1.4
     rough = _simulate(store, design, run.id or 0, controller.id, Turbulence.LIGHT)
     az = read_channels(store.database, rough.maneuver_id, ("az_cf",))["az_cf"][1]

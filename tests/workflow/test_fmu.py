@@ -18,9 +18,7 @@ from lagging_flight import estimate_with_shape
 from simulated_campaign import Truth, fly, store_runs
 
 from flexsid.records.global_model import PredictionTable
-from flexsid.records.run import (
-    Method,
-)
+from flexsid.records.run import Method
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.computation import compute_global_model, predict_derivatives

@@ -278,7 +278,8 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
     k = np.append(k, request.highest_k)
     boxes = mesh_panels(task.panels)
     message = f"Influence of {len(boxes)} boxes"
-    surfaces, found = _compute(task, boxes, k, show(0.0, 1.0 - _COARSE_SHARE, message))
+    shapes = _interpolate(task, boxes)
+    surfaces, found = _compute(task, boxes, shapes, k, show(0.0, 1.0 - _COARSE_SHARE, message))
     coarse_panels = [_halve_chordwise(panel) for panel in task.panels]
     message = "Coarser mesh for the spread"
     progress = show(1.0 - _COARSE_SHARE, _COARSE_SHARE, message)
@@ -287,7 +288,10 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
         np.isclose(_place(coarse_boxes, asked).hinge_fraction, surface.hinge_fraction)
         for asked, surface in zip(request.surfaces, surfaces, strict=True)
     )
-    coarse = _compute(task, coarse_boxes, k, progress)[1] if is_coarser else found
+    coarse = found
+    if is_coarser:
+        coarse_shapes = _interpolate(task, coarse_boxes)
+        coarse = _compute(task, coarse_boxes, coarse_shapes, k, progress)[1]
     # The lattice numbers modes from 1.
     inputs = tuple(surface.name for surface in request.surfaces)
     names = list_derivative_names(task.modes, inputs, task.body)
@@ -296,7 +300,7 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
     std = np.hypot(compute_spread(values, variables(task.modes, inputs, task.body)), mesh)
     n_fuel = len(task.fuel)
     values, std = values.reshape(n_fuel, -1), std.reshape(n_fuel, -1)
-    shapes = _interpolate(task, boxes)[n_fuel // 2]
+    middle = n_fuel // 2
     not_predicted = [name in _NOT_PREDICTED for name in names]
     values[:, not_predicted] = std[:, not_predicted] = np.nan
     return ComputedPrediction(
@@ -309,12 +313,12 @@ def compute_prediction(task: PredictionTask, report: ReportProgress) -> Computed
         std,
         boxes,
         tuple(surfaces),
-        shapes.control,
+        shapes[middle].control,
         compute_pressures(
             boxes,
-            shapes,
+            shapes[middle],
             surfaces,
-            task.references[n_fuel // 2],
+            task.references[middle],
             mach=request.mach,
             symmetry=_SYMMETRIES[task.body.symmetry],
             k=request.reference_k,
@@ -494,9 +498,13 @@ def _interpolate(task: PredictionTask, boxes: Boxes) -> list[BoxShapes]:
 
 
 def _compute(
-    task: PredictionTask, boxes: Boxes, k: np.ndarray, report: Callable[[float], None]
+    task: PredictionTask,
+    boxes: Boxes,
+    shapes: Sequence[BoxShapes],
+    k: np.ndarray,
+    report: Callable[[float], None],
 ) -> tuple[list[ControlSurface], list[UnsteadyCoefficients]]:
-    loadings = list(zip(_interpolate(task, boxes), task.references, strict=True))
+    loadings = list(zip(shapes, task.references, strict=True))
     surfaces = [_place(boxes, asked) for asked in task.request.surfaces]
     found = compute_loadings(
         boxes,

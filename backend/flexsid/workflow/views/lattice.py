@@ -58,7 +58,7 @@ def view_lattice(
     surface = np.asarray(store.arrays.get(lattice.surface), dtype=float)
     boxes = _build_boxes(corners)
     # Antisymmetric motion has the opposite pressure and displacement on the left half.
-    sign = -1.0 if f"CY_{LATERAL.motions[0]}" in prediction.names else 1.0
+    sign = -1.0 if LATERAL.motions[0] in lattice.columns else 1.0
     left, parameter, note, mirrored = corners, "", "", 1.0
     if quantity is LatticeQuantity.PRESSURE:
         parameter = _select(lattice.columns, column, "variable")
@@ -71,14 +71,14 @@ def view_lattice(
         mirrored = sign
     elif quantity is LatticeQuantity.MODE:
         names = _name_modes(store, prediction.aircraft_id, unsteady, lattice)
-        number = _select([str(mode) for mode in lattice.modes], column, "mode")
-        place = [str(mode) for mode in lattice.modes].index(number)
+        numbers = [str(mode) for mode in lattice.modes]
+        place = numbers.index(_select(numbers, column, "mode"))
         displacement = np.asarray(store.arrays.get(lattice.displacements), dtype=float)[place]
         values = displacement / max(float(np.abs(displacement).max()), 1e-30)
         moved = _LARGEST_DISPLACEMENT * aircraft.geometry.span_m * values[:, None] * boxes.normal
         left = corners + sign * moved[:, None]
         corners = corners + moved[:, None]
-        parameter, mirrored = names.get(lattice.modes[place], f"mode {number}"), sign
+        parameter, mirrored = names[lattice.modes[place]], sign
         note = f"as splined to the boxes, fuel {100.0 * lattice.fuel:g} %"
     elif quantity is LatticeQuantity.ASPECT_RATIO:
         values = boxes.span / boxes.chord
