@@ -40,7 +40,8 @@ class Settings:
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
     ``backups_retained`` of these backups are retained. The file ``receiver_credentials`` has the
     credentials of brokers of telemetry. An analyst may have ``analyst_jobs`` unfinished jobs, and
-    the recordings of a campaign ``campaign_gigabytes`` (None: no limit).
+    the recordings of a campaign ``campaign_gigabytes`` (None: no limit). Long recordings of whole
+    flights are in chunks at the address ``recordings`` (None: in the database).
     """
 
     database: str = DEFAULT_DATABASE
@@ -60,6 +61,7 @@ class Settings:
     analyst_jobs: int | None = None
     campaign_gigabytes: int | None = None
     receiver_credentials: Path | None = None
+    recordings: str | None = None
 
     @property
     def is_secure(self) -> bool:
@@ -111,6 +113,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         receiver_credentials=Path(file)
         if (file := environment.get("FLEXSID_CREDENTIALS"))
         else None,
+        recordings=environment.get("FLEXSID_RECORDINGS") or None,
     )
     _check_access(settings)
     return settings

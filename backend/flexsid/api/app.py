@@ -112,7 +112,9 @@ def create_app(
         if settings.backup_hours is not None:
             find_file(settings.database)  # only databases of SQLite are copied
         migration = upgrade(settings.database)
-        store = Store.open(settings.database, settings.site_key, _read_quotas(settings))
+        store = Store.open(
+            *(settings.database, settings.site_key, _read_quotas(settings)), settings.recordings
+        )
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)

@@ -33,7 +33,7 @@ def open_store(settings: Settings, *, new: bool = False, of_team: bool = False) 
             code="no-database",
         )
     upgrade(settings.database)
-    store = Store.open(settings.database, settings.site_key)
+    store = Store.open(settings.database, settings.site_key, recordings=settings.recordings)
     access = None
     if of_team or settings.mode is not Mode.PERSONAL or store.accounts.find():
         # Of the account of the operating system, which may change everything.

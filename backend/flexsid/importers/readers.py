@@ -20,7 +20,8 @@ from flexsid.importers.nastran import bulk, f06, op2, op4, punch
 from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
 
-LARGEST_FILE = 2 * 1024**3
+LARGEST_FILE = 64 * 1024**3  # columns are read one by one; uploads are smaller by far
+_EXPANSION = 8  # most that a large file of samples unpacks to, in its size
 
 
 class _Reader(Protocol):
@@ -127,8 +128,9 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
         for field in selected.read(path):
             samples = np.asarray(field.samples)
             n_bytes += samples.nbytes  # a small file may unpack to any size
-            if n_bytes > LARGEST_CONTENT:
-                limit = f"{LARGEST_CONTENT / 1024**3:.0f} GB"
+            most = max(LARGEST_CONTENT, _EXPANSION * size)
+            if n_bytes > most:
+                limit = f"{most / 1024**3:.0f} GB"
                 raise UnreadableFile(f"it unpacks to more than {limit}; split the recording.")
             if len(known) > MOST_FIELDS:
                 raise UnreadableFile(f"it holds more than {MOST_FIELDS} arrays.")

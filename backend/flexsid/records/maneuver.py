@@ -152,9 +152,14 @@ class Flight:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightChannel(RecordedChannel):
-    """One channel of a whole recording, from which maneuvers are cut."""
+    """One channel of a whole recording, from which maneuvers are cut.
+
+    With ``samples_per_chunk`` its samples are in chunks outside the database, and ``array`` has the
+    names of these chunks.
+    """
 
     flight_id: int
+    samples_per_chunk: int | None = None
     id: int | None = None
 
 

@@ -20,6 +20,9 @@ from flexsid.storage.array_references import find_referring_record
 from flexsid.storage.database import Database
 from flexsid.storage.tables import arrays
 
+HASH_BYTES = 32
+"""Bytes of a SHA-256."""
+
 _AT_ONCE = 500  # names in one query
 
 

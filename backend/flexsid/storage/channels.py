@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from flexsid.records.maneuver import Channel, FlightChannel, Role
-from flexsid.storage.arrays import build_damage_error, hash_array
+from flexsid.storage.arrays import HASH_BYTES, build_damage_error, hash_array
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.tables import arrays, channels, flight_channels
@@ -49,7 +49,10 @@ def read_channels(
 def read_flight_channels(
     database: Database, flight_id: int, names: Sequence[str] | None = None
 ) -> dict[str, tuple[FlightChannel, np.ndarray]]:
-    """Read channels of a whole flight; see ``read_channels``."""
+    """Read channels of a whole flight; see ``read_channels``.
+
+    The array of a channel in chunks has the names of its chunks, (n_chunks, 32) bytes.
+    """
     return _read(database, FlightChannel, flight_channels.name, "flight_id", flight_id, names)
 
 
@@ -81,11 +84,18 @@ def _read(
     found: dict[str, tuple[_Kind, np.ndarray]] = {}
     for row in rows:
         channel, (unit, dtype, data) = _record(kind, fields, row), row[-3:]
-        if hash_array(dtype, (channel.n_samples,), unit, data) != channel.array:
+        shape = _find_shape(channel)
+        if hash_array(dtype, shape, unit, data) != channel.array:
             with database.reading() as connection:
                 raise build_damage_error(connection, channel.array)
-        found[channel.name] = channel, np.frombuffer(data, dtype)
+        found[channel.name] = channel, np.frombuffer(data, dtype).reshape(shape)
     return found
+
+
+def _find_shape(channel: Channel | FlightChannel) -> tuple[int, ...]:
+    if isinstance(channel, FlightChannel) and channel.samples_per_chunk is not None:
+        return -(-channel.n_samples // channel.samples_per_chunk), HASH_BYTES
+    return (channel.n_samples,)
 
 
 @lru_cache(maxsize=256)

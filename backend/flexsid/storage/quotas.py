@@ -12,7 +12,9 @@ from flexsid.records.run import RunState
 from flexsid.storage.access import using_access
 from flexsid.storage.tables import arrays, channels, flight_channels, flights, jobs, maneuvers
 
+_SAMPLE_BYTES = 8  # float64, of which the samples in chunks are
 GIGABYTE = 10**9
+_SAMPLE_BYTES = 8  # of float64, the largest type of a recorded sample
 _UNFINISHED = jobs.c.state.in_((RunState.QUEUED.value, RunState.RUNNING.value))
 
 
@@ -96,4 +98,11 @@ def count_recorded_bytes(connection: Connection, aircraft_id: int) -> int:
         .where(maneuvers.c.aircraft_id == aircraft_id),
     )
     total = sa.select(sa.func.sum(arrays.c.n_bytes)).where(arrays.c.hash.in_(names))
-    return connection.execute(total).scalar_one() or 0
+    in_chunks = (
+        sa.select(sa.func.sum(flight_channels.c.n_samples))
+        .join(flights, flights.c.id == flight_channels.c.flight_id)
+        .where(flights.c.aircraft_id == aircraft_id)
+        .where(flight_channels.c.samples_per_chunk.is_not(None))
+    )
+    n_samples = int(connection.execute(in_chunks).scalar_one() or 0)
+    return (connection.execute(total).scalar_one() or 0) + _SAMPLE_BYTES * n_samples

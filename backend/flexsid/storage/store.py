@@ -51,6 +51,7 @@ from flexsid.storage.maneuver_list import (
 from flexsid.storage.modal_shapes import ModalShapes
 from flexsid.storage.paging import Page
 from flexsid.storage.quotas import Quotas
+from flexsid.storage.recordings import Recordings
 from flexsid.storage.repository import Repository
 from flexsid.storage.run_list import RunFilters, RunItem, count_runs, select_runs
 from flexsid.storage.runs import Runs
@@ -65,8 +66,14 @@ class Store:
     ``with store.reading():``.
     """
 
-    def __init__(self, database: Database, quotas: Quotas | None = None) -> None:
+    def __init__(
+        self,
+        database: Database,
+        quotas: Quotas | None = None,
+        recordings: Recordings | None = None,
+    ) -> None:
         self.database = database
+        self.recordings = recordings
         self.quotas = Quotas() if quotas is None else quotas
         self.arrays = Arrays(database)
         self.aircraft = Repository(database, tables.aircraft, Aircraft, "aircraft")
@@ -153,9 +160,19 @@ class Store:
         self.api_tokens = Repository(database, tables.api_tokens, ApiToken, "token")
 
     @classmethod
-    def open(cls, url: str, site_key: Path | None = None, quotas: Quotas | None = None) -> Store:
-        """Open the store at a database address; the file ``site_key`` signs what it issues."""
-        return cls(Database(url, site_key=site_key), quotas)
+    def open(
+        cls,
+        url: str,
+        site_key: Path | None = None,
+        quotas: Quotas | None = None,
+        recordings: str | None = None,
+    ) -> Store:
+        """Open the store at a database address; the file ``site_key`` signs what it issues.
+
+        The chunks of long recordings are at the address ``recordings``.
+        """
+        chunks = None if recordings is None else Recordings(recordings)
+        return cls(Database(url, site_key=site_key), quotas, chunks)
 
     def close(self) -> None:
         """Close all connections."""

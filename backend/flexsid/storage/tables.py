@@ -6,6 +6,8 @@ the migrations make a schema.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sqlalchemy as sa
 
 from flexsid.storage.columns import (
@@ -103,7 +105,7 @@ maneuvers = table(
 maneuver_tags = sa.Table("maneuver_tags", metadata, key("maneuver_id", "maneuvers"), tag())
 
 
-def _channels(name: str, record_id: str, records: str) -> sa.Table:
+def _channels(name: str, record_id: str, records: str, *columns: sa.Column[Any]) -> sa.Table:
     return table(
         name,
         identity(),
@@ -119,12 +121,15 @@ def _channels(name: str, record_id: str, records: str) -> sa.Table:
         text("source_file", required=False),
         text("source_hash", required=False),
         text("source_field", required=False),
+        *columns,
         sa.UniqueConstraint(record_id, "name"),
     )
 
 
 channels = _channels("channels", "maneuver_id", "maneuvers")
-flight_channels = _channels("flight_channels", "flight_id", "flights")
+flight_channels = _channels(
+    *("flight_channels", "flight_id", "flights"), integer("samples_per_chunk", required=False)
+)
 
 mappings = table(
     "mappings",

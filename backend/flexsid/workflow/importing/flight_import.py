@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import combinations
 from pathlib import Path
-from typing import TypeVar
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from flexsid.records.maneuver import (
 )
 from flexsid.records.modal_data import ModalTable
 from flexsid.storage.arrays import describe_array
+from flexsid.storage.recordings import Chunks, Recordings
 from flexsid.storage.repository import Repository
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import parse_derivative
@@ -238,6 +240,14 @@ def _refuse_recorded(store: Store, flight: Flight, channels: Sequence[RawChannel
             )
 
 
+def _build_flight_channel(
+    flight_id: int, chunks: Mapping[str, Chunks], **fields: Any
+) -> FlightChannel:
+    of_channel = chunks.get(fields["name"])
+    length = None if of_channel is None else of_channel.length
+    return FlightChannel(flight_id=flight_id, samples_per_chunk=length, **fields)
+
+
 def _store_channels(
     store: Store,
     upload: ParsedUpload,
@@ -413,12 +423,32 @@ def read_upload(
     return parse_upload(sources, parsed)
 
 
-def hash_upload(upload: ParsedUpload) -> ParsedUpload:
-    """Hash the samples of an upload, if not yet hashed."""
-    if upload.rows or not upload.channels:
-        return upload
-    rows = {c.name: describe_array(c.samples, c.unit) for c in upload.channels}
+def hash_upload(
+    upload: ParsedUpload, chunks: Mapping[str, Chunks] = MappingProxyType({})
+) -> ParsedUpload:
+    """Hash the samples of an upload, if not yet hashed, or the names of a channel's chunks."""
+    rows = dict(upload.rows)
+    for channel in upload.channels:
+        if channel.name in chunks:
+            rows[channel.name] = describe_array(chunks[channel.name].names)
+        elif channel.name not in rows:
+            rows[channel.name] = describe_array(channel.samples, channel.unit)
     return replace(upload, rows=rows)
+
+
+def _write_chunks(recordings: Recordings | None, upload: ParsedUpload) -> dict[str, Chunks]:
+    """Write the long channels of a whole flight in chunks.
+
+    Before the transaction, which others wait for: an import that is refused leaves its chunks,
+    which the corrected import finds.
+    """
+    if recordings is None or upload.maneuver is not None:
+        return {}
+    return {
+        channel.name: recordings.write(channel.name, channel.samples, channel.unit)
+        for channel in upload.channels
+        if channel.samples.size > recordings.samples_per_chunk
+    }
 
 
 def store_upload(
@@ -455,7 +485,8 @@ def store_upload(
     _check_units(upload.channels)
     if not confirmed:
         refuse_guesses(store, upload)
-    upload = hash_upload(upload)
+    chunks = _write_chunks(store.recordings, upload)
+    upload = hash_upload(upload, chunks)
     mapping, sources = upload.mapping, upload.sources
     with store.transaction():
         if upload.builtin is not None and add_builtin_aircraft is not None:
@@ -479,7 +510,7 @@ def store_upload(
             )
             if upload.maneuver is None:
                 _refuse_recorded(store, flight, upload.channels)
-                build = partial(FlightChannel, flight_id=flight.id or 0)
+                build = partial(_build_flight_channel, flight.id or 0, chunks)
                 _store_channels(store, upload, store.flight_channels, build)
                 recorded = tuple(store.flight_channels.find(flight_id=flight.id))
             else:

@@ -25,7 +25,7 @@ from flexsid.records.maneuver import (
 )
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.arrays import describe_array
-from flexsid.storage.channels import read_flight_channels
+from flexsid.storage.recordings import read_recording
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.cutting import (
     ExcitedInterval,
@@ -137,17 +137,30 @@ def cut_maneuver(store: Store, flight_id: int, cut: Cut) -> Maneuver:
         If the flight has a maneuver of this label.
     """
     flight = store.flights.get(flight_id)
-    return store_cut(store, flight, read_flight_channels(store.database, flight_id), cut)
+    _check_window(store.flight_channels.find(flight_id=flight_id), cut)
+    interval_s = (cut.start_s, cut.stop_s)
+    recorded = read_recording(store.database, store.recordings, flight_id, None, interval_s)
+    try:
+        proposals = find_maneuvers(store, flight_id)
+    except BadInput:  # without commands, marker and surfaces
+        proposals = ()
+    return store_cut(store, flight, recorded, cut, proposals)
 
 
-def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) -> Maneuver:
-    """Store a maneuver that is cut out of a recording; raises as ``cut_maneuver``."""
+def store_cut(
+    store: Store,
+    flight: Flight,
+    recorded: RecordedFlight,
+    cut: Cut,
+    proposals: Iterable[ManeuverProposal],
+) -> Maneuver:
+    """Store a maneuver that is cut out of a recording; raises as ``cut_maneuver``.
+
+    ``proposals`` are the maneuvers that were found in the flight.
+    """
     aircraft = store.aircraft.get(flight.aircraft_id)
     assert flight.id is not None
-    if not cut.stop_s > cut.start_s:
-        raise BadInput(
-            f"the window from {cut.start_s:g} to {cut.stop_s:g} s is empty", code="bad-window"
-        )
+    _check_window([channel for channel, _ in recorded.values()], cut)
     pieces = _cut_channels(recorded, cut)
     if not any(channel.role is Role.INPUT for channel, _ in pieces):
         raise BadInput("no input was recorded in this window", code="no-input")
@@ -164,7 +177,7 @@ def store_cut(store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut) 
                 maneuver_id=known.id,
             )
         first = pieces[0][0]
-        excitation = _find_excitation(store, flight, recorded, cut)
+        excitation = _find_excitation(proposals, cut)
         stored = store.maneuvers.add(
             Maneuver(
                 aircraft_id=flight.aircraft_id,
@@ -214,22 +227,19 @@ def read_flight_history(
                 code="unknown-channel",
                 channel=name,
             )
-    low = -np.inf if start_s is None else start_s
-    high = np.inf if stop_s is None else stop_s
-    traces = []
-    for channel, samples in read_flight_channels(store.database, flight_id, selected).values():
-        window = channel.slice_samples((low, high))
-        index = np.arange(window.start, window.stop)
-        traces.append(
-            ChannelTrace(
-                name=channel.name,
-                unit=si_unit(channel.unit),
-                role=channel.role,
-                time_s=channel.start_s + index / channel.rate_hz,
-                values=np.asarray(to_si(samples[window], channel.unit), dtype=float),
-            )
+    interval_s = (-np.inf if start_s is None else start_s, np.inf if stop_s is None else stop_s)
+    recorded = read_recording(store.database, store.recordings, flight_id, selected, interval_s)
+    traces = tuple(
+        ChannelTrace(
+            name=channel.name,
+            unit=si_unit(channel.unit),
+            role=channel.role,
+            time_s=channel.start_s + np.arange(samples.size) / channel.rate_hz,
+            values=np.asarray(to_si(samples, channel.unit), dtype=float),
         )
-    return ChannelHistories(maneuver_id=0, traces=tuple(traces), excitation_s=None, points=points)
+        for channel, samples in recorded.values()
+    )
+    return ChannelHistories(maneuver_id=0, traces=traces, excitation_s=None, points=points)
 
 
 def _select_default(channels: Iterable[FlightChannel]) -> tuple[str, ...]:
@@ -263,7 +273,8 @@ def _find_intervals(
 
 def _read_samples(store: Store, flight_id: int, channels: Sequence[FlightChannel]) -> np.ndarray:
     """Read samples of channels of one clock, (n_samples, n_channels)."""
-    recorded = read_flight_channels(store.database, flight_id, [c.name for c in channels])
+    names = [channel.name for channel in channels]
+    recorded = read_recording(store.database, store.recordings, flight_id, names)
     return _stack_samples(recorded, channels)
 
 
@@ -277,15 +288,9 @@ def _find_common_interval(channels: Sequence[FlightChannel]) -> tuple[float, flo
     return max(c.start_s for c in channels), min(c.stop_s for c in channels)
 
 
-def _find_excitation(
-    store: Store, flight: Flight, recorded: RecordedFlight, cut: Cut
-) -> Excitation | None:
-    """Find the excitation of a recording that lies completely within a window."""
-    try:
-        found = find_recorded_maneuvers(store, flight, recorded)
-    except BadInput:
-        return None
-    for one in found:
+def _find_excitation(proposals: Iterable[ManeuverProposal], cut: Cut) -> Excitation | None:
+    """Find the excitation of a flight that lies completely within a window."""
+    for one in proposals:
         if one.excitation is None:
             continue
         first_s, last_s = one.excitation.interval_s
@@ -294,10 +299,13 @@ def _find_excitation(
     return None
 
 
-def _cut_channels(recorded: RecordedFlight, cut: Cut) -> list[tuple[FlightChannel, np.ndarray]]:
-    """Cut every channel to the window, with its new start and number of samples."""
-    pieces = []
-    for channel, samples in recorded.values():
+def _check_window(channels: Iterable[FlightChannel], cut: Cut) -> None:
+    """Refuse a window that is empty, or in which an input or output was hardly recorded."""
+    if not cut.stop_s > cut.start_s:
+        raise BadInput(
+            f"the window from {cut.start_s:g} to {cut.stop_s:g} s is empty", code="bad-window"
+        )
+    for channel in channels:
         window = channel.slice_samples((cut.start_s, cut.stop_s))
         count = window.stop - window.start
         if count < _LEAST_SAMPLES and channel.role in (Role.INPUT, Role.OUTPUT):
@@ -307,6 +315,14 @@ def _cut_channels(recorded: RecordedFlight, cut: Cut) -> list[tuple[FlightChanne
                 code="bad-window",
                 channel=channel.name,
             )
+
+
+def _cut_channels(recorded: RecordedFlight, cut: Cut) -> list[tuple[FlightChannel, np.ndarray]]:
+    """Cut every channel to the window, with its new start and number of samples."""
+    pieces = []
+    for channel, samples in recorded.values():
+        window = channel.slice_samples((cut.start_s, cut.stop_s))
+        count = window.stop - window.start
         if count < 1:
             continue
         moved = replace(channel, start_s=channel.get_time(window.start), n_samples=count)

@@ -147,11 +147,12 @@ def _store_maneuver(
     flight = store.flights.get(stream.flight_id)
     received = join_frames(header, frames, stream.flight_id, f"stream {stream.id}")
     complete = {name: _interpolate(channel, x) for name, (channel, x) in received.items()}
-    proposal = _find_proposal(find_recorded_maneuvers(store, flight, complete), interval_s)
+    proposals = find_recorded_maneuvers(store, flight, complete)
+    proposal = _find_proposal(proposals, interval_s)
     index = len(store.maneuvers.find(flight_id=stream.flight_id)) + 1
     label = f"{flight.number}-{index:02d}" + (f" FTA {proposal.fta}" if proposal.fta else "")
     cut = Cut(label=label, start_s=proposal.start_s, stop_s=proposal.stop_s, fta=proposal.fta)
-    maneuver = store_cut(store, flight, complete, cut)
+    maneuver = store_cut(store, flight, complete, cut, proposals)
     assert maneuver.id is not None
     longest_s = _store_repairs(store, maneuver.id, received, stream)
     if longest_s > LONGEST_REPAIR_S + 1e-9:

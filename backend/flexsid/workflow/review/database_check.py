@@ -14,6 +14,7 @@ from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
 from flexsid.storage.arrays import hash_array
 from flexsid.storage.audit_log import read_events
+from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.event_chain import is_chain_intact
@@ -48,6 +49,7 @@ def check_database(store: Store) -> list[DatabaseProblem]:
         *_check_rows(store.database),
         *_check_references(store.database),
         *_check_arrays(store.database),
+        *_check_chunks(store),
         *_check_results(store.database),
         *_check_inputs(store.database),
         *_check_decisions(store),
@@ -136,6 +138,27 @@ def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
         if orphans:
             text = f"{len(orphans)} arrays belong to no record; they only take space."
             yield DatabaseProblem("orphaned-data", "arrays", text, is_damage=False)
+
+
+def _check_chunks(store: Store) -> Iterator[DatabaseProblem]:
+    names = [c.name for c in store.flight_channels.find() if c.samples_per_chunk is not None]
+    if not names:
+        return
+    if store.recordings is None:
+        text = (
+            f"The samples of {len(names)} channels of flights are in chunks outside the database;"
+            " set FLEXSID_RECORDINGS to their address to check them."
+        )
+        yield DatabaseProblem("unchecked-recordings", "recordings", text, is_damage=False)
+        return
+    for flight in store.flights.find():
+        assert flight.id is not None
+        for name, (channel, chunks) in read_flight_channels(store.database, flight.id).items():
+            if channel.samples_per_chunk is None:
+                continue
+            for damage in store.recordings.find_damaged(chunks):
+                record = f"channel '{name}' of flight {flight.id}"
+                yield DatabaseProblem("damaged-data", record, f"{record}: {damage}.")
 
 
 def _check_results(database: Database) -> Iterator[DatabaseProblem]:

@@ -1,0 +1,234 @@
+"""Recordings of whole flights in chunks: Parquet files on any file system that fsspec reaches.
+
+A chunk has consecutive samples of one channel and is named by the SHA-256 of its bytes. The names
+of all chunks of a channel are an array of the database. Its name, the hash of these hashes, thus
+stands for every sample, and backups, seals and checks of the database hold for chunks, too. A
+window of a long recording is read from the few chunks that it touches.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.records.maneuver import FlightChannel
+from flexsid.storage.arrays import DamagedData
+from flexsid.storage.channels import read_flight_channels
+from flexsid.storage.database import Database
+from flexsid.storage.files import DatabaseUnavailable, new_file
+
+SAMPLES_PER_CHUNK = 2**18
+"""Samples of a chunk: 2 MB of float64, 22 minutes at 200 Hz."""
+
+_EVERYTHING = (-np.inf, np.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Chunks:
+    """Names of the chunks of a channel, (n_chunks, 32) bytes, of ``length`` samples each."""
+
+    names: np.ndarray
+    length: int
+
+
+class Recordings:
+    """Store of chunks at an address such as ``file:///srv/recordings`` or ``s3://bucket/folder``.
+
+    Raises
+    ------
+    BadInput
+        If the address has no known form, or what reads it is not installed.
+    """
+
+    def __init__(self, url: str, samples_per_chunk: int = SAMPLES_PER_CHUNK) -> None:
+        self.samples_per_chunk = samples_per_chunk
+        try:
+            import pyarrow.parquet  # noqa: F401
+            from fsspec.core import url_to_fs
+            from fsspec.implementations.local import LocalFileSystem
+
+            self._files, root = url_to_fs(url)
+        except ImportError as error:
+            raise BadInput(
+                f"FLEXSID_RECORDINGS is {url}, which needs {error.name or error}; install"
+                " 'flexsid[recordings]' and the package of this file system"
+            ) from error
+        except ValueError as error:
+            raise BadInput(
+                f"FLEXSID_RECORDINGS is {url}: {error}; expected an address like"
+                " file:///srv/recordings or s3://bucket/folder"
+            ) from error
+        self._root = root.rstrip("/")
+        self._is_local = isinstance(self._files, LocalFileSystem)
+
+    def write(self, name: str, samples: np.ndarray, unit: str) -> Chunks:
+        """Write the samples of a channel; chunks that exist are not written again.
+
+        Raises
+        ------
+        DatabaseUnavailable
+            If a chunk cannot be written.
+        """
+        names = []
+        for first in range(0, samples.size, self.samples_per_chunk):
+            content = _encode(name, samples[first : first + self.samples_per_chunk], unit)
+            digest = hashlib.sha256(content).digest()
+            self._put(digest.hex(), content)
+            names.append(np.frombuffer(digest, np.uint8))
+        return Chunks(np.stack(names), self.samples_per_chunk)
+
+    def read(self, chunks: Chunks, window: slice) -> np.ndarray:
+        """Read a window of the samples of a channel from the chunks that it touches.
+
+        Raises
+        ------
+        DatabaseUnavailable
+            If a chunk cannot be read.
+        DamagedData
+            If a chunk is not what was written.
+        """
+        # An empty window, too, has the type of the samples of a chunk.
+        first = min(window.start // chunks.length, len(chunks.names) - 1)
+        last = max(-(-window.stop // chunks.length), first + 1)
+        pieces = []
+        for index in range(first, last):
+            samples = self._read_chunk(chunks.names[index].tobytes().hex())
+            begin = index * chunks.length
+            low, high = max(window.start - begin, 0), max(window.stop - begin, 0)
+            pieces.append(samples[low:high])
+        return np.concatenate(pieces)  # of copies, which do not retain their chunks
+
+    def find_damaged(self, names: np.ndarray) -> Iterator[str]:
+        """Describe the chunks that are missing or damaged."""
+        for name in names:
+            try:
+                self._read_chunk(name.tobytes().hex())
+            except (DatabaseUnavailable, DamagedData) as error:
+                yield error.message
+
+    def _read_chunk(self, name: str) -> np.ndarray:
+        import pyarrow.parquet as pq
+
+        path = self._locate(name)
+        try:
+            content = self._files.cat_file(path)
+        except Exception as error:  # each file system has its own
+            raise DatabaseUnavailable(
+                f"the chunk {path} of a recording cannot be read: {error or type(error).__name__}",
+                code="recording-unavailable",
+            ) from error
+        if hashlib.sha256(content).hexdigest() != name:
+            raise DamagedData(
+                f"the chunk {path} of a recording is damaged: its content does not match its name;"
+                " copy it from a backup of the recordings, or import the file of the flight again"
+            )
+        column = pq.read_table(io.BytesIO(content), use_threads=False).column(0)
+        return column.to_numpy()
+
+    def _put(self, name: str, content: bytes) -> None:
+        path = self._locate(name)
+        try:
+            if self._is_local:
+                self._put_local(Path(path), content)
+            elif not self._files.exists(path) or self._files.cat_file(path) != content:
+                self._files.makedirs(path.rsplit("/", 1)[0], exist_ok=True)
+                self._files.pipe_file(path, content)
+        except Exception as error:  # each file system has its own
+            raise DatabaseUnavailable(
+                f"the chunk {path} of a recording cannot be written: {error}",
+                code="recording-unavailable",
+            ) from error
+
+    def _put_local(self, file: Path, content: bytes) -> None:
+        """Write a file that is complete and on disk, or not there."""
+        if file.exists():
+            if file.read_bytes() == content:
+                return
+            file.unlink()  # damaged
+        file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with new_file(file) as partial:
+            partial.write_bytes(content)
+
+    def _locate(self, name: str) -> str:
+        return f"{self._root}/{name[:2]}/{name}.parquet"
+
+
+def read_recording(
+    database: Database,
+    recordings: Recordings | None,
+    flight_id: int,
+    names: Sequence[str] | None = None,
+    interval_s: tuple[float, float] = _EVERYTHING,
+) -> dict[str, tuple[FlightChannel, np.ndarray]]:
+    """Read channels of a whole flight within an interval.
+
+    Parameters
+    ----------
+    database
+        The database.
+    recordings
+        Store of the chunks of long recordings, if there is one.
+    flight_id
+        Id of the flight.
+    names
+        Names of channels, all with None; names that are not recorded are omitted.
+    interval_s
+        First and last time on the clock of the recorder. [s]
+
+    Returns
+    -------
+    dict
+        Channels by name with the start and number of the samples within the interval, and these
+        samples in native unit and precision.
+
+    Raises
+    ------
+    DatabaseUnavailable
+        If the chunks of a channel cannot be read.
+    DamagedData
+        If samples do not match their hash.
+    """
+    found = {}
+    for name, (channel, stored) in read_flight_channels(database, flight_id, names).items():
+        window = channel.slice_samples(interval_s)
+        length = channel.samples_per_chunk
+        if length is None:
+            samples = stored[window]
+        elif recordings is None:
+            raise DatabaseUnavailable(
+                f"the samples of channel '{name}' are in chunks outside the database; set"
+                " FLEXSID_RECORDINGS to their address",
+                code="recording-unavailable",
+            )
+        else:
+            samples = recordings.read(Chunks(stored, length), window)
+        start_s, count = channel.get_time(window.start), window.stop - window.start
+        found[name] = replace(channel, start_s=start_s, n_samples=count), samples
+    return found
+
+
+def _encode(name: str, samples: np.ndarray, unit: str) -> bytes:
+    """Encode samples as a Parquet file that other programs read."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    field = pa.field(name, pa.from_numpy_dtype(samples.dtype), False, {"unit": unit})
+    table = pa.table([pa.array(samples)], schema=pa.schema([field]))
+    encoded = io.BytesIO()
+    # Bytes of equal significance side by side compress well; dictionaries do not.
+    split: Any = samples.dtype.kind == "f"
+    pq.write_table(
+        *(table, encoded),
+        compression="zstd",
+        use_dictionary=False,
+        use_byte_stream_split=split,
+        write_statistics=False,
+    )
+    return encoded.getvalue()
