@@ -141,6 +141,10 @@ browser:
 		else \
 			echo 'flexsid: Chromium is not installed; the browser test will be skipped'; \
 		fi
+	@# Without a window it takes less time; not every system has it.
+	@command -v chromium-headless-shell >/dev/null || [ "$$(id -u)" != 0 ] || \
+		DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends \
+		chromium-headless-shell >/dev/null 2>&1 || true
 
 # The tests also run on PostgreSQL, whose server comes from the system; after the browser,
 # since apt-get runs once at a time.

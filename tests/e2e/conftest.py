@@ -28,7 +28,8 @@ from preloaded import start_server
 from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
 ROOT = Path(__file__).parents[2]
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+# The first has no window, and takes a fifth less processor time for the same tests.
+CHROMIUM = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 QUIET = [
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
