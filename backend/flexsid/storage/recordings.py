@@ -11,6 +11,8 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,7 @@ SAMPLES_PER_CHUNK = 2**18
 """Samples of a chunk: 2 MB of float64, 22 minutes at 200 Hz."""
 
 _EVERYTHING = (-np.inf, np.inf)
+_AT_ONCE = 8  # chunks; a file system of another computer takes most of the time to respond
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +79,16 @@ class Recordings:
         DatabaseUnavailable
             If a chunk cannot be written.
         """
-        names = []
-        for first in range(0, samples.size, self.samples_per_chunk):
+
+        def write_chunk(first: int) -> np.ndarray:
             content = _encode(name, samples[first : first + self.samples_per_chunk], unit)
             digest = hashlib.sha256(content).digest()
             self._put(digest.hex(), content)
-            names.append(np.frombuffer(digest, np.uint8))
-        return Chunks(np.stack(names), self.samples_per_chunk)
+            return np.frombuffer(digest, np.uint8)
+
+        with ThreadPoolExecutor(_AT_ONCE) as writers:
+            names = writers.map(write_chunk, range(0, samples.size, self.samples_per_chunk))
+            return Chunks(np.stack(list(names)), self.samples_per_chunk)
 
     def read(self, chunks: Chunks, window: slice) -> np.ndarray:
         """Read a window of the samples of a channel from the chunks that it touches.
@@ -153,7 +159,8 @@ class Recordings:
                 return
             file.unlink()  # damaged
         file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with new_file(file) as partial:
+        # Another process may write the same chunk at the same time.
+        with suppress(FileExistsError), new_file(file) as partial:
             partial.write_bytes(content)
 
     def _locate(self, name: str) -> str:
@@ -195,23 +202,27 @@ def read_recording(
     DamagedData
         If samples do not match their hash.
     """
-    found = {}
-    for name, (channel, stored) in read_flight_channels(database, flight_id, names).items():
+
+    def read(channel: FlightChannel, stored: np.ndarray) -> tuple[FlightChannel, np.ndarray]:
         window = channel.slice_samples(interval_s)
         length = channel.samples_per_chunk
         if length is None:
             samples = stored[window]
         elif recordings is None:
             raise DatabaseUnavailable(
-                f"the samples of channel '{name}' are in chunks outside the database; set"
+                f"the samples of channel '{channel.name}' are in chunks outside the database; set"
                 " FLEXSID_RECORDINGS to their address",
                 code="recording-unavailable",
             )
         else:
             samples = recordings.read(Chunks(stored, length), window)
         start_s, count = channel.get_time(window.start), window.stop - window.start
-        found[name] = replace(channel, start_s=start_s, n_samples=count), samples
-    return found
+        return replace(channel, start_s=start_s, n_samples=count), samples
+
+    stored = read_flight_channels(database, flight_id, names)
+    with ThreadPoolExecutor(_AT_ONCE) as readers:
+        found = readers.map(read, *zip(*stored.values(), strict=True)) if stored else ()
+        return dict(zip(stored, found, strict=True))
 
 
 def _encode(name: str, samples: np.ndarray, unit: str) -> bytes:
