@@ -17,7 +17,14 @@ from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import COMBINED, Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+    RunState,
+)
 from flexsid.storage import queue
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
@@ -131,7 +138,7 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
 
 
 def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(store: Store):
-    run = estimate_with_shape(store, 0.8, Method.OE)
+    run = estimate_with_shape(store, 0.8, Method.OE, seed=5)
     (controller,) = store.controllers.find()
     peak = float(np.deg2rad(1.0))
     specification = specify_design(506, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")
@@ -141,9 +148,10 @@ def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(s
     z = [(row.estimate - row.flown) / (row.std_error or np.nan) for row in done.derivatives]
     assert len(z) == 44
     assert np.sqrt(np.mean(np.square(z))) < 1.6
+    # At 400 Hz every such simulation was suspect, with standard errors 1.7 times as large.
+    assert done.adequacy is AdequacyState.CONSISTENT
     ratios = [(row.expected or np.nan) / (row.std_error or np.nan) for row in done.derivatives]
-    # 0.61; the same flight with quasi-steady forces has 0.59, for a reason that is not known.
-    assert 0.5 < np.median(ratios) < 1.4
+    assert 0.8 < np.median(ratios) < 1.25
     rough = _simulate(store, design, run.id or 0, controller.id, Turbulence.LIGHT)
     az = read_channels(store.database, rough.maneuver_id, ("az_cf",))["az_cf"][1]
     assert np.std(az[:800]) > 0.1

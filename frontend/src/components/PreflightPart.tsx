@@ -12,6 +12,7 @@ import { Empty } from "./Empty";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
 import { Loaded } from "./Loaded";
+import { AdequacyBadge } from "./ModelAdequacy";
 import { NumberField } from "./NumberField";
 import { ProblemAlert } from "./ProblemAlert";
 import { Section } from "./Section";
@@ -282,6 +283,7 @@ function One({ result }: { result: SimulationResult }) {
       note={`Largest correlation between two surfaces ${fixed(result.correlation, 3)}`}
       actions={
         <Group gap="sm">
+          {result.adequacy !== null && <AdequacyBadge state={result.adequacy} />}
           <Link
             to="/maneuvers/$id"
             params={{ id: simulation.maneuver_id }}
@@ -313,6 +315,8 @@ function One({ result }: { result: SimulationResult }) {
             {off.length === 0
               ? "The record does not separate all derivatives: there are no standard errors."
               : `Root mean square error of the estimates: ${fixed(rms, 2)} standard errors.`}
+            {result.adequacy === "suspect" &&
+              " The run is suspect: its standard errors are wider by model error, which the predicted ones do not contain."}
           </p>
           <DataTable
             label="Simulated and estimated derivatives"

@@ -122,8 +122,8 @@ def split_residuals(
         Number of fitted parameters; where noise and model error cannot be separated, the
         density is corrected for the variance that they explain.
     all_noise
-        Whether all residuals count as noise, as for fits that retain out-of-band modes: their
-        response that is left is smaller than the noise.
+        Whether all residuals count as noise, as for fits that retain out-of-band modes, or for
+        which no test finds model error: the response that is left is smaller than the noise.
 
     Notes
     -----

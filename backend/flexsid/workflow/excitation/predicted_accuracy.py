@@ -11,7 +11,14 @@ import numpy as np
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.excitation import ExcitationDesign, ExpectedError
-from flexsid.records.run import EstimationRun, Method, Pole, Progress, ReportProgress
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    Pole,
+    Progress,
+    ReportProgress,
+)
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import (
@@ -295,7 +302,7 @@ def load_prediction_model(store: Store, run_id: int) -> PredictionModel:
         residuals,
         found.model.inputs,
         len(result.parameters),
-        all_noise=result.retained is not None,
+        all_noise=result.retained is not None or result.adequacy.state is AdequacyState.CONSISTENT,
     )
     excitation = maneuver.excitation
     excited_s = np.inf if excitation is None else excitation.n_periods * excitation.period_s

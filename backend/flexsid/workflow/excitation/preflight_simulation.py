@@ -18,7 +18,15 @@ from flexsid.records.excitation import (
 from flexsid.records.flutter import Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import COMBINED, Channel, Excitation, Flight, Maneuver, Role
-from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress, RunState, Start
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    Progress,
+    ReportProgress,
+    RunState,
+    Start,
+)
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.checks import ActuatorLimits
@@ -56,7 +64,9 @@ from flexsid.workflow.runs.run_identity import add_hashes
 _TRIM_S, _SETTLE_S = 2.0, 4.0
 _LEAD_S = 10.0  # in turbulence before the record: the aircraft is in motion at its start
 _GUST_SEED = 797  # separates the seed of the turbulence from that of the noise
-_RATE_HZ = 400.0  # at least this fast, in whole multiples of the design's rate
+# At least this fast, in whole multiples of the design's rate. Forces that lag the motion have a
+# part by acceleration, whose response to the steps of held commands is model error at lower rates.
+_RATE_HZ, _SHAPED_RATE_HZ = 400.0, 1600.0
 _NUMBER = 0  # of the flight that holds simulated maneuvers
 _LEVELS = ("low", "medium", "high")
 
@@ -77,13 +87,18 @@ class SimulatedDerivative:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationResult:
-    """A pre-flight simulation, the state of its run, and the derivatives when it succeeded."""
+    """A pre-flight simulation, the state of its run, and the derivatives when it succeeded.
+
+    ``adequacy`` is the result of that run's tests for model error: the standard errors of a suspect
+    run are wider by model error, which the predicted ones do not contain.
+    """
 
     simulation: PreflightSimulation
     label: str
     state: RunState
     correlation: float | None
     derivatives: tuple[SimulatedDerivative, ...]
+    adequacy: AdequacyState | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,7 +171,8 @@ def simulate_design(
     aircraft = store.aircraft.get(flown.aircraft_id)
     check_amplitudes(design.specification)
     multisine = at.select_axis(build_multisine(design, level))
-    rate = design.specification.rate_hz * int(np.ceil(_RATE_HZ / design.specification.rate_hz))
+    least_hz = _RATE_HZ if at.model.shape is None else _SHAPED_RATE_HZ
+    rate = design.specification.rate_hz * int(np.ceil(least_hz / design.specification.rate_hz))
     controller = None if controller_id is None else store.controllers.get(controller_id)
     if controller is not None and controller.aircraft_id != aircraft.id:
         raise BadInput(
@@ -366,6 +382,7 @@ def _summarise(store: Store, one: PreflightSimulation) -> SimulationResult:
         state=run.state,
         correlation=maneuver.max_input_correlation,
         derivatives=rows,
+        adequacy=None if run.result is None else run.result.adequacy.state,
     )
 
 
