@@ -316,7 +316,7 @@ function One({ result }: { result: SimulationResult }) {
               ? "The record does not separate all derivatives: there are no standard errors."
               : `Root mean square error of the estimates: ${fixed(rms, 2)} standard errors.`}
             {result.adequacy === "suspect" &&
-              " The run is suspect: its standard errors are wider by model error, which the predicted ones do not contain."}
+              " The run is suspect: its standard errors are wider by model error. Predicted ones are wider where the run of the model is suspect."}
           </p>
           <DataTable
             label="Simulated and estimated derivatives"

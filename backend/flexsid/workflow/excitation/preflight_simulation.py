@@ -90,7 +90,7 @@ class SimulationResult:
     """A pre-flight simulation, the state of its run, and the derivatives when it succeeded.
 
     ``adequacy`` is the result of that run's tests for model error: the standard errors of a suspect
-    run are wider by model error, which the predicted ones do not contain.
+    run are wider by model error, and the predicted ones where the run of the model is suspect.
     """
 
     simulation: PreflightSimulation
