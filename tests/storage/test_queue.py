@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import random
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import pytest
 import sqlalchemy as sa
 
 from flexsid.errors import Conflict
+from flexsid.records.job import Job
 from flexsid.records.run import (
     EstimationRun,
     Fit,
@@ -65,6 +68,34 @@ def test_runs_are_claimed_oldest_first_each_once(store: Store, add_run: AddRun) 
         thread.join()
     assert len(claimed) == 30
     assert set(claimed) == set(ids)
+
+
+def test_the_next_job_is_the_least_of_all_queued_ones(store: Store) -> None:
+    """The same as by sorting every queued job, for queues of any composition."""
+    rng = random.Random(7)
+    for _ in range(60):
+        job = Job(kind="run", author=rng.choice(["Ann", "Bo", ""]), priority=rng.choice([-1, 0, 2]))
+        earlier = rng.choice([None, None, *(one.id for one in store.jobs.find()[-3:])])
+        queue.add_job(store, replace(job, after_job_id=earlier))
+    while (queued := store.jobs.find(state="queued")) and queue.find_next(store, {}):
+        states = {one.id: one.state for one in store.jobs.find()}
+        authors = [one.author for one in store.jobs.find(state="running")]
+        served = {name: rng.random() for name in ("Ann", "Bo")}
+        ready = [
+            one for one in queued if states.get(one.after_job_id) in (None, RunState.SUCCEEDED)
+        ]
+        least = min(
+            ready,
+            key=lambda one: (
+                *(-one.priority, authors.count(one.author), served.get(one.author, 0.0)),
+                one.id,
+            ),
+        )
+        assert queue.find_next(store, served) == least.id
+        claimed = queue.claim(store, least.id)
+        assert claimed is not None
+        if rng.random() < 0.7:
+            queue.finish_job(store, least.id or 0, claimed.attempt, {}, {})
 
 
 def test_one_run_can_be_claimed_by_name(store: Store, add_run: AddRun) -> None:

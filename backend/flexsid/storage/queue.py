@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 import sqlalchemy as sa
+from sqlalchemy.engine import Connection
 
 from flexsid.errors import Conflict
 from flexsid.records.job import Job
@@ -114,20 +115,31 @@ def find_next(
     idle_authors_only
         Only jobs of analysts without a running job.
     """
-    earliest = (
-        sa.select(jobs.c.priority, jobs.c.author, sa.func.min(jobs.c.id))
-        .where(_QUEUED, _may_start)
-        .group_by(jobs.c.priority, jobs.c.author)
-    )
     counts = sa.select(jobs.c.author, sa.func.count()).where(_RUNNING).group_by(jobs.c.author)
     with store.database.reading() as connection:
         running: dict[str, int] = {author: n for author, n in connection.execute(counts)}
         candidates = [
             (-priority, running.get(author, 0), served.get(author, 0.0), number)
-            for priority, author, number in connection.execute(earliest)
+            for priority, author, number in _list_earliest(connection)
             if not (idle_authors_only and running.get(author))
         ]
     return min(candidates)[-1] if candidates else None
+
+
+def _list_earliest(connection: Connection) -> Iterator[tuple[int, str, int]]:
+    """List priority, analyst and id of the earliest job that may start of each of these pairs.
+
+    By searches of the index: grouping reads every queued job, and so does comparing pairs.
+    """
+    columns = (jobs.c.priority, jobs.c.author, jobs.c.id)
+    query = sa.select(*columns).where(_QUEUED, _may_start).order_by(*columns).limit(1)
+    row = connection.execute(query).one_or_none()
+    while row is not None:
+        yield row.priority, row.author, row.id
+        same = query.where(jobs.c.priority == row.priority, jobs.c.author > row.author)
+        higher = query.where(jobs.c.priority > row.priority)
+        found = connection.execute(same).one_or_none()
+        row = connection.execute(higher).one_or_none() if found is None else found
 
 
 def claim(
