@@ -11,6 +11,7 @@ import fsspec
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import sqlalchemy as sa
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,6 +24,7 @@ from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.quotas import count_recorded_bytes
 from flexsid.storage.recordings import Chunks, Recordings
 from flexsid.storage.store import Store
+from flexsid.storage.tables import arrays
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
 from flexsid.workflow.importing.maneuver_cutting import (
     cut_maneuver,
@@ -148,7 +150,7 @@ def test_what_was_damaged_is_written_again(recordings: Recordings, url: str):
 
 @pytest.mark.parametrize("address", ["nosuchstore://x", "s3x://bucket"])
 def test_an_address_of_no_known_form_is_refused(address: str):
-    with pytest.raises(BadInput, match="FLEXSID_RECORDINGS is"):
+    with pytest.raises(BadInput, match="FLEXSID_RECORDINGS is no address"):
         Recordings(address)
 
 
@@ -237,6 +239,21 @@ def test_damage_and_absence_of_chunks_are_named(
     assert not note.is_damage
     with pytest.raises(DatabaseUnavailable, match="set FLEXSID_RECORDINGS"):
         find_maneuvers(store, flight_id)
+
+
+@pytest.mark.usefixtures("aircraft")
+def test_damaged_names_of_chunks_are_found_by_the_check(
+    store: Store, recordings: Recordings, flown_file: Path
+):
+    flight_id = _import(store, recordings, flown_file)
+    channel = next(c for c in store.flight_channels.find(flight_id=flight_id) if c.name == "q")
+    with store.database.transaction() as connection:
+        damaged = sa.update(arrays).where(arrays.c.hash == channel.array)
+        connection.execute(damaged.values(data=bytes(6 * 32)))
+    (damage,) = [one for one in check_database(store) if one.is_damage]
+    assert damage.record == f"channel 'q' of flight {flight_id}"
+    with pytest.raises(DamagedData):
+        cut_maneuver(store, flight_id, Cut(label="x", start_s=55.0, stop_s=90.0))
 
 
 @pytest.mark.usefixtures("aircraft")

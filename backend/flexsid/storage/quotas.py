@@ -12,7 +12,6 @@ from flexsid.records.run import RunState
 from flexsid.storage.access import using_access
 from flexsid.storage.tables import arrays, channels, flight_channels, flights, jobs, maneuvers
 
-_SAMPLE_BYTES = 8  # float64, of which the samples in chunks are
 GIGABYTE = 10**9
 _SAMPLE_BYTES = 8  # of float64, the largest type of a recorded sample
 _UNFINISHED = jobs.c.state.in_((RunState.QUEUED.value, RunState.RUNNING.value))

@@ -60,12 +60,12 @@ class Recordings:
             self._files, root = url_to_fs(url)
         except ImportError as error:
             raise BadInput(
-                f"FLEXSID_RECORDINGS is {url}, which needs {error.name or error}; install"
-                " 'flexsid[recordings]' and the package of this file system"
+                f"FLEXSID_RECORDINGS needs {error.name or error}; install 'flexsid[recordings]' and"
+                " the package of this file system"
             ) from error
         except ValueError as error:
             raise BadInput(
-                f"FLEXSID_RECORDINGS is {url}: {error}; expected an address like"
+                f"FLEXSID_RECORDINGS is no address of a file system ({error}); expected one like"
                 " file:///srv/recordings or s3://bucket/folder"
             ) from error
         self._root = root.rstrip("/")

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.records.run import RunState
 from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
-from flexsid.storage.arrays import hash_array
+from flexsid.storage.arrays import DamagedData, hash_array
 from flexsid.storage.audit_log import read_events
-from flexsid.storage.channels import read_flight_channels
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.event_chain import is_chain_intact
@@ -141,23 +141,19 @@ def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
 
 
 def _check_chunks(store: Store) -> Iterator[DatabaseProblem]:
-    names = [c.name for c in store.flight_channels.find() if c.samples_per_chunk is not None]
-    if not names:
-        return
-    if store.recordings is None:
+    channels = [c for c in store.flight_channels.find() if c.samples_per_chunk is not None]
+    if channels and store.recordings is None:
         text = (
-            f"The samples of {len(names)} channels of flights are in chunks outside the database;"
-            " set FLEXSID_RECORDINGS to their address to check them."
+            f"The samples of {len(channels)} channels of flights are in chunks outside the"
+            " database; set FLEXSID_RECORDINGS to their address to check them."
         )
         yield DatabaseProblem("unchecked-recordings", "recordings", text, is_damage=False)
         return
-    for flight in store.flights.find():
-        assert flight.id is not None
-        for name, (channel, chunks) in read_flight_channels(store.database, flight.id).items():
-            if channel.samples_per_chunk is None:
-                continue
-            for damage in store.recordings.find_damaged(chunks):
-                record = f"channel '{name}' of flight {flight.id}"
+    for channel in channels:
+        assert store.recordings is not None
+        record = f"channel '{channel.name}' of flight {channel.flight_id}"
+        with suppress(DamagedData, UnknownRecord):  # found with the arrays
+            for damage in store.recordings.find_damaged(store.arrays.get(channel.array)):
                 yield DatabaseProblem("damaged-data", record, f"{record}: {damage}.")
 
 
