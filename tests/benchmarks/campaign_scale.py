@@ -3,7 +3,7 @@
 Copies of the demonstration maneuvers, whose samples are stored once, are estimated by EE, OE and
 FRE on a Dask cluster with one worker per core. At each size the whole campaign is queued, and the
 cluster computes for some minutes while the lists of the page are read. JSON lines have the time to
-queue a run, runs per second, the time of the lists, and what grows: database and memory.
+queue a run and its size in the database, runs per second, and the time of the lists.
 """
 
 from __future__ import annotations

@@ -138,7 +138,7 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
 
 
 def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(store: Store):
-    run = estimate_with_shape(store, 0.8, Method.OE, seed=5)
+    run = estimate_with_shape(store, 0.8, Method.OE)
     (controller,) = store.controllers.find()
     peak = float(np.deg2rad(1.0))
     specification = specify_design(506, 24.0, 100.0, 6, (peak, 2 * peak, 4 * peak), "quick")

@@ -154,6 +154,12 @@ def test_an_address_of_no_known_form_is_refused(address: str):
         Recordings(address)
 
 
+def test_a_file_system_without_its_package_is_refused():
+    fsspec.register_implementation("absent", "no_such_package.Files", errtxt="Install no_such")
+    with pytest.raises(BadInput, match=r"\(Install no_such\); install 'flexsid\[recordings\]'"):
+        Recordings("absent://x")
+
+
 def test_the_address_is_a_setting():
     assert read_settings({"FLEXSID_RECORDINGS": "file:///srv/x"}).recordings == "file:///srv/x"
     assert read_settings({}).recordings is None

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -53,15 +54,15 @@ class Recordings:
     def __init__(self, url: str, samples_per_chunk: int = SAMPLES_PER_CHUNK) -> None:
         self.samples_per_chunk = samples_per_chunk
         try:
-            import pyarrow.parquet  # noqa: F401
+            import_module("pyarrow.parquet")  # missing packages are found before the first read
             from fsspec.core import url_to_fs
             from fsspec.implementations.local import LocalFileSystem
 
             self._files, root = url_to_fs(url)
         except ImportError as error:
             raise BadInput(
-                f"FLEXSID_RECORDINGS needs {error.name or error}; install 'flexsid[recordings]' and"
-                " the package of this file system"
+                f"the file system of FLEXSID_RECORDINGS cannot be used ({error}); install"
+                " 'flexsid[recordings]' and the package of this file system"
             ) from error
         except ValueError as error:
             raise BadInput(
