@@ -13,10 +13,12 @@ import sqlalchemy as sa
 from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun
 from flexsid.storage import queue
-from flexsid.storage.arrays import DamagedData
+from flexsid.storage.arrays import DamagedData, describe_array
+from flexsid.storage.channels import read_channels
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.storage.tables import aircraft, arrays, channels, maneuvers, predictions, runs
+from flexsid.workflow.review.database_check import check_database
 from flexsid.workflow.runs import estimation
 
 
@@ -44,6 +46,38 @@ def test_damaged_samples_are_refused(flown: Store) -> None:
     with pytest.raises(DamagedData, match="channel 'q' of maneuver 1") as refused:
         estimation.prepare(flown, flown.runs.get(1))
     assert refused.value.code == "damaged-data"
+
+
+def test_samples_without_a_checksum_are_compared_with_their_hash(flown: Store) -> None:
+    (channel,) = flown.channels.find(maneuver_id=1, name="q")
+    with flown.database.transaction() as connection:
+        connection.execute(sa.update(arrays).values(checksum=None))  # of earlier versions
+    assert "q" in read_channels(flown.database, 1)
+    _damage(flown, channel.array)
+    with pytest.raises(DamagedData):
+        read_channels(flown.database, 1)
+
+
+def test_damaged_checksums_of_intact_samples_are_noted(flown: Store) -> None:
+    (channel,) = flown.channels.find(maneuver_id=1, name="q")
+    this = sa.update(arrays).where(arrays.c.hash == channel.array)
+    with flown.database.transaction() as connection:
+        connection.execute(this.values(checksum=bytes(8)))
+    assert "q" in read_channels(flown.database, 1)
+    (note,) = check_database(flown)
+    assert (note.code, note.is_damage) == ("damaged-checksum", False)
+    assert note.record == "channel 'q' of maneuver 1"
+
+
+def test_altered_samples_with_their_checksum_are_found_by_the_check(flown: Store) -> None:
+    (channel,) = flown.channels.find(maneuver_id=1, name="q")
+    altered = describe_array(2.0 * flown.arrays.get(channel.array), channel.unit)
+    this = sa.update(arrays).where(arrays.c.hash == channel.array)
+    with flown.database.transaction() as connection:
+        values = {"data": bytes(altered["data"]), "checksum": altered["checksum"]}
+        connection.execute(this.values(values))
+    (damage,) = check_database(flown)
+    assert (damage.code, damage.record) == ("damaged-data", "channel 'q' of maneuver 1")
 
 
 def test_error_of_a_damaged_covariance_has_its_run(flown: Store) -> None:

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from flexsid.records.maneuver import Channel, FlightChannel, Role
-from flexsid.storage.arrays import HASH_BYTES, build_damage_error, hash_array
+from flexsid.storage.arrays import HASH_BYTES, build_damage_error, is_intact
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.tables import arrays, channels, flight_channels
@@ -41,7 +41,7 @@ def read_channels(
     Raises
     ------
     DamagedData
-        If samples do not match their hash.
+        If samples are not what was stored.
     """
     return _read(database, Channel, channels.name, "maneuver_id", maneuver_id, names)
 
@@ -83,9 +83,9 @@ def _read(
     rows = sorted(rows, key=itemgetter(fields.index("id")))
     found: dict[str, tuple[_Kind, np.ndarray]] = {}
     for row in rows:
-        channel, (unit, dtype, data) = _record(kind, fields, row), row[-3:]
+        channel, (checksum, unit, dtype, data) = _record(kind, fields, row), row[-4:]
         shape = _find_shape(channel)
-        if hash_array(dtype, shape, unit, data) != channel.array:
+        if not is_intact(channel.array, checksum, dtype, shape, unit, data):
             with database.reading() as connection:
                 raise build_damage_error(connection, channel.array)
         found[channel.name] = channel, np.frombuffer(data, dtype).reshape(shape)
@@ -105,7 +105,7 @@ def _query(table: str, key: str, fields: tuple[str, ...], mark: str, n_names: in
     columns = ", ".join(f'{table}."{name}"' for name in fields)
     selection = "" if n_names is None else f" AND name IN ({', '.join([mark] * n_names)})"
     return (
-        f"SELECT {columns}, arrays.unit, dtype, data FROM {table} "
+        f"SELECT {columns}, checksum, arrays.unit, dtype, data FROM {table} "
         f'JOIN {arrays.name} ON hash = "array" WHERE {key} = {mark}{selection}'
     )
 

@@ -48,6 +48,7 @@ arrays = sa.Table(
     text("unit"),
     sa.Column("n_bytes", sa.BigInteger, nullable=False),
     sa.Column("data", sa.LargeBinary, nullable=False),
+    sa.Column("checksum", sa.LargeBinary),
 )
 
 aircraft = table(

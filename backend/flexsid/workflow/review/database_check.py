@@ -13,7 +13,7 @@ from flexsid.records.decision import Decision, DecisionState
 from flexsid.records.run import RunState
 from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
-from flexsid.storage.arrays import DamagedData, hash_array
+from flexsid.storage.arrays import DamagedData, compute_checksum, hash_array
 from flexsid.storage.audit_log import read_events
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
@@ -116,21 +116,28 @@ def _check_references(database: Database) -> Iterator[DatabaseProblem]:
 
 def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
     arrays = tables.arrays.c
-    columns = (arrays.hash, arrays.dtype, arrays.shape, arrays.unit, arrays.data)
+    columns = (arrays.hash, arrays.checksum, arrays.dtype, arrays.shape, arrays.unit, arrays.data)
     with database.reading() as connection:
         records = list_referring_records(connection)
         names = list(connection.scalars(sa.select(arrays.hash).order_by(arrays.hash)))
         for first in range(0, len(names), _AT_ONCE):
             some = names[first : first + _AT_ONCE]
             for row in connection.execute(sa.select(*columns).where(arrays.hash.in_(some))):
-                if hash_array(row.dtype, row.shape, row.unit, row.data) != row.hash:
-                    record = records.get(row.hash, "an array that no record names")
+                content = (row.dtype, row.shape, row.unit, row.data)
+                record = records.get(row.hash, "an array that no record names")
+                if hash_array(*content) != row.hash:
                     text = (
                         f"The samples of {record} were changed after storage (their hash"
                         f" differs) and cannot be used. Import the file again, or"
                         f" {_REPAIR}."
                     )
                     yield DatabaseProblem("damaged-data", record, text)
+                elif row.checksum not in {None, compute_checksum(*content)}:
+                    text = (
+                        f"The checksum of {record} is damaged; its samples are intact (their hash"
+                        " does not differ)."
+                    )
+                    yield DatabaseProblem("damaged-checksum", record, text, is_damage=False)
         for name in sorted(records.keys() - set(names)):
             text = f"The samples of {records[name]} are gone; import the file again, or {_REPAIR}."
             yield DatabaseProblem("missing-data", records[name], text)
