@@ -59,13 +59,16 @@ class DriftingAircraft:
         return replace(aircraft, derivatives=replace(aircraft.derivatives, values=values))
 
     def find_flutter(self, fuel: float) -> float:
-        """Find the airspeed at which the aircraft with its derivatives there flutters. [m/s]"""
+        """Find the airspeed at which the aircraft with its derivatives there flutters. [m/s]
+
+        NaN without flutter in the band.
+        """
 
         def excess(airspeed: float) -> float:
             found = track_roots(self.at(airspeed, fuel), np.linspace(*BAND, 80), DENSITY).flutter
-            return (BAND[1] if found is None else found.airspeed) - airspeed
+            return (2.0 * BAND[1] if found is None else found.airspeed) - airspeed
 
-        return float(brentq(excess, *BAND, xtol=1e-4))
+        return float(brentq(excess, *BAND, xtol=1e-4)) if excess(BAND[1]) < 0.0 else np.nan
 
 
 def _build(airspeed: float, fuel: float) -> Aeroelastic:
@@ -97,10 +100,9 @@ class PlannedRuns:
         return parts
 
 
-def plan_runs(ratios: ArrayLike, fuel: ArrayLike) -> PlannedRuns:
-    """Compute Cramer-Rao bounds of output error at ratios of the flutter speed."""
-    flutter = DriftingAircraft.draw(np.random.default_rng(0), 0.0).find_flutter(FUEL)
-    speeds, shares = flutter * np.asarray(ratios), np.asarray(fuel)
+def plan_runs(airspeeds: ArrayLike, fuel: ArrayLike) -> PlannedRuns:
+    """Compute Cramer-Rao bounds of output error at airspeeds. [m/s]"""
+    speeds, shares = np.asarray(airspeeds), np.asarray(fuel)
     covariances = tuple(
         _compute_covariance(speed, share)
         for speed, share in zip(speeds.tolist(), shares.tolist(), strict=True)
