@@ -28,14 +28,17 @@ from flexsid.records.run import (
 from flexsid.storage import queue
 from flexsid.storage.channels import read_channels
 from flexsid.storage.store import Store
+from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.model.axes import ModelAxis
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
     compute_design,
+    find_flight_test_aid,
     specify_design,
 )
+from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, predict_accuracy
 from flexsid.workflow.excitation.preflight_simulation import (
     SimulationRequest,
     SimulationResult,
@@ -193,27 +196,33 @@ def test_excitation_enters_before_the_mixer_where_a_design_has_its_commands(stor
     assert not commands[2].any()
 
 
+def estimate_independent(store: Store, axis: ModelAxis) -> EstimationRun:
+    """Estimate the maneuver of the demonstration whose ten sides move independently."""
+    aircraft = add_independent(store)
+    flown = next(m for m in store.maneuvers.find(aircraft_id=aircraft.id) if m.axis == COMBINED)
+    request = EstimationRun(
+        maneuver_id=flown.id or 0,
+        method=Method.OE,
+        structure=propose_run(store, (flown.id or 0,), axis=axis).structure,
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+    )
+    return execute_run(store, request, RUN, lambda progress: None)
+
+
+def add_design(store: Store, fta: int, duration_s: float = 24.0) -> ExcitationDesign:
+    """Design a row of Table 1 at 1, 2 and 4 degrees."""
+    peak = float(np.deg2rad(2.0))
+    specification = specify_design(fta, duration_s, 100.0, 6, (0.5 * peak, peak, 2 * peak), "quick")
+    order = DesignOrder(name=f"FTA {fta}", specification=specification, fta=fta)
+    return store.designs.add(compute_design(order, lambda progress: None))
+
+
 @pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
 def test_a_design_of_independent_sides_is_simulated_for_each_axis(store: Store, axis: ModelAxis):
     """The maneuver of the run had the same amplitude, and its own harmonics of all ten sides."""
-    aircraft = add_independent(store)
-    flown = next(m for m in store.maneuvers.find(aircraft_id=aircraft.id) if m.axis == COMBINED)
-    run = execute_run(
-        store,
-        EstimationRun(
-            maneuver_id=flown.id or 0,
-            method=Method.OE,
-            structure=propose_run(store, (flown.id or 0,), axis=axis).structure,
-            settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
-        ),
-        RUN,
-        lambda progress: None,
-    )
-    peak = float(np.deg2rad(2.0))
-    specification = specify_design(556, 24.0, 100.0, 6, (0.5 * peak, peak, 2 * peak), "quick")
-    order = DesignOrder(name="FTA 556", specification=specification, fta=556)
-    design = store.designs.add(compute_design(order, lambda progress: None))
-    (controller,) = store.controllers.find(aircraft_id=aircraft.id)  # of both axes
+    run = estimate_independent(store, axis)
+    design = add_design(store, 556)
+    (controller,) = store.controllers.find()  # of both axes
     simulated = _simulate(store, design, run.id or 0, controller.id)
     maneuver = store.maneuvers.get(simulated.maneuver_id)
     assert maneuver.axis == axis
@@ -224,3 +233,36 @@ def test_a_design_of_independent_sides_is_simulated_for_each_axis(store: Store, 
     assert np.sqrt(np.mean(np.square(z))) < 1.5
     ratios = [(row.expected or np.nan) / (row.std_error or np.nan) for row in done.derivatives]
     assert 0.8 < np.median(ratios) < 1.25
+
+
+SYMMETRIC, ANTISYMMETRIC, INDEPENDENT = (
+    tuple(aid.number for aid in CATALOGUE.values() if aid.axis == axis)
+    for axis in ("symmetric", "antisymmetric", "independent")
+)
+
+
+@pytest.mark.parametrize(
+    ("axis", "rows"),
+    [
+        ("lateral", (539, 568)),
+        pytest.param("longitudinal", SYMMETRIC + INDEPENDENT, marks=pytest.mark.long),
+        pytest.param("lateral", ANTISYMMETRIC + INDEPENDENT, marks=pytest.mark.long),
+    ],
+)
+def test_every_standard_design_has_a_predicted_accuracy_and_a_simulation(
+    store: Store, axis: ModelAxis, rows: tuple[int, ...]
+):
+    """Throttles, to which the model has no response, are omitted, and named."""
+    run = estimate_independent(store, axis)
+    (controller,) = store.controllers.find()
+    for aid in map(find_flight_test_aid, rows):
+        design = add_design(store, aid.number, 24.0 * aid.periods)
+        query = DesignQuery(design_id=design.id or 0, run_id=run.id or 0, level=1)
+        errors = predict_accuracy(store, query, lambda progress: None).errors
+        assert errors.omitted == aid.input_names()[1]
+        assert np.isfinite([row.std_error for row in errors.items]).all()
+    assert errors.omitted == ("throttle_l", "throttle_r")
+    simulated = _simulate(store, design, run.id or 0, controller.id)
+    maneuver = store.maneuvers.get(simulated.maneuver_id)
+    assert maneuver.note.endswith(", without throttle_l, without throttle_r")
+    assert maneuver.duration_s > 96.0

@@ -110,6 +110,8 @@ export function PredictedAccuracyPart({ design, level, run, shared }: Props) {
               Surfaces follow {errors.surfaces}.
               {errors.harmonics_outside_band > 0 &&
                 ` ${errors.harmonics_outside_band} harmonics lie outside the band of the run; the values at its limits are used there.`}
+              {errors.omitted.length > 0 &&
+                ` The model of the run has no input ${errors.omitted.join(", ")}: the harmonics of throttles are not part of the prediction.`}
             </p>
             <DataTable
               label="Predicted standard errors"

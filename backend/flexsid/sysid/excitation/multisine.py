@@ -48,6 +48,12 @@ class Multisine:
         """Names of the inputs, in the order of their columns."""
         return tuple(self.tones)
 
+    @property
+    def band_hz(self) -> tuple[float, float]:
+        """Lowest and highest frequency of any input. [Hz]"""
+        every = np.concatenate([tones.harmonics for tones in self.tones.values()])
+        return float(every.min()) / self.period_s, float(every.max()) / self.period_s
+
     def scale(self, factor: float) -> Multisine:
         """Multiply all amplitudes."""
         return replace(

@@ -18,6 +18,7 @@ from flexsid.sysid.estimation.fisher_information import (
     predict_cramer_rao_bounds_from_history,
 )
 from flexsid.sysid.excitation.classic_inputs import KINDS, design_classic_input, pulse_lengths
+from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.signals import TimeHistory
 from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.predicted_accuracy import (
@@ -25,7 +26,6 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     PredictionModel,
     load_prediction_model,
 )
-from flexsid.workflow.excitation.target_modes import find_band
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +72,7 @@ def compare_inputs(store: Store, query: DesignQuery, report: ReportProgress) -> 
     peaks = dict(zip(multisine.inputs, np.abs(command).max(axis=0).tolist(), strict=True))
     for k, kind in enumerate(KINDS):
         report(Progress(fraction=(k + 1) / (len(KINDS) + 1), message=f"Predicting {kind}"))
-        rows.append(_find_best(at, design, kind, peaks, information, count))
+        rows.append(_find_best(at, design, multisine, kind, peaks, information, count))
     return InputComparison(
         names=information.names[:count],
         values=tuple(map(float, information.theta[:count])),
@@ -83,6 +83,7 @@ def compare_inputs(store: Store, query: DesignQuery, report: ReportProgress) -> 
 def _find_best(
     at: PredictionModel,
     design: ExcitationDesign,
+    multisine: Multisine,
     kind: str,
     peaks: dict[str, float],
     against: FisherInformation,
@@ -90,9 +91,9 @@ def _find_best(
 ) -> ComparedInput:
     best: tuple[float, ComparedInput] | None = None
     lacking = ""
-    for pulse_s, history in _generate_candidates(at, design, kind, peaks):
+    for pulse_s, history in _generate_candidates(at, design, multisine, kind, peaks):
         try:
-            scaled, information = _scale_to_limits(at, design, history, against)
+            scaled, information = _scale_to_limits(at, multisine.band_hz, history, against)
             reported = np.ix_(information.reported, information.reported)
             size = np.linalg.slogdet(information.covariance()[reported])[1]
         except NotIdentifiable as error:
@@ -110,11 +111,15 @@ def _find_best(
 
 
 def _generate_candidates(
-    at: PredictionModel, design: ExcitationDesign, kind: str, peaks: dict[str, float]
+    at: PredictionModel,
+    design: ExcitationDesign,
+    multisine: Multisine,
+    kind: str,
+    peaks: dict[str, float],
 ) -> Iterator[tuple[float | None, TimeHistory]]:
     duration_s, rate_hz = design.specification.duration_s, design.specification.rate_hz
     record_s = duration_s + at.noise_model.margin_s
-    band = find_band(design.specification)
+    band = multisine.band_hz
     if kind == "sweep":
         yield None, design_classic_input(kind, peaks, duration_s, rate_hz, record_s, band)
         return
@@ -126,7 +131,10 @@ def _generate_candidates(
 
 
 def _scale_to_limits(
-    at: PredictionModel, design: ExcitationDesign, history: TimeHistory, against: FisherInformation
+    at: PredictionModel,
+    band_hz: tuple[float, float],
+    history: TimeHistory,
+    against: FisherInformation,
 ) -> tuple[TimeHistory, FisherInformation]:
     """Scale an input until one of the design's limits is reached."""
     moved = np.abs(compute_waves(at.model, at.parameters, history, at.noise_model)).max(axis=0)
@@ -134,7 +142,7 @@ def _scale_to_limits(
     scaled = replace(history, values=gain * history.values)
     return scaled, predict_cramer_rao_bounds_from_history(
         *(at.model, at.parameters, scaled, at.noise_model),
-        *(find_band(design.specification), at.priors, at.nuisance),
+        *(band_hz, at.priors, at.nuisance),
     )
 
 

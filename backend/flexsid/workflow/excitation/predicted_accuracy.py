@@ -36,6 +36,7 @@ from flexsid.sysid.estimation.flight_noise import (
     split_residuals,
 )
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+from flexsid.sysid.excitation.catalogue import is_throttle
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -62,13 +63,15 @@ _EXCITING = 5.0  # half-power half-widths: further away a mode responds with a f
 class ExpectedErrors:
     """Predicted standard errors under a design, with the assumptions of the prediction.
 
-    ``surfaces`` is the assumed response of surfaces to commands, and ``harmonics_outside_band``
-    the number of harmonics outside the run's band, where noise and responses are held constant.
+    ``surfaces`` is the assumed response of surfaces to commands, ``harmonics_outside_band`` the
+    number of harmonics outside the run's band, where noise and responses are held constant, and
+    ``omitted`` are the throttles of the design that are no inputs of the run.
     """
 
     items: tuple[ExpectedError, ...]
     surfaces: str
     harmonics_outside_band: int
+    omitted: tuple[str, ...]
     next: str | None = None
 
 
@@ -118,11 +121,23 @@ class PredictionModel:
         check_evaluation(design.specification)
         return self.predict_multisine(self.select_axis(build_multisine(design, level)))
 
-    def select_axis(self, multisine: Multisine) -> Multisine:
-        """Select what excites the axis of the model: the parts of sides that move independently.
+    def list_omitted(self, design: ExcitationDesign) -> tuple[str, ...]:
+        """List the throttles of a design to which the model has no response."""
+        names = [own.name for own in design.specification.inputs]
+        return tuple(x for x in names if is_throttle(x) and x not in self.model.inputs)
 
-        Other multisines stay as they are.
+    def select_axis(self, multisine: Multisine) -> Multisine:
+        """Select what excites the axis of the model.
+
+        Throttles without a response are omitted, and sides that move independently combined to
+        the parts of the axis. Other multisines stay as they are.
         """
+        moving = {
+            name: tones
+            for name, tones in multisine.tones.items()
+            if name in self.model.inputs or not is_throttle(name)
+        }
+        multisine = replace(multisine, tones=moving or multisine.tones)
         sides = {side for terms in self.parts.values() for side in terms}
         if not sides.issuperset(multisine.inputs) or set(multisine.inputs) <= set(
             self.model.inputs
@@ -183,13 +198,17 @@ def predict_accuracy(store: Store, query: DesignQuery, report: ReportProgress) -
     """
     at = load_prediction_model(store, query.run_id)
     report(Progress(fraction=0.5, message="Predicting the information of every harmonic"))
-    information = at.predict(store.designs.get(query.design_id), query.level)
+    design = store.designs.get(query.design_id)
+    information = at.predict(design, query.level)
     return PredictedAccuracy(
-        errors=collect_errors(at, information), response=_collect_response(at, information)
+        errors=collect_errors(at, design, information),
+        response=_collect_response(at, information),
     )
 
 
-def collect_errors(at: PredictionModel, information: FisherInformation) -> ExpectedErrors:
+def collect_errors(
+    at: PredictionModel, design: ExcitationDesign, information: FisherInformation
+) -> ExpectedErrors:
     """Collect the standard errors of derivatives, with the assumptions that they rest on."""
     omega = np.concatenate([spectra.omega for spectra in information.lines])
     return ExpectedErrors(
@@ -205,6 +224,7 @@ def collect_errors(at: PredictionModel, information: FisherInformation) -> Expec
         harmonics_outside_band=int(
             np.sum((omega < at.band[0] - 1e-9) | (omega > at.band[1] + 1e-9))
         ),
+        omitted=at.list_omitted(design),
     )
 
 

@@ -256,6 +256,7 @@ def simulate_design(
         + ("no controller" if controller is None else controller.name)
         + (", excitation before the mixer" if injected.before_mixer is not None else "")
         + (f", {request.turbulence} turbulence" if lead else "")
+        + "".join(f", without {name}" for name in at.list_omitted(design))
         + _describe_imperfections(request),
     )
     report(Progress(fraction=0.95, message="Predicting standard errors"))
@@ -275,7 +276,7 @@ def _predict_errors(
 ) -> tuple[ExpectedError, ...] | None:
     """Predict the standard errors of the estimates; None where the design has no prediction."""
     try:
-        return collect_errors(at, at.predict(design, level)).items
+        return collect_errors(at, design, at.predict(design, level)).items
     except (BadInput, NotIdentifiable):  # too large, or derivatives without information
         return None
 
