@@ -17,10 +17,9 @@ def measure(seed: int, drift: float, n_runs: int) -> tuple[float, bool]:
     Runs are at 0.5 to 0.8 of the flutter speed of the aircraft itself.
     """
     rng = np.random.default_rng(seed)
-    expected = np.nan
-    while np.isnan(expected):
+    truth = DriftingAircraft.draw(rng, drift)
+    while np.isnan(expected := truth.find_flutter(FUEL)):
         truth = DriftingAircraft.draw(rng, drift)
-        expected = truth.find_flutter(FUEL)
     planned = np.random.default_rng(99)
     airspeeds = expected * planned.uniform(0.5, 0.8, n_runs)
     runs = plan_runs(airspeeds, planned.uniform(0.0, 1.0, n_runs))
