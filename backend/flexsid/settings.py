@@ -38,7 +38,8 @@ class Settings:
     ``address``; ``proxies`` may state the client of a request, and with ``proxy_secret`` its user,
     unless users log in at the provider ``openid``. The file ``site_key`` signs what a site on a
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
-    ``backups_retained`` of these backups are retained. The file ``receiver_credentials`` has the
+    ``backups_retained`` of these backups are retained; they share their samples if
+    ``backups_incremental``. The file ``receiver_credentials`` has the
     credentials of brokers of telemetry. An analyst may have ``analyst_jobs`` unfinished jobs, and
     the recordings of a campaign ``campaign_gigabytes`` (None: no limit). Long recordings of whole
     flights are in chunks at the address ``recordings`` (None: in the database).
@@ -58,6 +59,7 @@ class Settings:
     site_key: Path | None = None
     backup_hours: int | None = None
     backups_retained: int = _BACKUPS_RETAINED
+    backups_incremental: bool = False
     analyst_jobs: int | None = None
     campaign_gigabytes: int | None = None
     receiver_credentials: Path | None = None
@@ -106,6 +108,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         site_key=Path(key) if (key := environment.get("FLEXSID_SITE_KEY")) else None,
         backup_hours=_number(environment, "FLEXSID_BACKUP_HOURS", "a number of hours", 8760),
         backups_retained=_BACKUPS_RETAINED if retained is None else retained,
+        backups_incremental=_read_switch(environment, "FLEXSID_BACKUPS_INCREMENTAL"),
         analyst_jobs=_number(environment, "FLEXSID_ANALYST_JOBS", "a number of jobs", 10**6),
         campaign_gigabytes=_number(
             environment, "FLEXSID_CAMPAIGN_GIGABYTES", "a number of gigabytes", 10**6
@@ -175,6 +178,13 @@ def _read_openid(environment: Mapping[str, str]) -> OpenIdProvider | None:
         client_secret=client_secret,
         name_claim=environment.get("FLEXSID_OIDC_NAME_CLAIM") or NAME_CLAIM,
     )
+
+
+def _read_switch(environment: Mapping[str, str], name: str) -> bool:
+    text = environment.get(name) or "no"
+    if text not in ("yes", "no"):
+        raise BadInput(f"{name} is {text!r}; expected yes or no")
+    return text == "yes"
 
 
 def _read_mode(text: str) -> Mode:

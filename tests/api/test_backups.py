@@ -23,6 +23,8 @@ from flexsid.settings import read_settings
 from flexsid.storage import backup as copies
 from flexsid.storage import queue
 from flexsid.storage.access import Access, Forbidden, using_access
+from flexsid.storage.channels import read_channels
+from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
 from flexsid.workflow.review.database_backup import (
     BackupRequest,
@@ -31,6 +33,7 @@ from flexsid.workflow.review.database_backup import (
 )
 
 API = "/api/v1"
+SCHEDULED = BackupRequest(retained=2)
 
 
 def test_a_backup_is_made_by_a_job_and_downloaded(
@@ -87,13 +90,33 @@ def test_scheduled_backups_are_restored_as_a_test_and_the_newest_retained(flown_
         assert stages[-1] == "Restoring the copy"
         queue.request_cancel(store, claimed.id or 0)  # ends the job of this test
         made.append(task.target)
-        assert not request_due_backup(store, hours=1, retained=2)
+        assert not request_due_backup(store, 1, SCHEDULED)
         os.utime(task.target, (0, time.time() - 3700))
     folder = made[0].parent
     assert copies.list_scheduled(folder) == made[1:]
     assert (folder / BACKUP.read_result(asked).name).exists(), "made on request"
     assert not [path for path in folder.iterdir() if path.is_dir()]
     store.close()
+
+
+def test_scheduled_backups_that_are_incremental_share_their_samples(
+    client: TestClient, flown_url: str, tmp_path: Path
+) -> None:
+    store = Store.open(flown_url)
+    request = BackupRequest(retained=2, incremental=True)
+    made = [execute_request(store, BACKUP, request, lambda progress: None) for _ in range(3)]
+    store.close()
+    first, _, last = [BACKUP.read_result(job) for job in made]
+    folder = Path(f"{flown_url.removeprefix('sqlite:///')}-backups")
+    present = {one.name for one in folder.iterdir()}
+    assert {SAMPLES, last.name} < present
+    assert first.name not in present
+    refused = client.get(f"{API}/backups/{made[-1].id}")
+    assert (refused.status_code, refused.json()["code"]) == (409, "incremental-backup")
+    copies.restore(f"sqlite:///{tmp_path / 'restored.db'}", folder / last.name)
+    restored = Store.open(f"sqlite:///{tmp_path / 'restored.db'}")
+    assert "q" in read_channels(restored.database, 1)
+    restored.close()
 
 
 def test_a_copy_that_cannot_be_restored_is_no_backup(
@@ -110,24 +133,28 @@ def test_a_copy_that_cannot_be_restored_is_no_backup(
         BACKUP.compute(task, lambda progress: None)
     assert not task.target.exists()
     fail_job(store, claimed, FailedMessage(code="x", message="damaged"))
-    assert not request_due_backup(store, hours=1, retained=2), "repeated after an hour"
+    assert not request_due_backup(store, 1, SCHEDULED), "repeated after an hour"
     store.close()
 
 
 def _claim_due(store: Store) -> tuple[BackupTask, Job]:
     """Queue the backup that is due, and start it without a worker."""
-    assert request_due_backup(store, hours=1, retained=2)
-    assert not request_due_backup(store, hours=1, retained=2), "one is queued"
+    assert request_due_backup(store, 1, SCHEDULED)
+    assert not request_due_backup(store, 1, SCHEDULED), "one is queued"
     (waiting,) = store.jobs.find(kind=BACKUP.name, state=RunState.QUEUED)
     claimed = queue.claim(store, waiting.id)
     assert claimed is not None
-    return BACKUP.prepare(store, claimed, BackupRequest(retained=2)), claimed
+    return BACKUP.prepare(store, claimed, BACKUP.read_request(waiting)), claimed
 
 
 def test_settings_of_scheduled_backups_are_read() -> None:
     found = read_settings({"FLEXSID_BACKUP_HOURS": "24"})
     assert (found.backup_hours, found.backups_retained) == (24, 7)
     assert read_settings({}).backup_hours is None
+    assert not found.backups_incremental
+    assert read_settings({"FLEXSID_BACKUPS_INCREMENTAL": "yes"}).backups_incremental
+    with pytest.raises(BadInput, match="expected yes or no"):
+        read_settings({"FLEXSID_BACKUPS_INCREMENTAL": "1"})
     with pytest.raises(BadInput, match="number of hours"):
         read_settings({"FLEXSID_BACKUP_HOURS": "0"})
 

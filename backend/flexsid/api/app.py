@@ -79,6 +79,7 @@ from flexsid.storage.quotas import GIGABYTE, Quotas
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
+from flexsid.workflow.review.database_backup import BackupRequest
 from flexsid.workflow.review.decision_review import find_clock_error
 
 _log = logging.getLogger(__name__)
@@ -139,10 +140,11 @@ def create_app(
         )
         scheduled = None
         if settings.backup_hours is not None:
+            request = BackupRequest(
+                retained=settings.backups_retained, incremental=settings.backups_incremental
+            )
             scheduled = asyncio.create_task(
-                schedule_backups(
-                    app.state.context, settings.backup_hours, settings.backups_retained
-                )
+                schedule_backups(app.state.context, settings.backup_hours, request)
             )
         try:
             yield

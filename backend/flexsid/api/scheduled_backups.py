@@ -18,18 +18,18 @@ _log = logging.getLogger(__name__)
 _CHECK_S = 60.0
 
 
-async def schedule_backups(context: Context, hours: int, retained: int) -> None:
+async def schedule_backups(context: Context, hours: int, request: BackupRequest) -> None:
     """Queue a backup whenever the last one is older than an interval, until cancelled."""
     while True:
         try:
-            if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, retained):
+            if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, request):
                 context.dispatcher.wake()
         except Exception:  # such as a locked database; without this no backup would follow
             _log.exception("no backup was requested; trying again")
         await asyncio.sleep(_CHECK_S)
 
 
-def request_due_backup(store: Store, hours: int, retained: int) -> bool:
+def request_due_backup(store: Store, hours: int, request: BackupRequest) -> bool:
     """Queue a backup if one is due; return whether it is.
 
     Raises
@@ -39,5 +39,5 @@ def request_due_backup(store: Store, hours: int, retained: int) -> bool:
     """
     if not is_backup_due(store, timedelta(hours=hours), datetime.now(UTC)):
         return False
-    submit(store, BACKUP, BackupRequest(retained=retained), title="Database, scheduled")
+    submit(store, BACKUP, request, title="Database, scheduled")
     return True

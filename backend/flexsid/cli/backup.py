@@ -51,7 +51,7 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
     if retained is None:
         if hours is not None:
             raise BadInput("--every needs --retained: the number of backups that stay")
-        if arguments.incremental:
+        if arguments.incremental:  # the setting holds for folders of backups only
             raise BadInput("--incremental needs --retained, and a folder of backups")
         size = copies.backup(settings.database, file)
         _print_backup(file, size, "", arguments)
@@ -60,12 +60,13 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
         raise BadInput(f"{file} is no folder; with --retained name a folder of backups")
     if retained < 1 or (hours is not None and hours < 1):
         raise BadInput("--retained and --every are numbers of at least 1")
+    is_incremental = arguments.incremental or settings.backups_incremental
     while True:
         target = file / f"{copies.SCHEDULED}{datetime.now(UTC):%Y%m%d-%H%M%S}.db"
         pause_s = _RETRY_S
         try:
             size = copies.back_up_and_retain(
-                settings.database, target, retained, is_incremental=arguments.incremental
+                settings.database, target, retained, is_incremental=is_incremental
             )
         except FlexsidError as error:
             if hours is None:
@@ -73,7 +74,7 @@ def backup(settings: Settings, arguments: argparse.Namespace) -> int:
             print_error(error.message, error.code, as_json=arguments.json)
         else:
             more = f", restored as a test; the newest {retained} are retained"
-            if arguments.incremental:
+            if is_incremental:
                 more = f", rows restored as a test; the newest {retained} are retained"
             _print_backup(target, size, more, arguments)
             if hours is None:

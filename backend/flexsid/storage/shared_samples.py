@@ -149,6 +149,12 @@ def find_missing_samples(backup: Path) -> list[str]:
     return [name for name in apart if name not in present]
 
 
+def is_incremental(backup: Path) -> bool:
+    """Whether samples of a backup are in the file that the backups of its folder share."""
+    with _open(backup) as opened:
+        return opened.execute(f"SELECT 1 FROM arrays WHERE {_IS_APART}").fetchone() is not None
+
+
 def check_samples(backup: Path) -> None:
     """Refuse a backup without the file of its samples.
 
@@ -158,7 +164,7 @@ def check_samples(backup: Path) -> None:
         If the backup is incremental, and the file is not beside it.
     """
     file = backup.parent / SAMPLES
-    if _list_apart(backup) and not file.is_file():
+    if is_incremental(backup) and not file.is_file():
         raise BadInput(
             f"{backup} is an incremental backup, whose samples are in {SAMPLES} of the folder in"
             " which it was made; restore it there, or copy both files"
@@ -167,7 +173,7 @@ def check_samples(backup: Path) -> None:
 
 def include_samples(copy: Path, folder: Path) -> None:
     """Write the samples of a copy of an incremental backup into the copy itself."""
-    if not _list_apart(copy):
+    if not is_incremental(copy):
         return
     with _open(copy) as opened:
         expression = attach_samples(opened, folder)

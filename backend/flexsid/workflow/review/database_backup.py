@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from flexsid.errors import UnknownRecord
+from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.job import Job
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import backup as copies
 from flexsid.storage.access import Forbidden, get_access
 from flexsid.storage.files import make_private_folder
+from flexsid.storage.shared_samples import SAMPLES, is_incremental
 from flexsid.storage.store import Store
 
 _RETRY = timedelta(hours=1)
@@ -24,9 +25,13 @@ _RETRY = timedelta(hours=1)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BackupRequest:
-    """The database is that of the server; the newest ``retained`` scheduled backups stay."""
+    """The database is that of the server; the newest ``retained`` scheduled backups stay.
+
+    Scheduled backups that are incremental share the file of their samples.
+    """
 
     retained: int | None = None
+    incremental: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +49,7 @@ class BackupTask:
     url: str
     target: Path
     retained: int | None = None
+    is_incremental: bool = False
 
 
 def refuse_backup(store: Store) -> None:
@@ -72,7 +78,7 @@ def prepare_backup(store: Store, job: Job, request: BackupRequest) -> BackupTask
     assert job.started_at is not None
     name = f"{job.started_at:%Y%m%d-%H%M%S}-{job.id}-{job.attempt}.db"
     name = name if request.retained is None else f"{copies.SCHEDULED}{name}"
-    return BackupTask(f"sqlite:///{source}", folder / name, request.retained)
+    return BackupTask(f"sqlite:///{source}", folder / name, request.retained, request.incremental)
 
 
 def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
@@ -83,7 +89,9 @@ def compute_backup(task: BackupTask, report: ReportProgress) -> BackupFile:
     if task.retained is None:
         n_bytes = copies.backup(task.url, task.target, report)
     else:
-        n_bytes = copies.back_up_and_retain(task.url, task.target, task.retained, report)
+        n_bytes = copies.back_up_and_retain(
+            *(task.url, task.target, task.retained, report), is_incremental=task.is_incremental
+        )
     return BackupFile(name=task.target.name, n_bytes=n_bytes)
 
 
@@ -109,10 +117,18 @@ def find_backup(store: Store, backup: BackupFile) -> Path:
     ------
     UnknownRecord
         If the file was deleted or moved.
+    Conflict
+        If the backup is incremental: it is two files.
     """
     file = _locate(store)[1] / backup.name
     if not file.is_file():
         raise UnknownRecord(f"the backup {file} is no longer there")
+    if is_incremental(file):
+        raise Conflict(
+            f"{file.name} is an incremental backup without samples; copy the folder {file.parent}"
+            f" of the server, where {SAMPLES} has them",
+            code="incremental-backup",
+        )
     return file
 
 
