@@ -11,6 +11,7 @@ from sqlalchemy.engine import Connection
 from flexsid.storage import tables
 
 _NAME = re.compile(r"\b[0-9a-f]{64}\b")
+_GEOMETRY = re.compile(r'"geometry": *"[0-9a-f]{64}"')  # of a prediction: hash of a description
 # Records that refer to arrays in nested values.
 _NESTED = (
     ("modal table", tables.modal_tables.c.arrays),
@@ -38,7 +39,7 @@ def _pairs(connection: Connection) -> Iterator[tuple[str, str]]:
         identity = column.table.c.id
         texts = sa.select(identity, sa.cast(column, sa.Text)).where(column.is_not(None))
         for number, text in connection.execute(texts):
-            for name in _NAME.findall(text):
+            for name in _NAME.findall(_GEOMETRY.sub("", text)):
                 yield f"{noun} {number}", name
     shapes = tables.modal_shapes.c
     for number, name in connection.execute(sa.select(shapes.modal_table_id, shapes.array)):
