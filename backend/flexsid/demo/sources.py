@@ -92,16 +92,6 @@ def build_predictions(
     names = list_derivative_names(truth.symmetric, INPUTS)
     true = truth.derivatives.reshape(truth.fuel.size, -1)
     noise = np.random.default_rng(28).standard_normal((2, len(names)))
-    panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * noise[0]
-    panel = DerivativePrediction(
-        aircraft_id=aircraft_id,
-        source="Panel code",
-        kind="panel code",
-        fuel=tuple(truth.fuel.tolist()),
-        names=names,
-        values=save(true * panel_factor),
-        note="inviscid, eight symmetric modes; no error bounds are known",
-    )
     measured = [
         place
         for place, name in enumerate(names)
@@ -122,6 +112,16 @@ def build_predictions(
     )
     if truth.unsteady is not None:
         return build_lattice_prediction(truth, truth.unsteady, aircraft_id, save), tunnel
+    panel_factor = np.array([_PANEL_BIAS[_group(name)] for name in names]) + 0.08 * noise[0]
+    panel = DerivativePrediction(
+        aircraft_id=aircraft_id,
+        source="Panel code",
+        kind="panel code",
+        fuel=tuple(truth.fuel.tolist()),
+        names=names,
+        values=save(true * panel_factor),
+        note="inviscid, eight symmetric modes; no error bounds are known",
+    )
     return panel, tunnel
 
 
