@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterator
+from dataclasses import make_dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from flexsid.errors import Conflict
 from flexsid.importers.responses import AveragingOptions, ResponseOptions
 from flexsid.jobs import kinds
 from flexsid.jobs.inline import execute_run
-from flexsid.jobs.kind import submit
+from flexsid.jobs.kind import build_job, submit
 from flexsid.records.job import Job
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
@@ -264,6 +265,16 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
     ),
     kinds.GLOBAL_MODEL.name: lambda store, folder: _fit_global_model(store),
 }
+
+
+def test_a_result_of_an_earlier_form_is_not_that_of_a_request(flown: Store) -> None:
+    """Such a result lacks a field, so that it cannot be read."""
+    query = TransferFunctionQuery(maneuver_id=1, input="wf4s", output="q")
+    kind = kinds.TRANSFER_FUNCTION
+    earlier = replace(kind, result=make_dataclass("Earlier", [("n_zeros", int)]))
+    request_hash = build_job(flown, kind, query).request_hash
+    assert request_hash == build_job(flown, kind, query).request_hash
+    assert request_hash != build_job(flown, earlier, query).request_hash
 
 
 def test_every_kind_has_a_request() -> None:

@@ -13,7 +13,7 @@ from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
 from flexsid.records.job import Job
 from flexsid.records.run import ReportProgress, RunState
 from flexsid.storage import queue
-from flexsid.storage.encoding import decode, encode
+from flexsid.storage.encoding import decode, describe_type, encode
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.reading import read_once, reading_once
 from flexsid.storage.store import Store
@@ -136,6 +136,8 @@ def build_job(
 ) -> Job:
     """Build the job of a request, with the hash of all that its result depends on.
 
+    A result of another form, by another version, is that of another request.
+
     Raises
     ------
     BadInput, UnknownRecord
@@ -143,7 +145,8 @@ def build_job(
     """
     digest = None
     if kind.identify is not None:
-        content = (METHODS, kind.name, request, kind.identify(store, request))
+        form = describe_type(kind.result)
+        content = (METHODS, kind.name, form, request, kind.identify(store, request))
         digest = hashlib.sha256(repr(content).encode()).hexdigest()
     return Job(
         kind=kind.name,

@@ -46,6 +46,17 @@ def encode(value: Any) -> Any:
 _get_hints = cache(get_type_hints)
 
 
+@cache
+def describe_type(kind: Any) -> str:
+    """Describe a type with all its fields and their types: what ``decode`` can read."""
+    if is_dataclass(kind):
+        own = (f"{name}: {describe_type(hint)}" for name, hint in _get_hints(kind).items())
+        return f"({', '.join(own)})"
+    if arguments := get_args(kind):
+        return f"{get_origin(kind)}[{', '.join(map(describe_type, arguments))}]"
+    return getattr(kind, "__name__", repr(kind))
+
+
 def decode(kind: type[T], content: Any) -> T:
     """Return the value of a type that ``encode`` has written."""
     return cast(T, _decode(kind, content))
