@@ -112,6 +112,8 @@ export function PredictedAccuracyPart({ design, level, run, shared }: Props) {
                 ` ${errors.harmonics_outside_band} harmonics lie outside the band of the run; the values at its limits are used there.`}
               {errors.omitted.length > 0 &&
                 ` The model of the run has no input ${errors.omitted.join(", ")}: the harmonics of throttles are not part of the prediction.`}
+              {errors.adequacy === "suspect" &&
+                " The run is suspect: predicted σ is wider by its model error."}
             </p>
             <DataTable
               label="Predicted standard errors"

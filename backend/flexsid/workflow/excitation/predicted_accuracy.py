@@ -65,13 +65,15 @@ class ExpectedErrors:
 
     ``surfaces`` is the assumed response of surfaces to commands, ``harmonics_outside_band`` the
     number of harmonics outside the run's band, where noise and responses are held constant, and
-    ``omitted`` are the throttles of the design that are no inputs of the run.
+    ``omitted`` are the throttles of the design that are no inputs of the run. ``adequacy`` is the
+    result of the run's tests for model error, by which predicted errors are wider.
     """
 
     items: tuple[ExpectedError, ...]
     surfaces: str
     harmonics_outside_band: int
     omitted: tuple[str, ...]
+    adequacy: AdequacyState
     next: str | None = None
 
 
@@ -225,6 +227,7 @@ def collect_errors(
             np.sum((omega < at.band[0] - 1e-9) | (omega > at.band[1] + 1e-9))
         ),
         omitted=at.list_omitted(design),
+        adequacy=get_result(at.run).adequacy.state,
     )
 
 
