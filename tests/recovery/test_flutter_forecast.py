@@ -292,6 +292,7 @@ def test_frequencies_of_the_modal_table_that_are_wrong_are_within_the_interval(s
     table = next(one for one in store.modal_tables.find() if one.name == "FEM")
     omega = np.asarray(store.arrays.get(table.arrays["omega"]))
     arrays = {**table.arrays, "omega": store.arrays.put(0.97 * omega)}
+    arrays.pop("omega_std")  # of the updated model: this one states no errors
     off = store.modal_tables.add(replace(table, id=None, name="not updated", arrays=arrays))
     run = _estimated(store, maneuver.id or 0, Method.OE, modal_table_id=off.id)
     result = analyse_flutter(store, FlutterQuery(run_ids=(run,)))
