@@ -15,14 +15,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
+from flexsid.storage.arrays import describe_array
 from flexsid.storage.signatures import read_public_key
 from flexsid.storage.store import Store
+from flexsid.storage.tables import arrays
 from flexsid.verification.recomputation import compare_results, recompute_capsule
 from flexsid.workflow.runs.capsule import read_capsule, write_capsule
 
@@ -105,6 +108,26 @@ def test_a_database_with_triggers_is_refused(flown: Store):
         changed = content.serialize()
     with pytest.raises(BadInput, match="tables"):
         recompute_capsule(replace(capsule, data=changed))
+
+
+def test_a_capsule_without_checksums_is_recomputed(flown: Store):
+    capsule = read_capsule(write_capsule(flown, 1))
+    with closing(sqlite3.connect(":memory:")) as opened:
+        opened.deserialize(capsule.data)
+        opened.execute("ALTER TABLE arrays DROP COLUMN checksum")
+        earlier = opened.serialize()
+    assert recompute_capsule(replace(capsule, data=earlier)).agrees
+
+
+def test_samples_altered_with_their_checksum_are_not_recomputed(flown: Store):
+    (channel,) = flown.channels.find(maneuver_id=1, name="q")
+    altered = describe_array(2.0 * flown.arrays.get(channel.array), channel.unit)
+    values = {"data": bytes(altered["data"]), "checksum": altered["checksum"]}
+    with flown.database.transaction() as connection:
+        connection.execute(sa.update(arrays).where(arrays.c.hash == channel.array).values(values))
+    capsule = read_capsule(write_capsule(flown, 1))
+    with pytest.raises(Conflict, match="channel 'q' of maneuver 1"):
+        recompute_capsule(capsule)
 
 
 def test_another_result_differs_and_changed_data_are_not_exported(flown: Store):

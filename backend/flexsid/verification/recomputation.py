@@ -14,7 +14,7 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.run import EstimationRun, ReportProgress, RunResult
 from flexsid.storage.snapshot import open_snapshot
 from flexsid.storage.store import Store
-from flexsid.storage.tables import metadata
+from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.fits.software_versions import METHODS, read_versions
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.capsule import Capsule
@@ -76,6 +76,7 @@ def recompute_capsule(
                 code="damaged-capsule",
             )
         metadata.create_all(connection)  # those of a queue, which a snapshot lacks
+        _delete_checksums(connection)
     try:
         run = store.runs.get(capsule.run_id)
         stored = get_result(run)
@@ -98,6 +99,14 @@ def recompute_capsule(
             if here.get(name) != before
         },
     )
+
+
+def _delete_checksums(connection: sa.Connection) -> None:
+    """Let every read compare samples with their hash; earlier capsules have no checksums."""
+    present = {column["name"] for column in sa.inspect(connection).get_columns(arrays.name)}
+    if arrays.c.checksum.name not in present:
+        connection.execute(sa.text("ALTER TABLE arrays ADD COLUMN checksum BLOB"))
+    connection.execute(sa.update(arrays).values(checksum=None))
 
 
 def _request_again(run: EstimationRun) -> EstimationRun:
