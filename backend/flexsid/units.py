@@ -38,6 +38,18 @@ class Unit:
     offset: float = 0.0
 
 
+AUTOPILOT_UNITS = {
+    **{"m/s/s": ("m/s2", 1.0), "cm/s/s": ("m/s2", 1e-2), "mG": ("g", 1e-3)},
+    **{"cm/s": ("m/s", 1e-2), "mm/s": ("m/s", 1e-3), "dm/s": ("m/s", 0.1)},
+    **{"cm": ("m", 1e-2), "dm": ("m", 0.1), "dam": ("m", 10.0)},
+    **{"cdeg": ("deg", 1e-2), "degE5": ("deg", 1e-5), "degE7": ("deg", 1e-7)},
+    **{"degheading": ("deg", 1.0), "cdegheading": ("deg", 1e-2)},
+    **{"ddeg/s": ("deg/s", 0.1), "deg/s/s": ("deg/s2", 1.0), "rad/s/s": ("rad/s2", 1.0)},
+    **{"mbar": ("hPa", 1.0), "cdegC": ("degC", 1e-2), "\N{MICRO SIGN}s": ("us", 1.0)},
+    **{"d%": ("%", 0.1), "c%": ("%", 1e-2), "mV": ("V", 1e-3), "cV": ("V", 1e-2)},
+}
+"""Units of MAVLink and of ArduPilot's logs that differ from those of flexsid: unit, and factor."""
+
 _FACTORS: dict[str, dict[str, float]] = {
     "number": {"1": 1.0, "%": 0.01},
     "length": {"m": 1.0, "mm": 1e-3, "ft": _FOOT, "in": _INCH},

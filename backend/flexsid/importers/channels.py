@@ -119,6 +119,7 @@ def _make_channel(
             code="bad-text",
             column=one_line(name)[:40],
         ) from error
+    samples = clock.interpolate(samples)
     if samples.dtype.kind != "f":
         samples = samples.astype(np.float64)
     return RawChannel(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from flexsid import units
 from flexsid.errors import BadInput, UnreadableFile
@@ -29,6 +30,10 @@ _FEW = 0.1
 
 UNUSUAL_RATE = "unusual-rate"
 
+UNEVEN_STEPS = (0.2, 3.0)
+"""Steps of time between which uneven samples are interpolated, over the usual step: at most two
+samples are missing, and no two are so close that a spline through both amplifies their noise."""
+
 DRIFT_TOLERANCE = 0.5
 """Tolerance of a time stamp against the uniform clock, as a fraction of a sample."""
 
@@ -44,11 +49,37 @@ class Clock:
     """Resolution of the time stamps, if coarser than a tenth of a sample. [s]"""
 
     confirmed: tuple[str, ...] = ()
+    stamps: np.ndarray | None = field(default=None, compare=False, repr=False)
+    """Times of recorded samples that are interpolated to this clock. [s]"""
 
     @property
     def stop_s(self) -> float:
         """One sample after the last. [s]"""
         return self.start_s + self.n_samples / self.rate_hz
+
+    @property
+    def n_recorded(self) -> int:
+        """Number of samples before interpolation."""
+        return self.n_samples if self.stamps is None else self.stamps.size
+
+    @property
+    def unevenness_s(self) -> float:
+        """Largest difference of a time step from the sampling interval. [s]"""
+        if self.stamps is None:
+            return 0.0
+        return float(np.abs(np.diff(self.stamps) - 1.0 / self.rate_hz).max())
+
+    def interpolate(self, samples: np.ndarray) -> np.ndarray:
+        """Return samples of this clock from the recorded ones.
+
+        Notes
+        -----
+        Uneven samples are interpolated by a cubic spline (not-a-knot).
+        """
+        if self.stamps is None:
+            return samples
+        times = self.start_s + np.arange(self.n_samples) / self.rate_hz
+        return CubicSpline(self.stamps, samples)(np.minimum(times, self.stamps[-1]))
 
     def window(self, start_s: float | None, stop_s: float | None) -> slice:
         """Return the samples from start to stop; None for the ends of the record."""
@@ -91,11 +122,11 @@ class Timing:
         if found is None:
             found = _extract(rule, at, self.sources, n)
             self._known[key] = found
-        if found.n_samples != n:
-            short, row = (label, n) if n < found.n_samples else (rule.column, found.n_samples)
+        if found.n_recorded != n:
+            short, row = (label, n) if n < found.n_recorded else (rule.column, found.n_recorded)
             raise UnreadableFile(
                 f"Channel '{label}' has {n} samples but its time '{rule.column or 'rate'}' has "
-                f"{found.n_samples}: equal up to row {row}.",
+                f"{found.n_recorded}: equal up to row {row}.",
                 code="unequal-lengths",
                 row=row + 1,
                 column=short or label,
@@ -111,12 +142,14 @@ class Timing:
             raise refuse("clocks", f"has no clock '{name}'; defined: {known}.")
         if path in source.clocks:
             column = source.clocks[path]
-            return TimeMapping.model_construct(column=column, unit=source.units.get(column, "s"))
+            uneven = None if self.default is None else self.default.uneven
+            unit = source.units.get(column, "s")
+            return TimeMapping.model_construct(column=column, unit=unit, uneven=uneven)
         if self.default is None or self.default.column not in source.arrays:
             for rule in self.named:
                 if rule.column is not None and self.sources.find(rule.column)[0] is source:
                     return rule
-        if self.default is None:
+        if self.default is None or (self.default.column is None and self.default.rate is None):
             raise refuse("time", f"is missing; {source.name} has no clock for '{path}'.")
         return self.default
 
@@ -147,9 +180,14 @@ def _extract(
     backwards = np.flatnonzero(steps < 0)
     if not backwards.size and stamps[-1] > stamps[0]:
         resolution = find_resolution(stamps)
-        rounded = (
-            None if resolution is None else _fit_rounded_clock(rule, source, stamps, resolution)
-        )
+        try:
+            rounded = (
+                None if resolution is None else _fit_rounded_clock(rule, source, stamps, resolution)
+            )
+        except UnreadableFile:
+            if rule.uneven is None:
+                raise
+            rounded = None
         if rounded is not None:
             return rounded
     stopped = backwards if backwards.size else np.flatnonzero(steps == 0)
@@ -158,14 +196,52 @@ def _extract(
         stalled = f"{stamps[first + 1]:.6g} s after {stamps[first]:.6g} s"
         problem = f"time does not increase ({stalled})."
         raise _refuse(source, rule, problem, "time-backwards", first + 1)
-    step = (stamps[-1] - stamps[0]) / steps.size
+    worst = _find_uneven_step(stamps)
+    if worst is not None:
+        usual = float(np.median(steps))
+        if rule.uneven is not None:
+            return _extract_uneven(rule, source, stamps, usual)
+        raise _refuse_step(source, rule, worst, float(steps[worst - 1]), usual)
+    return _clock(rule, source, stamps, steps.size / float(stamps[-1] - stamps[0]))
+
+
+def is_even(stamps: np.ndarray) -> bool:
+    """Return whether increasing times (n,) are those of a uniform clock, in its tolerances."""
+    return _find_uneven_step(stamps) is None
+
+
+def _find_uneven_step(stamps: np.ndarray) -> int | None:
+    """Return the sample after the first step that is not uniform, or that has drifted most."""
+    steps = np.diff(stamps)
+    step = float(stamps[-1] - stamps[0]) / steps.size
     usual = float(np.median(steps))
     drift = np.abs(stamps - (stamps[0] + step * np.arange(stamps.size)))
     uneven = np.abs(steps - usual) > STEP_TOLERANCE * usual
-    if uneven.any() or (drift > DRIFT_TOLERANCE * step).any():
-        worst = int(np.argmax(uneven)) + 1 if uneven.any() else int(np.argmax(drift))
-        raise _refuse_step(source, rule, worst, float(steps[worst - 1]), usual)
-    return _clock(rule, source, stamps, 1.0 / step)
+    if uneven.any():
+        return int(np.argmax(uneven)) + 1
+    return int(np.argmax(drift)) if (drift > DRIFT_TOLERANCE * step).any() else None
+
+
+def _extract_uneven(
+    rule: TimeMapping, source: SourceFile, stamps: np.ndarray, usual: float
+) -> Clock:
+    """Return the uniform clock to which samples at uneven intervals are interpolated."""
+    steps = np.diff(stamps)
+    low, high = UNEVEN_STEPS
+    bad = np.flatnonzero((steps < low * usual) | (steps > high * usual))
+    if bad.size:
+        step = float(steps[bad[0]])
+        problem = (
+            f"the time step is {step:.6g} s, usually {usual:.6g} s; samples are interpolated over "
+            f"steps of {low * usual:.3g} to {high * usual:.3g} s. Cut the record there, or give "
+            "the rate if only the time stamps are late."
+        )
+        raise _refuse(source, rule, problem, "time-not-uniform", int(bad[0]) + 1)
+    n_steps = max(1, round((stamps[-1] - stamps[0]) / usual))
+    clock = _clock(rule, source, stamps, n_steps / float(stamps[-1] - stamps[0]))
+    # The last sample is omitted where a whole rate ends after it.
+    n = 1 + int(np.floor((stamps[-1] - stamps[0]) * clock.rate_hz * (1.0 + 1e-12)))
+    return replace(clock, n_samples=n, stamps=stamps)
 
 
 def find_resolution(stamps: np.ndarray) -> float | None:
@@ -318,7 +394,8 @@ def _refuse_step(
 ) -> UnreadableFile:
     problem = (
         f"the time step is not uniform ({step:.6g} s, usually {usual:.6g} s). Samples are missing "
-        "or the clock jumped; resample the record."
+        "or the clock jumped. If every sample has its true time, interpolate the samples by "
+        'uneven = "interpolate" in [time].'
     )
     return _refuse(source, rule, problem, "time-not-uniform", sample)
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from flexsid import units
+from flexsid.importers.source import COUNTS
 from flexsid.records.maneuver import Role
 
 
@@ -46,9 +47,9 @@ _ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
 _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("alpha|aoa|alfa", "alpha", _ANGLE, Role.OUTPUT),
     ("beta|aos|sideslip", "beta", _ANGLE, Role.OUTPUT),
-    ("p|roll_?rate|gyro_?x|wx", "p", _RATE, Role.OUTPUT),
-    ("q|pitch_?rate|gyro_?y|wy", "q", _RATE, Role.OUTPUT),
-    ("r|yaw_?rate|gyro_?z|wz", "r", _RATE, Role.OUTPUT),
+    ("p|roll_?rate|gyro?_?x|wx", "p", _RATE, Role.OUTPUT),
+    ("q|pitch_?rate|gyro?_?y|wy", "q", _RATE, Role.OUTPUT),
+    ("r|yaw_?rate|gyro?_?z|wz", "r", _RATE, Role.OUTPUT),
     ("phi|roll|bank", "phi", _ANGLE, Role.OUTPUT),
     ("the|theta|pitch", "theta", _ANGLE, Role.OUTPUT),
     ("psi|yaw|heading", "psi", _ANGLE, Role.OUTPUT),
@@ -70,6 +71,20 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("fuel|fuel_?weight|fuel_?mass", "fuel_mass", "lb", Role.CONDITION),
     ("throttle|thtl|power|pla", "throttle", "%", Role.CONDITION),
 )
+
+_OF_AUTOPILOTS: dict[str, tuple[str, str, Role]] = {
+    **{f"vehicle_angular_velocity.xyz.{k}": ("pqr"[k], "rad/s", Role.OUTPUT) for k in range(3)},
+    **{f"vehicle_acceleration.xyz.{k}": (f"a{'xyz'[k]}", "m/s2", Role.OUTPUT) for k in range(3)},
+    "airspeed_validated.true_airspeed_m_s": ("airspeed", "m/s", Role.CONDITION),
+    "airspeed_validated.indicated_airspeed_m_s": ("indicated_airspeed", "m/s", Role.CONDITION),
+    "vehicle_air_data.rho": ("density", "kg/m3", Role.CONDITION),
+    "vehicle_air_data.baro_alt_meter": ("altitude", "m", Role.CONDITION),
+    "ARSP.Airspeed": ("indicated_airspeed", "m/s", Role.CONDITION),
+}
+"""Fields of logs of PX4 and ArduPilot whose last part does not name the quantity.
+
+Source: messages of PX4 (https://docs.px4.io/main/en/msg_docs) and log messages of ArduPlane.
+"""
 
 _TIME = re.compile(
     r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
@@ -134,7 +149,12 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
 
     A field with an unknown name becomes an output under its own name.
     """
+    if path in _OF_AUTOPILOTS:
+        name, usual, role = _OF_AUTOPILOTS[path]
+        return Meaning(name=name, unit=usual, role=role)
     bare, named_unit = _bare(path)
+    if file_unit == COUNTS:
+        return Meaning(name=bare, unit="1", role=Role.OUTPUT, sure=False, known=False)
     unit = _unit(file_unit) or _unit(named_unit)
     unknown = "" if unit else named_unit.strip()
     # Without its unit first: the last part of NZ_G is a unit, that of az_ofs a place.

@@ -138,7 +138,9 @@ def _average(quantity: Quantity, sources: Sources, timing: Timing, part: Maneuve
     source, _ = sources.find(quantity.field)
     values = values.reshape(-1)
     clock = timing.clock(source, quantity.field, quantity.field, values.size, None)
-    samples = values[clock.window(part.start_s, part.stop_s)]
+    if clock.stamps is not None:
+        source.check_finite(values, quantity.field)
+    samples = clock.interpolate(values)[clock.window(part.start_s, part.stop_s)]
     if samples.size == 0:
         raise refuse(quantity.given, f"has no sample of '{quantity.field}' inside the maneuver.")
     source.check_finite(samples, quantity.field)

@@ -171,19 +171,26 @@ class TimeMapping(MappingTable):
     rate: Annotated[Quantity, Dimension("frequency")] | None = key("sampling rate", None)
     start_s: Time = key("time of the first sample, with rate", 0.0, alias="start")
     offset_s: Time = key("added, to align the clocks of several recorders", 0.0, alias="offset")
+    uneven: Literal["interpolate"] | None = key(
+        "interpolate: samples at uneven intervals become uniform; else they are refused", None
+    )
     confirmed: tuple[Literal["unusual-rate"], ...] = key("warnings that are confirmed", ())
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.rate is None and self.column is None:
+        if self.rate is None and self.column is None and not self._is_of_files():
             raise InvalidValue("is missing; expected the column of time, or rate.", "column")
         used = self.model_fields_set
         if self.rate is None and "start_s" in used:
             raise InvalidValue("does not apply with 'column'.", "start")
-        for name in ("column", "unit"):
+        for name in ("column", "unit", "uneven"):
             if self.rate is not None and name in used:
                 raise InvalidValue("does not apply with 'rate'.", name)
         return self
+
+    def _is_of_files(self) -> bool:
+        """Return whether this only has options of the clocks that files assign to channels."""
+        return self.uneven is not None and "offset_s" not in self.model_fields_set
 
 
 class ClockMapping(TimeMapping):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexsid.importers.clock import is_even
 from flexsid.importers.column_names import (
     FDATA_COLUMNS,
     Meaning,
@@ -27,6 +28,10 @@ from flexsid.units import is_known
 
 MOST_COLUMNS = 500
 """Largest number of columns of a matrix that are proposed as channels."""
+
+_MOST_CHANNELS = 100
+"""Most columns that are proposed from files with several clocks; else those with usual names: logs
+of autopilots have a thousand columns, most of which are no measurements of the aircraft."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,10 +85,12 @@ def write_proposal(
     """
     columns = list_columns(sources)
     time = find_time(sources, columns)
+    clocks = {(source.name, clock) for source in sources.items for clock in source.clocks.values()}
     selected = [
         (column, meaning)
         for column in columns
         if column.field != time.get(column.file)
+        and (column.file, column.field) not in clocks
         and not _is_time(column)
         and (meaning := _meaning(column, known)) is not None
     ]
@@ -94,6 +101,8 @@ def write_proposal(
         if (meaning := _recall(recognised, known_before.get(column.field))) is not recognised
     }
     selected = [(column, recalled.get(column.field, meaning)) for column, meaning in selected]
+    if len(clocks) > 1 and len(selected) > _MOST_CHANNELS:
+        selected = [(c, own) for c, own in selected if own.known or c.field in recalled]
     parts = [
         f"[aircraft]\nname = {_text(aircraft)}\n{_guessed('name')}",
         f"[flight]\nnumber = {flight}\n{_guessed('number')}",
@@ -101,7 +110,7 @@ def write_proposal(
     condition = {meaning.name: (column, meaning) for column, meaning in reversed(selected)}
     if "airspeed" in condition and ("altitude" in condition or "density" in condition):
         parts.append(_maneuver(condition))
-    parts.append(_time(sources, time))
+    parts.append(_time(sources, time, [column for column, _ in selected]))
     seen: set[str] = set()
     first = next(iter(time.values()), None)
     for column, meaning in selected:
@@ -117,8 +126,9 @@ def write_proposal(
 def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
     """Return the probable time field of each file, by the name of the file."""
     found: dict[str, str] = {}
+    with_clocks = {source.name for source in sources.items if source.clocks}
     for column in columns:
-        if column.file in found:
+        if column.file in found or column.file in with_clocks:
             continue
         fdata_time = column.array is not None and column.number == 1 and _is_fdata(column)
         if is_time_name(column.field) or fdata_time or _is_time(column):
@@ -229,10 +239,13 @@ def _maneuver(condition: Mapping[str, tuple[Column, Meaning]]) -> str:
     return "\n".join(lines) + "\n" + _guessed(*guessed)
 
 
-def _time(sources: Sources, time: Mapping[str, str]) -> str:
+def _time(sources: Sources, time: Mapping[str, str], channels: Sequence[Column]) -> str:
     if not time:
         if all(source.clocks for source in sources.items):
-            return "# Every channel has the clock of its file.\n"
+            text = "# Every channel has the clock of its file.\n"
+            if _have_uneven_clocks(sources, channels):
+                text += f'[time]\nuneven = "interpolate"\n{_guessed("uneven")}'
+            return text
         return (
             '[time]\nrate = { value = 100, unit = "Hz" }  # no column of time was found\n'
             + _guessed("rate")
@@ -249,6 +262,17 @@ def _time(sources: Sources, time: Mapping[str, str]) -> str:
                 f"[[clocks]]\nname = {_text(file)}\ncolumn = {_text(f'{file}:{column}')}\n{of_file}"
             )
     return "\n".join(parts)
+
+
+def _have_uneven_clocks(sources: Sources, channels: Sequence[Column]) -> bool:
+    """Return whether time stamps that files assign to channels are not uniform."""
+    for source in sources.items:
+        own = {source.clocks.get(c.field) for c in channels if c.file == source.name} - {None}
+        for clock in own:
+            stamps = source.arrays[str(clock)]
+            if stamps.size > 2 and _increases(stamps) and not is_even(stamps):
+                return True
+    return False
 
 
 def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:

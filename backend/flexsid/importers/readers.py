@@ -14,7 +14,8 @@ import numpy as np
 
 from flexsid.errors import UnreadableFile
 from flexsid.extensions import IMPORTERS, ExtensionFailed, load_extensions, report_errors
-from flexsid.importers import csv, hdf5, mat, mdf, npz, parquet, universal
+from flexsid.importers import csv, dataflash, hdf5, mat, mdf, npz, parquet, ulog, universal
+from flexsid.importers.chapter10 import recording
 from flexsid.importers.file_format import FileFormat
 from flexsid.importers.nastran import bulk, f06, op2, op4, punch
 from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
@@ -53,6 +54,9 @@ _BUILT_IN = (
     _define("HDF5", hdf5, ".h5", ".hdf5"),
     _define("Parquet", parquet, ".parquet", needs="pyarrow", extra="parquet"),
     _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
+    _define("IRIG 106 Chapter 10", recording, ".ch10", ".c10"),
+    _define("ULog", ulog, ".ulg", needs="pyulog", extra="ulog"),
+    _define("DataFlash", dataflash, ".bin", needs="pymavlink", extra="mavlink"),
     _define("Nastran output", op2, ".op2"),
     _define("Nastran matrix", op4, ".op4"),
     _define("Nastran printout", f06, ".f06"),

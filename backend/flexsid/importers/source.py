@@ -18,6 +18,12 @@ LARGEST_CONTENT = 2 * 1024**3
 """Bytes of samples of one file; a small file may claim, or unpack to, any size."""
 
 
+NOT_READ = "not_read"
+"""Field of texts in which a reader names what of a file it does not read, and why."""
+
+COUNTS = "counts"
+"""Unit of numbers that a file does not convert: they are no known quantity."""
+
 _COLUMN = re.compile(r"(?P<array>.+)\((?P<number>\d{1,6})\)")
 
 

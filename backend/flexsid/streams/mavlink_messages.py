@@ -21,18 +21,8 @@ from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
 from flexsid.streams.network_packets import PortOptions, receive_datagrams
 from flexsid.streams.receiver import ReceptionMonitor, Source
-from flexsid.units import lookup
+from flexsid.units import AUTOPILOT_UNITS, lookup
 from flexsid.workflow.live.frame_assembler import FrameAssembler
-
-_UNITS = {
-    **{"m/s/s": ("m/s2", 1.0), "cm/s/s": ("m/s2", 1e-2), "mG": ("g", 1e-3)},
-    **{"cm/s": ("m/s", 1e-2), "mm/s": ("m/s", 1e-3), "dm/s": ("m/s", 0.1)},
-    **{"cm": ("m", 1e-2), "dm": ("m", 0.1), "dam": ("m", 10.0)},
-    **{"cdeg": ("deg", 1e-2), "degE5": ("deg", 1e-5), "degE7": ("deg", 1e-7)},
-    **{"ddeg/s": ("deg/s", 0.1), "mbar": ("hPa", 1.0), "cdegC": ("degC", 1e-2)},
-    **{"d%": ("%", 0.1), "c%": ("%", 1e-2), "mV": ("V", 1e-3), "cV": ("V", 1e-2)},
-}
-"""Units of MAVLink that differ from those of flexsid: unit, and factor."""
 
 _ADDRESS = re.compile(
     r"(?P<sign>-?)(?P<message>[A-Z][A-Z0-9_]*)\.(?P<path>[^\[\]\s]+)(\s*\[(?P<unit>[^\[\]]+)\])?"
@@ -157,7 +147,9 @@ def _convert(
             if declared is None
             else f"MAVLink declares the unit {declared} of {text}: omit the stated one",
         )
-    symbol, scale = _UNITS.get(declared, (declared, 1.0)) if declared else (stated or "", 1.0)
+    symbol, scale = (
+        AUTOPILOT_UNITS.get(declared, (declared, 1.0)) if declared else (stated or "", 1.0)
+    )
     source, target = lookup(symbol), lookup(channel.unit)
     if source.dimension != target.dimension:
         raise _refuse(

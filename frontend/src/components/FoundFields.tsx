@@ -1,4 +1,4 @@
-import { Text } from "@mantine/core";
+import { List, Spoiler, Text } from "@mantine/core";
 import type { UploadDetail } from "../api/types";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { Section } from "./Section";
@@ -24,6 +24,9 @@ const COLUMNS: Column<Found>[] = [
 
 /** Contents of the files of an upload. */
 export function FoundFields({ found }: { found: UploadDetail }) {
+  const notRead = found.files.flatMap((file) =>
+    file.not_read.map((text) => (found.files.length > 1 ? `${file.name}: ${text}` : text)),
+  );
   return (
     <Section
       title="File contents"
@@ -40,6 +43,23 @@ export function FoundFields({ found }: { found: UploadDetail }) {
         />
       ) : (
         <Text size="sm">No columns of samples in the files.</Text>
+      )}
+      {notRead.length > 0 && (
+        <Spoiler
+          maxHeight={96}
+          showLabel={`Show all ${notRead.length}`}
+          hideLabel="Show fewer"
+          data-testid="not-read"
+        >
+          <Text size="sm" fw={600} mt="xs">
+            Not read
+          </Text>
+          <List size="sm">
+            {notRead.map((text) => (
+              <List.Item key={text}>{text}</List.Item>
+            ))}
+          </List>
+        </Spoiler>
       )}
     </Section>
   );

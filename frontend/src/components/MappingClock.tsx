@@ -1,5 +1,6 @@
 import {
   Autocomplete,
+  Checkbox,
   Group,
   NativeSelect,
   SegmentedControl,
@@ -24,6 +25,7 @@ interface Props {
 }
 
 const TIME_UNITS = ["s", "ms", "us", "ns", "min"];
+const OF_FILES = "clocks in the files"; // no column has this name
 const CONDITION = "maneuver.condition";
 const QUANTITIES = [
   { key: "airspeed", label: "Airspeed", unit: "m/s" },
@@ -109,6 +111,7 @@ function Time({ text, onChange, fields }: Omit<Props, "found"> & { fields: strin
   const isListed = column === undefined || fields.includes(column);
   const start = readKey(text, "time", "start") ?? "";
   const rate = readQuantity(text, "time", "rate")?.given ?? "";
+  const hasOwnClocks = column === undefined && rate === "";
   const restart = (lines: string) => {
     onChange(`[time]\n${lines}\n\n${removeTable(text, "time", 0)}`);
   };
@@ -119,15 +122,17 @@ function Time({ text, onChange, fields }: Omit<Props, "found"> & { fields: strin
         w={200}
         label="Time"
         data={[
+          ...(hasOwnClocks ? [{ value: OF_FILES, label: "clocks in the files" }] : []),
           { value: "", label: "sampling rate" },
           ...(isListed ? fields : [column, ...fields]).map((one) => ({
             value: one,
             label: `column ${one}`,
           })),
         ]}
-        value={column ?? ""}
+        value={column ?? (hasOwnClocks ? OF_FILES : "")}
         onChange={(event) => {
           const selected = event.currentTarget.value;
+          if (selected === OF_FILES) return;
           restart(
             selected === ""
               ? `rate = ${writeQuantity("100", "Hz")}\nguessed = ["rate"]`
@@ -135,7 +140,7 @@ function Time({ text, onChange, fields }: Omit<Props, "found"> & { fields: strin
           );
         }}
       />
-      {column === undefined ? (
+      {column === undefined && !hasOwnClocks && (
         <>
           <TextInput
             size="xs"
@@ -169,7 +174,8 @@ function Time({ text, onChange, fields }: Omit<Props, "found"> & { fields: strin
             }}
           />
         </>
-      ) : (
+      )}
+      {column !== undefined && (
         <NativeSelect
           size="xs"
           label="Unit of time"
@@ -177,6 +183,28 @@ function Time({ text, onChange, fields }: Omit<Props, "found"> & { fields: strin
           value={readKey(text, "time", "unit") ?? "s"}
           onChange={(event) => {
             onChange(setKey(text, "time", 0, "unit", event.currentTarget.value));
+          }}
+        />
+      )}
+      {(column !== undefined || hasOwnClocks) && (
+        <Checkbox
+          size="xs"
+          mb={6}
+          label="Interpolate uneven samples"
+          checked={readKey(text, "time", "uneven") === "interpolate"}
+          onChange={(event) => {
+            const isLast = hasOwnClocks && !event.currentTarget.checked;
+            onChange(
+              isLast
+                ? removeTable(text, "time", 0)
+                : setKey(
+                    text,
+                    "time",
+                    0,
+                    "uneven",
+                    event.currentTarget.checked ? "interpolate" : undefined,
+                  ),
+            );
           }}
         />
       )}

@@ -61,6 +61,7 @@ export function MappingGuesses({ guesses, text, onChange }: Props) {
               <Button
                 size="xs"
                 variant="default"
+                flex="none"
                 aria-label={`Confirm: ${TITLES[kind]}`}
                 onClick={() => {
                   onChange(own.reduce((changed, guess) => confirmPath(changed, guess.key), text));

@@ -28,8 +28,8 @@ _MAX_ROUNDS = 8  # noise spectra in sequence: most records need 4 to 6; a few al
 _FIRST_ERRORS_S = 5.0  # of a record without noise spectrum, before which a bias by turbulence
 # cannot be noticed [s]
 _NOT_CORRECTED = (
-    "turbulence moves the surfaces through the controller, and the fit without this noise does not "
-    "converge"
+    "turbulence moves the surfaces through the controller, or the model omits modes: the fit "
+    "without noise of the surfaces does not converge, or its residuals exceed the noise"
 )
 _ALTERNATING = "the noise spectrum does not converge"
 _TOO_SHORT = (

@@ -219,15 +219,19 @@ def _describe_condition(upload: ParsedUpload, key: str) -> str:
 
 def _describe_clocks(channels: Sequence[RawChannel]) -> str:
     clocks = list(dict.fromkeys(channel.clock for channel in channels))
+    clocks.sort(key=lambda clock: clock.unevenness_s, reverse=True)
     return " and ".join(_describe_clock(clock) for clock in clocks[:3]) or "no channel has a time"
 
 
 def _describe_clock(clock: Clock) -> str:
     rounded = "" if clock.rounded_s is None else f", time stamps rounded to {clock.rounded_s:.3g} s"
-    return (
-        f"{clock.rate_hz:.6g} Hz, {clock.n_samples} samples in "
-        f"{clock.stop_s - clock.start_s:.5g} s from {_describe_start(clock.start_s)}{rounded}"
+    uneven = (
+        ""
+        if clock.stamps is None
+        else f", interpolated: time steps differ by up to {1e3 * clock.unevenness_s:.3g} ms"
     )
+    span = f"{clock.stop_s - clock.start_s:.5g} s from {_describe_start(clock.start_s)}"
+    return f"{clock.rate_hz:.6g} Hz, {clock.n_samples} samples in {span}{rounded}{uneven}"
 
 
 def _describe_start(start_s: float) -> str:

@@ -22,7 +22,7 @@ from flexsid.importers.proposal import (
     mark_guessed,
     write_proposal,
 )
-from flexsid.importers.source import Sources
+from flexsid.importers.source import NOT_READ, Sources
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
@@ -52,11 +52,12 @@ class FoundField:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UploadedFile:
-    """One file of an upload."""
+    """One file of an upload; ``not_read`` names contents that are not read, and why."""
 
     name: str
     sha256: str
     n_fields: int
+    not_read: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,7 +112,12 @@ class Checked:
 def describe_files(sources: Sources) -> list[UploadedFile]:
     """List the files with hash and number of fields."""
     return [
-        UploadedFile(name=source.name, sha256=source.sha256, n_fields=len(source.arrays))
+        UploadedFile(
+            name=source.name,
+            sha256=source.sha256,
+            n_fields=len(source.arrays),
+            not_read=tuple(str(text) for text in source.arrays.get(NOT_READ, ())),
+        )
         for source in sources.items
     ]
 

@@ -1,0 +1,98 @@
+"""DataFlash, the log of ArduPilot, through pymavlink, an extra (``pip install flexsid[mavlink]``).
+
+Source: ArduPilot, libraries/AP_Logger/README.md. Every message has its own time stamps.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexsid.errors import UnreadableFile
+from flexsid.importers.source import Field
+from flexsid.units import AUTOPILOT_UNITS
+
+_MAGIC = b"\xa3\x95\x80"  # of the first message, which defines the others
+_TEXT = b"FMT,"
+_CLOCK = "TimeUS"
+_DEFINITIONS = {"FMT", "FMTU", "MULT", "PARM", "UNIT"}
+_HEADER = 3  # bytes before the fields of a message
+_NUMBERS = {
+    **{"b": "i1", "B": "u1", "M": "u1", "g": "<f2", "h": "<i2", "H": "<u2", "i": "<i4"},
+    **{"I": "<u4", "f": "<f4", "d": "<f8", "q": "<i8", "Q": "<u8"},
+    **{"c": "<i2", "C": "<u2", "e": "<i4", "E": "<u4", "L": "<i4"},
+}
+_TEXTS = {"n": 4, "N": 16, "Z": 64, "a": 64}  # and arrays, with their sizes in bytes
+
+
+def recognises(head: bytes) -> bool:
+    """Return whether the file begins with the definition of a message."""
+    return head.startswith((_MAGIC, _TEXT))
+
+
+def read(path: Path) -> Iterator[Field]:
+    """Read the fields of all messages, such as ``IMU.GyrY``; instances are ``IMU.1.GyrY``.
+
+    Clocks are the time stamps of the messages, since the start of the autopilot.
+
+    Raises
+    ------
+    UnreadableFile
+        If the log is a text.
+    """
+    from pymavlink.DFReader import DFReader_binary
+
+    with path.open("rb") as file:
+        if file.read(len(_TEXT)) == _TEXT:
+            raise UnreadableFile("the log is a text; download the binary log (.bin).")
+    with open(os.devnull, "w") as discarded, contextlib.redirect_stderr(discarded):
+        log: Any = DFReader_binary(str(path))
+    try:
+        content = np.frombuffer(log.data_map, dtype=np.uint8).copy()
+        for number, message in sorted(log.formats.items()):
+            starts = np.array(log.offsets[number], dtype=np.int64)
+            starts = starts[starts + message.len <= content.size]
+            is_defined = _CLOCK in message.columns and message.name not in _DEFINITIONS
+            if is_defined and starts.size:
+                rows = content[starts[:, None] + np.arange(_HEADER, message.len)]
+                yield from _message(message, np.ascontiguousarray(rows))
+    finally:
+        log.close()
+
+
+def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
+    """Yield the fields of a message; ``rows`` (n_messages, n_bytes) are without their headers."""
+    fields: dict[str, np.ndarray] = {}
+    start = 0
+    for column, kind in zip(message.columns, message.msg_fmts, strict=True):
+        size = _TEXTS.get(kind) or np.dtype(_NUMBERS[kind]).itemsize
+        if kind in _NUMBERS:
+            own = np.ascontiguousarray(rows[:, start : start + size])
+            fields[column] = own.view(_NUMBERS[kind])[:, 0]
+        start += size
+    instance = message.instance_field
+    instances = fields.pop(instance, None) if instance else None
+    numbers = [None] if instances is None else sorted(set(instances.tolist()))
+    for number in numbers:
+        shown = message.name if number in (None, 0) else f"{message.name}.{number}"
+        selected = slice(None) if instances is None else instances == number
+        clock = f"{shown}.{_CLOCK}"
+        yield Field(clock, fields[_CLOCK][selected].astype(np.float64) * 1e-6, "s")
+        for index, column in enumerate(message.columns):
+            if column in fields and column != _CLOCK:
+                unit, factor = _find_unit(message, index)
+                samples = fields[column][selected]
+                scaled = samples if factor == 1.0 else samples * factor
+                yield Field(f"{shown}.{column}", scaled, unit, clock)
+
+
+def _find_unit(message: Any, index: int) -> tuple[str, float]:
+    """Return the unit of a column, and the factor of its numbers in this unit."""
+    stated = "" if message.units is None else message.units[index]
+    unit, factor = AUTOPILOT_UNITS.get(stated, (stated, 1.0))
+    return unit, factor * (message.msg_mults[index] or 1.0)

@@ -1,0 +1,49 @@
+"""ULog, the log of PX4, through pyulog, an extra (``pip install flexsid[ulog]``).
+
+Format: https://docs.px4.io/main/en/dev_log/ulog_file_format. Every topic has its own time stamps.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from flexsid.importers.source import Field
+
+_MAGIC = b"ULog\x01\x12\x35"
+_CLOCKS = ("timestamp_sample", "timestamp")  # of the measurement, of the message
+_US = 1e-6
+
+
+def recognises(head: bytes) -> bool:
+    """Return whether the file has the magic number of ULog."""
+    return head.startswith(_MAGIC)
+
+
+def read(path: Path) -> Iterator[Field]:
+    """Read the fields of all topics, such as ``vehicle_angular_velocity.xyz.0``.
+
+    A further instance of a topic is called ``sensor_gyro.1``. The clock of a topic is the time of
+    its measurements, else that of its messages, since the start of the autopilot. The file states
+    no units.
+    """
+    from pyulog import ULog
+
+    with open(os.devnull, "w") as discarded, contextlib.redirect_stdout(discarded):
+        log = ULog(str(path))
+    counts = Counter(topic.name for topic in log.data_list)
+    for topic in log.data_list:
+        name = topic.name
+        if counts[name] > 1 and topic.multi_id:
+            name = f"{name}.{topic.multi_id}"
+        clock = next(key for key in _CLOCKS if key in topic.data)
+        yield Field(f"{name}.{clock}", topic.data[clock].astype(np.float64) * _US, "s")
+        for key, samples in topic.data.items():
+            if key not in _CLOCKS and not key.startswith("_padding"):
+                path_of_field = key.replace("[", ".").replace("]", "")
+                yield Field(f"{name}.{path_of_field}", samples, "", f"{name}.{clock}")
