@@ -332,7 +332,7 @@ def test_packets_of_the_network_are_frames(name, store):
 
 
 def test_invalid_streams_are_refused(store, streams):
-    with pytest.raises(BadInput, match="replay, push, udp, tcp, nats, mqtt, mavlink"):
+    with pytest.raises(BadInput, match="replay, push, udp, tcp, nats, mqtt, chapter10, mavlink"):
         streams.start(describe_stream("morse"))
     with pytest.raises(BadInput, match="maneuver_id"):
         streams.start(describe_stream("replay"))

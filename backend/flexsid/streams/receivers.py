@@ -19,6 +19,7 @@ from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
+from flexsid.streams.chapter10_packets import Chapter10Options, open_chapter10
 from flexsid.streams.credentials import Credentials
 from flexsid.streams.mavlink_messages import MavlinkOptions, open_mavlink
 from flexsid.streams.mqtt_messages import MqttMessages, MqttOptions
@@ -109,6 +110,12 @@ _BUILT_IN = (
         open=lambda store, options, header: MqttMessages(header, options),
         needs="paho",
         extra="mqtt",
+    ),
+    Receiver(
+        name="chapter10",
+        label="IRIG 106 Chapter 10 packets by UDP",
+        options=Chapter10Options,
+        open=open_chapter10,
     ),
     Receiver(
         name="mavlink",

@@ -67,7 +67,12 @@ class Packet:
         return not self.flags & 0x40
 
 
-def read_packets(content: mmap.mmap) -> Iterator[Packet]:
+def is_xml(setup_record: Packet) -> bool:
+    """Whether a setup record is written in XML."""
+    return bool(setup_record.word & 1 << 9)
+
+
+def read_packets(content: mmap.mmap | bytes) -> Iterator[Packet]:
     """Yield all packets with a valid header; bytes between them are skipped."""
     view, start, size = memoryview(content), 0, len(content)
     while (start := content.find(SYNC, start)) >= 0 and start + _HEADER.size <= size:

@@ -50,6 +50,8 @@ class FrameAssembler:
     ----------
     header
         Channels of the stream; those without samples are NaN.
+    wait_s
+        Time of the recorder for which a frame waits for the samples that follow it. [s]
 
     Notes
     -----
@@ -59,8 +61,9 @@ class FrameAssembler:
     NaN. Channels of the flight condition have their last value, for one second.
     """
 
-    def __init__(self, header: StreamHeader) -> None:
+    def __init__(self, header: StreamHeader, wait_s: float = WAIT_S) -> None:
         self._header = header
+        self._wait_s = wait_s
         self._roles = {channel.name: channel.role for channel in header.channels}
         self._restart()
 
@@ -84,7 +87,7 @@ class FrameAssembler:
         if self._next is None:
             self._next = math.ceil(time_s / self._header.frame_s - 1e-6)
         self._samples[name].add(time_s, value)
-        yield from self._complete(self._newest_s - WAIT_S)
+        yield from self._complete(self._newest_s - self._wait_s)
 
     def _complete(self, until_s: float) -> Iterator[Frame]:
         """Yield the frames that end before a time; those without any sample are lost."""
