@@ -97,6 +97,8 @@ def test_no_row_of_samples_is_taken_for_text_above_the_header(tmp_path: Path) ->
         ("KTAS_KT", "airspeed", "kt"),
         ("ALT_FT", "altitude", "ft"),
         ("OAT_DEGC", "OAT_DEGC", "degC"),
+        ("AIL_L_DEG", "aileron_l", "deg"),
+        ("GyrY", "q", ""),
     ],
 )
 def test_a_suffix_is_a_unit_where_the_quantity_has_it(field: str, name: str, unit: str) -> None:

@@ -167,9 +167,9 @@ def title(text: str) -> Spec:
     return {"title": {"text": text}}
 
 
-def time_axis() -> Spec:
+def time_axis(origin: str = "") -> Spec:
     """Return an axis of time in plain seconds: 51240, not 51.24 times a power of ten."""
-    return {**title("Time [s]"), "exponentformat": "none"}
+    return {**title(f"Time from {origin} [s]" if origin else "Time [s]"), "exponentformat": "none"}
 
 
 def line_at(value: float, letter: str = "x", *, line: Spec = BOUNDARY, **more: Any) -> Spec:

@@ -34,7 +34,7 @@ def draw_time_history(value: ChannelHistories) -> Spec:
         return empty("No samples in this window")
     shown = [quantities.of_channel(trace.name, trace.unit) for trace in value.traces]
     layout = stack(
-        {**time_axis(), "range": [float(np.min(ends)), float(np.max(ends))]},
+        {**time_axis(value.origin), "range": [float(np.min(ends)), float(np.max(ends))]},
         [title(quantity.title) for quantity in shown],
         showlegend=False,
         hovermode="x",

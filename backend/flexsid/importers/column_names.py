@@ -59,6 +59,13 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("el|de|elev|elevator|stab|stabilator", "elevator", _ANGLE, Role.INPUT),
     ("ail|da|aileron", "aileron", _ANGLE, Role.INPUT),
     ("rdr|dr|rud|rudder", "rudder", _ANGLE, Role.INPUT),
+    *(
+        (rf"(?:{names})_?(?P<tail>l|r|lh|rh|left|right)", f"{surface}_{{tail}}", _ANGLE, Role.INPUT)
+        for surface, names in (
+            *(("elevator", "el|elev|elevator|stab|stabilator"), ("aileron", "ail|aileron")),
+            *(("rudder", "rud|rdr|rudder"), ("elevon", "elevon"), ("flaperon", "flaperon")),
+        )
+    ),
     (r"(?P<tail>(?:bf|wf\d)[slra]?)", "{tail}", _ANGLE, Role.INPUT),
     (r"del_?(?P<tail>\w+)", "{tail}", _ANGLE, Role.INPUT),
     ("v|vt|tas|vtas|ktas|airspeed|true_?airspeed", "airspeed", _SPEED, Role.CONDITION),

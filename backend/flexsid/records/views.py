@@ -108,12 +108,16 @@ class SurfaceHistories:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChannelHistories:
-    """Channels of a maneuver over one window; downsampled to ``points`` per channel when drawn."""
+    """Channels of a maneuver over one window; downsampled to ``points`` per channel when drawn.
+
+    ``origin`` is the time of second zero, if that is not the zero of the record.
+    """
 
     maneuver_id: int
     traces: tuple[ChannelTrace, ...]
     excitation_s: tuple[float, float] | None
     points: int
+    origin: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

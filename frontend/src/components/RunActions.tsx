@@ -6,6 +6,7 @@ import { csv, saveText } from "../lib/csv";
 import { latestPerMethod } from "./latestRuns";
 import { ButtonLink } from "./ButtonLink";
 import { CompareLink } from "./CompareLink";
+import { JsbsimItems } from "./JsbsimItems";
 import { ReportMenu } from "./ReportMenu";
 import { TemplateMenu } from "./TemplateMenu";
 
@@ -67,13 +68,7 @@ export function RunActions({ run }: { run: Run }) {
                 Model as FMU (FMI {version}.0)
               </Menu.Item>
             ))}
-            <Menu.Item
-              component="a"
-              href={`/api/v1/runs/${run.id}/jsbsim`}
-              download={`flexsid-run-${run.id}.jsbsim.zip`}
-            >
-              Rigid aircraft for JSBSim
-            </Menu.Item>
+            <JsbsimItems run={run} />
             <Menu.Item
               onClick={() => {
                 saveText(

@@ -230,11 +230,12 @@ def _describe_clock(clock: Clock) -> str:
         if clock.stamps is None
         else f", interpolated: time steps differ by up to {1e3 * clock.unevenness_s:.3g} ms"
     )
-    span = f"{clock.stop_s - clock.start_s:.5g} s from {_describe_start(clock.start_s)}"
+    span = f"{clock.stop_s - clock.start_s:.5g} s from {describe_start(clock.start_s)}"
     return f"{clock.rate_hz:.6g} Hz, {clock.n_samples} samples in {span}{rounded}{uneven}"
 
 
-def _describe_start(start_s: float) -> str:
+def describe_start(start_s: float) -> str:
+    """Return a time of a record: a date where it can only be one since 1970. [s]"""
     if not _EARLIEST_DATE_S < start_s < _LATEST_DATE_S:
         return f"{start_s:.9g} s"
     date = datetime.fromtimestamp(start_s, UTC)

@@ -29,11 +29,17 @@ from flexsid.records.maneuver import Role
 from flexsid.records.views import ChannelHistories, ChannelTrace
 from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import find_unit_warnings
-from flexsid.workflow.importing.parsed_files import Guess, find_guesses, parse_upload
+from flexsid.workflow.importing.parsed_files import (
+    Guess,
+    describe_start,
+    find_guesses,
+    parse_upload,
+)
 from flexsid.workflow.importing.remembered_columns import read_remembered_columns
 
 MOST_FIELDS = 500
 MOST_DRAWN = 12
+_LONGEST_OFFSET_S = 1e4  # of a record, whose times are drawn from its start beyond
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -221,6 +227,8 @@ def preview_channels(
     """
     upload = parse_upload(sources, parse_mapping(text))
     selected = [c for c in upload.channels if not names or c.name in names][:MOST_DRAWN]
+    start_s = min((c.clock.start_s for c in selected), default=0.0)
+    zero_s = start_s if abs(start_s) > _LONGEST_OFFSET_S else 0.0
     return ChannelHistories(
         maneuver_id=0,  # none yet
         traces=tuple(
@@ -228,13 +236,14 @@ def preview_channels(
                 name=c.name,
                 unit=units.si_unit(c.unit),
                 role=c.role,
-                time_s=c.clock.start_s + np.arange(c.samples.size) / c.clock.rate_hz,
+                time_s=c.clock.start_s - zero_s + np.arange(c.samples.size) / c.clock.rate_hz,
                 values=units.to_si(c.samples, c.unit),
             )
             for c in selected
         ),
         excitation_s=None,
         points=points,
+        origin=describe_start(zero_s) if zero_s else "",
     )
 
 
