@@ -211,6 +211,23 @@ def test_database_of_another_program_is_rejected(tmp_path: Path) -> None:
 
 
 @only_sqlite
+def test_a_changed_bit_in_the_schema_is_named_as_damage(
+    database_url: str, store: Store, tmp_path: Path
+) -> None:
+    """SQLite quotes the text that it cannot read, which is then no UTF-8."""
+    copies.backup(database_url, tmp_path / "copy")
+    content = (tmp_path / "copy").read_bytes()
+    assert b"CREATE TABLE decisions" in content
+    damaged = content.replace(b"CREATE TABLE decisions", b"CREATE T\xa0BLE decisions", 1)
+    (tmp_path / "damaged.db").write_bytes(damaged)
+    with (
+        pytest.raises(DatabaseUnavailable, match="not UTF-8"),
+        closing(Store.open(f"sqlite:///{tmp_path}/damaged.db")) as opened,
+    ):
+        opened.runs.find()
+
+
+@only_sqlite
 def test_missing_file_is_not_replaced_by_a_server(database_url: str, store: Store) -> None:
     file = Path(database_url.removeprefix("sqlite:///"))
     file.unlink()

@@ -94,6 +94,8 @@ def translate_errors() -> Iterator[None]:
         if type(error) not in (DatabaseError, OperationalError) and not is_ended:
             raise
         raise DatabaseUnavailable(f"the database does not respond: {error.orig}") from error
+    except UnicodeDecodeError as error:  # of names in the schema, in a message of SQLite
+        raise DatabaseUnavailable("the database is damaged: a text in it is not UTF-8") from error
 
 
 def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
