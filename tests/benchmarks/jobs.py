@@ -290,6 +290,17 @@ class Client:
 @contextmanager
 def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
     """Serve a database; the workers are warm when the port is returned."""
+    with serve(url, dask, workers) as port:
+        client = Client(port)
+        ids = [m["id"] for m in client.get("/api/v1/maneuvers?limit=20&search=copy")["items"]]
+        warm = client.post("/api/v1/batches", make_batch(ids[: 4 * workers], ["EE"], modes=[7]))
+        wait_for_batch(client, warm["id"])
+        yield port
+
+
+@contextmanager
+def serve(url: str, dask: str | None, workers: int) -> Iterator[int]:
+    """Serve a database."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -308,9 +319,6 @@ def server(url: str, dask: str | None, workers: int) -> Iterator[int]:
             assert process.poll() is None
             time.sleep(0.2)
             client = Client(port)
-        ids = [m["id"] for m in client.get("/api/v1/maneuvers?limit=20&search=copy")["items"]]
-        warm = client.post("/api/v1/batches", make_batch(ids[: 4 * workers], ["EE"], modes=[7]))
-        wait_for_batch(client, warm["id"])
         yield port
     finally:
         process.terminate()

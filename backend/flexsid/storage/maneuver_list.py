@@ -158,7 +158,7 @@ _shown = (
 )
 
 
-def contains_text(text: str, *columns: sa.Column[Any]) -> sa.ColumnElement[bool]:
+def contains_text(text: str, *columns: sa.ColumnElement[Any]) -> sa.ColumnElement[bool]:
     """Return the condition that one of the columns contains a text, in upper or lower case."""
     return sa.or_(*(column.icontains(text, autoescape=True) for column in columns))
 

@@ -610,6 +610,7 @@ runs = table(
         *("created_at", "finished_at", "derived_from_run_id"),
     ),
     sa.Index(None, "state", "id"),
+    sa.Index(None, "author"),
 )
 
 run_tags = sa.Table("run_tags", metadata, key("run_id", "runs"), tag())
