@@ -67,11 +67,11 @@ def test_a_word_has_its_own_time(tmp_path: Path) -> None:
 
 def test_what_is_not_read_is_named(tmp_path: Path) -> None:
     source = read(write(tmp_path / "flight.c10", PACKETS["packed"]))
-    assert list(source.arrays["not_read"]) == [
+    assert source.not_read == (
         "AZ: conversion DER, not converted",
         "SUB: a subframe",
         "BUS: 1 packets of MIL-STD-1553",
-    ]
+    )
 
 
 def test_counts_are_proposed_as_no_quantity(tmp_path: Path) -> None:

@@ -77,6 +77,7 @@ def import_files(settings: Settings, arguments: argparse.Namespace) -> int:
             confirmed=arguments.confirm,
         )
     lines = _describe_import(imported, len(upload.channels))
+    lines += [f"not read: {text}" for file in upload.sources.items for text in file.not_read]
     print_result(lines, _collect_ids(imported), as_json=arguments.json)
     return 0
 

@@ -55,6 +55,11 @@ class SourceFile:
     units: Mapping[str, str] = field(default_factory=dict)
     clocks: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def not_read(self) -> tuple[str, ...]:
+        """Contents that are not read, and why."""
+        return tuple(str(text) for text in self.arrays.get(NOT_READ, ()))
+
     def check_finite(
         self, samples: np.ndarray, label: str, largest: float = LARGEST["number"]
     ) -> None:

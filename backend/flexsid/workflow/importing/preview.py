@@ -22,7 +22,7 @@ from flexsid.importers.proposal import (
     mark_guessed,
     write_proposal,
 )
-from flexsid.importers.source import NOT_READ, Sources
+from flexsid.importers.source import Sources
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
@@ -122,7 +122,7 @@ def describe_files(sources: Sources) -> list[UploadedFile]:
             name=source.name,
             sha256=source.sha256,
             n_fields=len(source.arrays),
-            not_read=tuple(str(text) for text in source.arrays.get(NOT_READ, ())),
+            not_read=source.not_read,
         )
         for source in sources.items
     ]
