@@ -104,20 +104,18 @@ def _read_pcm(
     if measured is None:
         yield from _read_words(label, frames, not_read)
         return
-    for own_list in range(1, max(1, setup.number(f"{measured}\\ML\\N", 1)) + 1):
-        for n in range(1, setup.number(f"{measured}\\MN\\N-{own_list}") + 1):
-            key = f"{own_list}-{n}"
-            name = setup.get(f"{measured}\\MN-{key}") or f"{label}.{key}"
-            if names is not None and name not in names:
-                continue
-            try:
-                found = read_measurement(setup, measured, key, frames)
-            except UnreadFormat as error:
-                not_read.append(f"{name}: {error}")
-                continue
-            conversion = setup.find("C", "DCN", name)
-            binary = "" if conversion is None else setup.get(f"{conversion}\\BFM")
-            yield _convert(setup, name, found.bits, found.n_bits, binary, found.ticks, not_read)
+    for key in setup.members.get((measured, "MN"), ()):
+        name = setup.get(f"{measured}\\MN-{key}")
+        if names is not None and name not in names:
+            continue
+        try:
+            found = read_measurement(setup, measured, key, frames)
+        except UnreadFormat as error:
+            not_read.append(f"{name}: {error}")
+            continue
+        conversion = setup.find("C", "DCN", name)
+        binary = "" if conversion is None else setup.get(f"{conversion}\\BFM")
+        yield _convert(setup, name, found.bits, found.n_bits, binary, found.ticks, not_read)
 
 
 def _read_words(label: str, frames: MinorFrames, not_read: list[str]) -> Iterator[MeasuredValues]:

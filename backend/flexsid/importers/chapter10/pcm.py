@@ -15,7 +15,7 @@ import numpy as np
 from flexsid.importers.chapter10.packets import TICKS_PER_S, Packet
 from flexsid.importers.chapter10.setup_record import SetupRecord
 
-_UNPACKED, _PACKED, _THROUGHPUT, _ALIGNED = 1 << 18, 1 << 19, 1 << 20, 1 << 21
+_UNPACKED, _THROUGHPUT, _ALIGNED = 1 << 18, 1 << 20, 1 << 21  # else packed
 _HAS_HEADERS = 1 << 30
 _MINOR_LOCKED = 0x3  # of the lock status in the header of a frame
 _MOST_BITS = 48  # of a fragment, so that it is in at most four words of 16 bits

@@ -14,6 +14,7 @@ import numpy as np
 from flexsid.importers.source import COUNTS
 
 Conversion = Callable[[np.ndarray], np.ndarray]
+_HIGHEST_ORDER = 100  # of coefficients; a damaged number would take for ever
 _UNITS = {
     **{"VOLTS": "V", "VDC": "V", "G": "g", "GS": "g", "DEGREES": "deg", "DEGREE": "deg"},
     **{"KNOTS": "kt", "KTS": "kt", "FEET": "ft", "RADIANS": "rad", "MICROSTRAIN": "ustrain"},
@@ -28,6 +29,9 @@ class SetupRecord:
     attributes: Mapping[str, str] = field(default_factory=dict)
     groups: Mapping[tuple[str, str, str], str] = field(default_factory=dict)
     """Groups by their letter, and code and value of an attribute."""
+
+    members: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    """Indices of the attributes of a group, such as ``1-3`` of ``D-1``, ``MN``."""
 
     def get(self, code: str, default: str = "") -> str:
         """Return the text of an attribute."""
@@ -46,10 +50,11 @@ class SetupRecord:
 
     def find_source(self, channel: int) -> tuple[str, str] | None:
         r"""Return recorder and number of a channel, such as ``R-1`` and ``3`` of ``R-1\TK1-3``."""
-        for code, text in self.attributes.items():
-            recorder, _, rest = code.partition("\\")
-            if recorder.startswith("R-") and rest.startswith("TK1-") and text == str(channel):
-                return recorder, rest.removeprefix("TK1-")
+        for (group, name), indices in self.members.items():
+            if name == "TK1" and group.startswith("R-"):
+                for index in indices:
+                    if self.get(f"{group}\\TK1-{index}") == str(channel):
+                        return group, index
         return None
 
 
@@ -61,10 +66,14 @@ def parse_setup_record(text: str) -> SetupRecord:
         if colon and "\\" in code and "\n" not in code:
             found[code.strip().upper()] = value.strip()
     groups: dict[tuple[str, str, str], str] = {}
+    members: dict[tuple[str, str], list[str]] = {}
     for code, value in found.items():
         group, _, rest = code.partition("\\")
         groups.setdefault((group[:1], rest, value.casefold()), group)
-    return SetupRecord(found, groups)
+        name, dash, index = rest.partition("-")
+        if dash:
+            members.setdefault((group, name), []).append(index)
+    return SetupRecord(found, groups, {key: tuple(own) for key, own in members.items()})
 
 
 def find_conversion(setup: SetupRecord, name: str) -> tuple[Conversion | None, str, str]:
@@ -102,6 +111,8 @@ def find_conversion(setup: SetupRecord, name: str) -> tuple[Conversion | None, s
 
 def _read_coefficients(setup: SetupRecord, code: str) -> Conversion:
     order = setup.number(f"{code}\\N")
+    if order > _HIGHEST_ORDER:
+        raise ValueError("no order of a polynomial")
     numbers = [float(setup.get(code, "0") or 0.0)]
     numbers += [float(setup.get(f"{code}-{n}", "0") or 0.0) for n in range(1, order + 1)]
     return np.polynomial.Polynomial(numbers)
