@@ -179,6 +179,8 @@ def _make_postgresql_engine(url: URL) -> Engine:
                 "SELECT set_config('synchronous_commit', 'on', false)"
                 " WHERE current_setting('synchronous_commit') = 'off'"
             )
+            # Compiling the counts of large lists takes longer than it saves.
+            cursor.execute("SELECT set_config('jit', 'off', false)")
         connection.commit()
 
     @event.listens_for(engine, "begin")

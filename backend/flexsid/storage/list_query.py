@@ -19,8 +19,25 @@ MOST_CHOICES = 500
 """Largest number of choices counted per filter."""
 
 Conditions = list[sa.ColumnElement[bool]]
-Facet = tuple[sa.ColumnElement[Any], sa.ColumnElement[Any]]
-"""Column of a filter, and of the labels of its choices."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facet:
+    """A filter whose choices are counted.
+
+    ``label`` is a column of the table to which ``column`` refers; without one the values are
+    their own labels.
+    """
+
+    column: sa.Column[Any]
+    label: sa.Column[Any] | None = None
+
+    def read_labels(self, connection: Connection) -> dict[Any, Any] | None:
+        """Return the label of each value, apart from the items, of which there are many more."""
+        if self.label is None:
+            return None
+        (key,) = self.label.table.primary_key.columns
+        return {row[0]: row[1] for row in connection.execute(sa.select(key, self.label))}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,7 +167,7 @@ class ListQuery:
         if self.tags is None:
             return found
         tagged = self.source.join(self.tags, key_column(self.tags) == self.key)
-        facet = {"tag": (self.tags.c.tag, self.tags.c.tag)}
+        facet = {"tag": Facet(column=self.tags.c.tag)}
         tags = _count(connection, tagged, self.where({**filters, "tag": None}), facet, {})
         return Facets(total=found.total, choices={**found.choices, **tags.choices})
 
@@ -178,31 +195,38 @@ def _count(
     selected: Mapping[str, Any],
 ) -> Facets:
     """Count by all facets at once, and sum the few hundred combinations that occur."""
-    columns = [column for column, _label in facets.values()]
+    columns = [facet.column for facet in facets.values()]
     query = (
-        sa.select(*columns, *(sa.func.min(label) for _, label in facets.values()), sa.func.count())
+        sa.select(*columns, sa.func.count())
         .select_from(source)
         .where(*conditions)
         .group_by(*columns)
     )
-    counts: dict[str, Counter[tuple[Any, Any]]] = {name: Counter() for name in facets}
+    restricted = {name: selected[name] for name in facets if selected.get(name) is not None}
+    counts: dict[str, Counter[Any]] = {name: Counter() for name in facets}
     total = 0
     for *row, count in connection.execute(query):
-        values = dict(zip(facets, row, strict=False))
-        labels = row[len(facets) :]
-        unmatched = [name for name in facets if selected.get(name) not in (None, values[name])]
+        values = dict(zip(facets, row, strict=True))
+        unmatched = [name for name, value in restricted.items() if values[name] != value]
         total += 0 if unmatched else count
-        for (name, value), label in zip(values.items(), labels, strict=True):
+        for name, value in values.items():
             if value is not None and unmatched in ([], [name]):
-                counts[name][label, value] += count
-    choices = {name: sorted(found.items())[:MOST_CHOICES] for name, found in counts.items()}
+                counts[name][value] += count
     return Facets(
         total=total,
         choices={
-            name: [
-                Choice(value=str(value), label=str(label), count=count)
-                for (label, value), count in found
-            ]
-            for name, found in choices.items()
+            name: _label(found, facets[name].read_labels(connection))
+            for name, found in counts.items()
         },
     )
+
+
+def _label(counts: Counter[Any], labels: Mapping[Any, Any] | None) -> list[Choice]:
+    labelled = sorted(
+        (value if labels is None else labels[value], value, count)
+        for value, count in counts.items()
+    )
+    return [
+        Choice(value=str(value), label=str(label), count=count)
+        for label, value, count in labelled[:MOST_CHOICES]
+    ]

@@ -14,7 +14,7 @@ from sqlalchemy.engine import Connection
 
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
-from flexsid.storage.list_query import Choice, Conditions, Facets, ListQuery
+from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery
 from flexsid.storage.paging import Page
 from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
@@ -139,9 +139,9 @@ FLOWN_FILTERS = {
     "max_fuel": maneuvers.c.fuel_fraction.__le__,
 }
 FLOWN_FACETS = {
-    "aircraft_id": (maneuvers.c.aircraft_id, aircraft.c.name),
-    "flight_id": (maneuvers.c.flight_id, flights.c.number),
-    "fta": (maneuvers.c.fta, maneuvers.c.fta),
+    "aircraft_id": Facet(column=maneuvers.c.aircraft_id, label=aircraft.c.name),
+    "flight_id": Facet(column=maneuvers.c.flight_id, label=flights.c.number),
+    "fta": Facet(column=maneuvers.c.fta),
 }
 _on_ground = maneuvers.c.axis == GROUND
 _is_deleted = maneuvers.c.deleted_at.is_not(None)
@@ -216,23 +216,49 @@ def count_maneuvers(connection: Connection, filters: ManeuverFilters) -> Facets:
 
 def _count_by_runs(connection: Connection, filters: ManeuverFilters) -> dict[str, list[Choice]]:
     """Count by newest runs: a maneuver counts for the method and the state of each."""
-    query = (
-        sa.select(*_newest_state.values(), sa.func.count())
+    selected = (
+        sa.select(maneuvers.c.id)
         .select_from(FLOWN)
         .where(*_list.where({**filters, "method": None, "state": None}))
-        .group_by(*_newest_state.values())
     )
+    newest_states = (
+        sa.select(*(_find_newest_state(method).label(method) for method in Method))
+        .where(
+            runs.c.maneuver_id.in_(selected),
+            runs.c.deleted_at.is_(None),
+            runs.c.derived_from_run_id.is_(None),
+        )
+        .group_by(runs.c.maneuver_id)
+        .subquery()
+    )
+    query = sa.select(*newest_states.c, sa.func.count()).group_by(*newest_states.c)
     method, state = filters.get("method"), filters.get("state")
     methods: Counter[Method] = Counter()
     states: Counter[RunState] = Counter()
-    for *newest, count in connection.execute(query):
-        by_method = dict(zip(Method, newest, strict=True))
-        for one, found in by_method.items():
-            if found is not None and state in (None, found):
+    every = list(RunState)
+    for *numbers, count in connection.execute(query):
+        newest = {
+            one: every[number]
+            for one, number in zip(Method, numbers, strict=True)
+            if number is not None
+        }
+        for one, found in newest.items():
+            if state in (None, found):
                 methods[one] += count
-        for found in set(newest if method is None else [by_method[method]]) - {None}:
+        for found in {found for one, found in newest.items() if method in (None, one)}:
             states[found] += count
     return {"method": _list_choices(Method, methods), "state": _list_choices(RunState, states)}
+
+
+def _find_newest_state(method: Method) -> sa.ColumnElement[int]:
+    """Return the number of the state of the newest run of a method, an aggregate of runs.
+
+    The largest id with the state in its last digits is found in one scan of an index, where a
+    search for each maneuver takes three times as long.
+    """
+    number = sa.case({state.value: k for k, state in enumerate(RunState)}, value=runs.c.state)
+    key = sa.cast(runs.c.id, sa.BigInteger) * len(RunState) + number
+    return sa.func.max(sa.case((runs.c.method == method.value, key))) % len(RunState)
 
 
 def _list_choices(kinds: Iterable[str], counts: Mapping[Any, int]) -> list[Choice]:

@@ -13,7 +13,7 @@ from sqlalchemy.engine import Connection
 from flexsid.records.run import AdequacyState, Method, RunState
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Facets, ListQuery
+from flexsid.storage.list_query import Facet, Facets, ListQuery
 from flexsid.storage.maneuver_list import (
     FLOWN_COLUMNS,
     FLOWN_FACETS,
@@ -177,8 +177,8 @@ _list = ListQuery(
     },
     facets={
         **FLOWN_FACETS,
-        "method": (runs.c.method, runs.c.method),
-        "state": (runs.c.state, runs.c.state),
+        "method": Facet(column=runs.c.method),
+        "state": Facet(column=runs.c.state),
     },
     tags=run_tags,
 )

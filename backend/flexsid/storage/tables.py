@@ -101,6 +101,12 @@ maneuvers = table(
     number("airspeed_m_s"),
     number("dynamic_pressure_pa"),
     number("fuel_fraction", index=True),
+    # Lists are counted by this index: a row has two kilobytes.
+    sa.Index(
+        "ix_maneuvers_list",
+        *("deleted_at", "axis", "aircraft_id", "flight_id", "fta", "id"),
+        *("airspeed_ratio", "fuel_fraction"),
+    ),
 )
 
 maneuver_tags = sa.Table("maneuver_tags", metadata, key("maneuver_id", "maneuvers"), tag())
