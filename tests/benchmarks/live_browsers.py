@@ -21,6 +21,7 @@ import threading
 import time
 from dataclasses import replace
 from http.client import HTTPConnection
+from typing import Any
 
 import jobs
 import live
@@ -43,7 +44,8 @@ class Browser(threading.Thread):
         self._connection = HTTPConnection("127.0.0.1", port, timeout=120)
         self._address = f"/api/v1/events?stream_id={stream_id}&channels={channels}"
         self.arrived: list[tuple[float, float]] = []  # newest time of the recorder, and clock
-        self.is_over = self.is_live = False
+        self.snapshot: dict[str, Any] = {}
+        self.is_over = False
 
     def run(self) -> None:
         """Read until the benchmark is over."""
@@ -55,7 +57,7 @@ class Browser(threading.Thread):
             if line.startswith(b"event:"):
                 kind = line[6:].strip()
             elif line.startswith(b"data:") and kind == b"live":
-                self.is_live = json.loads(line[5:])["newest_s"] is not None
+                self.snapshot = json.loads(line[5:])
             elif line.startswith(b"data:") and kind == b"samples":
                 found = json.loads(line[5:])
                 if found["time_s"]:
@@ -90,7 +92,7 @@ def fly(port: int, run_id: int, frames: list[Frame], names: list[str], browsers:
     for browser in every:
         browser.start()
     first = replace(frames[0], number=0)
-    while not every[0].is_live:  # until the process of the stream takes frames
+    while every[0].snapshot.get("newest_s") is None:  # until the process of the stream takes frames
         push(first)
         time.sleep(1.0)
     sent: dict[float, float] = {}

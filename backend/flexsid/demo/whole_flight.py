@@ -25,13 +25,15 @@ _LATE, _LATE_S = "az_mar", 0.009
 _SPIKED, _SPIKES_S = "az_cf", (35.0, 88.0, 88.4)
 
 
-def record_flight(flown: Sequence[FlownManeuver]) -> tuple[FlownChannel, ...]:
-    """Return one recording of maneuvers with the same channels."""
+def record_flight(
+    flown: Sequence[FlownManeuver], pause_s: float = PAUSE_S
+) -> tuple[FlownChannel, ...]:
+    """Return one recording of maneuvers with the same channels, and steady flight about them."""
     joined = []
     for columns in zip(*(one.channels for one in flown), strict=True):
-        pieces = [_build_pause(columns[0])]
+        pieces = [_build_pause(columns[0], pause_s)]
         for column, following in zip(columns, (*columns[1:], columns[-1]), strict=True):
-            pieces += [column.samples, _build_transition(column, following)]
+            pieces += [column.samples, _build_transition(column, following, pause_s)]
         samples = np.concatenate(pieces).astype(columns[0].samples.dtype)
         joined.append(replace(columns[0], samples=samples))
     return tuple(joined)
@@ -48,17 +50,19 @@ def add_recording(
             store.flight_channels.add(FlightChannel(flight_id=flight.id, start_s=start_s, **fields))
 
 
-def _build_pause(channel: FlownChannel) -> np.ndarray:
+def _build_pause(channel: FlownChannel, pause_s: float) -> np.ndarray:
     """Return steady flight: the trim of a maneuver, repeated forwards and backwards."""
-    count = round(PAUSE_S * channel.rate_hz)
+    count = round(pause_s * channel.rate_hz)
     trim = channel.samples[: max(2, round(0.9 * TRIM_S * channel.rate_hz))]
     there_and_back = np.concatenate([trim[::-1], trim])
     return np.tile(there_and_back, -(-count // there_and_back.size))[-count:]
 
 
-def _build_transition(channel: FlownChannel, following: FlownChannel) -> np.ndarray:
+def _build_transition(
+    channel: FlownChannel, following: FlownChannel, pause_s: float
+) -> np.ndarray:
     """Return the transition to the next maneuver: slow change of trim, zero commands."""
-    steady = _build_pause(following)
+    steady = _build_pause(following, pause_s)
     if channel.role is Role.COMMAND:
         return steady
     last = float(channel.samples[-max(1, round(0.2 * channel.rate_hz)) :].mean())

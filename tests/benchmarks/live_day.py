@@ -1,0 +1,203 @@
+"""A day of flying on one live stream: ``python tests/benchmarks/live_day.py [hours]``.
+
+Eight hours of simulated test points of FLEX-28 (eight-mode truth, below the flutter speed, still
+air to moderate turbulence, one every two and a half minutes) are pushed to a server in fast motion
+while 20 browsers look on. Prints a JSON line per tenth: memory of the server and its processes,
+alarms, and seconds without an estimate because the computer was too slow. A maneuver in real time
+before and after gives the 95th percentile of the time from the push of a frame to its arrival at
+the browsers. Other programs falsify the latter.
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import itertools
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from http.client import HTTPConnection
+
+import jobs
+import live
+import numpy as np
+from endurance import is_server, list_processes, measure
+from live_browsers import BROWSERS, CHANNELS, Browser
+from live_intervals import AIR, AIRSPEEDS
+
+from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flights import FlownManeuver, fly
+from flexsid.demo.whole_flight import record_flight
+from flexsid.records.live import Frame, StreamHeader
+from flexsid.records.maneuver import Flight
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
+from flexsid.storage.migrate import upgrade
+from flexsid.storage.store import Store
+from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
+from flexsid.workflow.live.packets import encode_frame
+from flexsid.workflow.runs.run_proposal import apply_proposal
+
+HOURS, TENTHS = 8.0, 10
+PAUSE_S = 120.0
+AHEAD_S = 3.0  # of the newest estimate, as far as the source may be
+PER_PUSH = round(1.0 / FRAME_S)
+STABLE = [ratio for ratio in AIRSPEEDS if ratio < 1.0]
+
+
+def fly_one(number: int) -> FlownManeuver:
+    """Fly one test point."""
+    ratio, air = STABLE[number % len(STABLE)], AIR[number // len(STABLE) % len(AIR)]
+    peak_deg = 2.0 if ratio < 0.9 else 1.6
+    seed = (6200, number)
+    return fly(airspeed_ratio=ratio, peak_deg=peak_deg, seed=seed, turbulence=air)
+
+
+def add_run(store: Store) -> int:
+    """Store the run that the stream is processed like: the structure proposed at .80 V_f."""
+    flight = store.flights.add(Flight(aircraft_id=add_aircraft(store).id or 0, number=1))
+    maneuver = add_maneuver(store, fly(airspeed_ratio=0.80, seed=(27, 1)), flight.id or 0)
+    run = EstimationRun(
+        maneuver_id=maneuver.id or 0,
+        method=Method.OE,
+        structure=Structure(fixed={}),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.RETAINED),
+        state=RunState.SUCCEEDED,
+    )
+    return store.runs.add(apply_proposal(store, run)).id or 0
+
+
+def build_frames(header: StreamHeader, flown: list[FlownManeuver]) -> Iterator[Frame]:
+    """Yield the frames of some test points with steady flight about them."""
+    recorded = {c.name: c.samples.astype(float) for c in record_flight(flown, PAUSE_S)}
+    groups = [np.stack([recorded[c.name] for c in group], axis=1) for group in header.groups]
+    rows = [n for n, _ in header.frame_shapes]
+    for k in range(min(len(g) // n for g, n in zip(groups, rows, strict=True))):
+        samples = tuple(g[k * n : (k + 1) * n] for g, n in zip(groups, rows, strict=True))
+        yield Frame(number=k, time_s=k * FRAME_S, samples=samples)
+
+
+class Feed:
+    """Frames of one stream, numbered on."""
+
+    def __init__(self, port: int, stream_id: int, browsers: list[Browser]) -> None:
+        self._connection = HTTPConnection("127.0.0.1", port, timeout=120)
+        self._address = f"/api/v1/live/streams/{stream_id}/frames"
+        self._browsers = browsers
+        self._next = 0
+
+    @property
+    def flown_s(self) -> float:
+        """End of the newest frame."""
+        return self._next * FRAME_S
+
+    def push(self, frames: list[Frame]) -> None:
+        """Push frames at once."""
+        numbers = range(self._next, self._next + len(frames))
+        self._next += len(frames)
+        body = b"".join(
+            encode_frame(replace(frame, number=k, time_s=k * FRAME_S))
+            for k, frame in zip(numbers, frames, strict=True)
+        )
+        header = {"Content-Type": "application/octet-stream"}
+        self._connection.request("POST", self._address, body, header)
+        response = self._connection.getresponse()
+        response.read()
+        assert response.status == 200, response.status
+
+    def push_slowly(self, frames: list[Frame]) -> float:
+        """Push in real time; return the 95th percentile of delays at all browsers. [ms]"""
+        begun, sent = time.monotonic(), {}
+        for k, frame in enumerate(frames):
+            time.sleep(max(0.0, begun + k * FRAME_S - time.monotonic()))
+            sent[(self._next + 1) * FRAME_S] = time.monotonic()
+            self.push([frame])
+        time.sleep(2.0)
+        delays = [browser.find_delays(sent) for browser in self._browsers]
+        return float(np.percentile(np.concatenate(delays), 95))
+
+    def push_fast(self, frames: Iterator[Frame]) -> None:
+        """Push as fast as the server estimates, at least in real time."""
+        while second := list(itertools.islice(frames, PER_PUSH)):
+            begun = time.monotonic()
+            self.push(second)
+            while self._is_ahead() and time.monotonic() < begun + 1.0:
+                time.sleep(0.01)
+
+    def _is_ahead(self) -> bool:
+        state = self._browsers[0].snapshot["state"]
+        estimate = state["estimate"] if state["phase"] == "excited" else None
+        newest_s = state["time_s"] if estimate is None else estimate["time_s"]
+        return self.flown_s - newest_s > AHEAD_S
+
+
+def read_states(client: jobs.Client, stream_id: int, since_s: float) -> Iterator[dict]:
+    """Yield the stored states of maneuvers after a time."""
+    more = True
+    while more:
+        address = f"/api/v1/live/streams/{stream_id}/history?since_s={since_s}&limit=1000"
+        page = client.get(address)
+        yield from page["states"]
+        more, since_s = page["more"], page["states"][-1]["time_s"] if page["states"] else since_s
+
+
+def main(hours: float) -> None:
+    """Fly, and print what grows."""
+    count = round(hours * 3600.0 / (PAUSE_S + 30.0) / TENTHS)
+    with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(1) as pool:
+        address = f"sqlite:///{folder}/flexsid.db"
+        upgrade(address)
+        store = Store.open(address)
+        run_id = add_run(store)
+        header = prepare_live_task(store, store.runs.get(run_id)).header
+        store.close()
+        names = ",".join([c.name for group in header.groups for c in group][:CHANNELS])
+        flights = pool.map(fly_one, range(TENTHS * count))
+        with jobs.serve(address, None, 1) as port:
+            client = jobs.Client(port)
+            body = {"run_id": run_id, "title": "benchmark", "receiver": {"name": "push"}}
+            stream_id = client.post("/api/v1/live/streams", body)["id"]
+            browsers = [Browser(port, stream_id, names) for _ in range(BROWSERS)]
+            for browser in browsers:
+                browser.start()
+            feed = Feed(port, stream_id, browsers)
+            whole = list(build_frames(header, [fly_one(0)]))
+            around = round(PAUSE_S / FRAME_S)
+            maneuver = whole[around - PER_PUSH : len(whole) - around]
+            while not browsers[0].snapshot.get("state"):  # until the process takes frames
+                feed.push(whole[:PER_PUSH])
+                time.sleep(1.0)
+            live.report("live_day_p95_before_ms", feed.push_slowly(maneuver))
+            (root,) = (own for own in list_processes(os.getpid()) if is_server(own))
+            found, since_s, begun = [], 0.0, time.monotonic()
+            for tenth in range(TENTHS):
+                feed.push_fast(build_frames(header, list(itertools.islice(flights, count))))
+                states = list(read_states(client, stream_id, since_s))
+                since_s = states[-1]["time_s"]
+                alarms = {(a["subject"], a["time_s"]) for s in states for a in s["state"]["alarms"]}
+                skipped = sum("too slow" in s["state"]["reason"] for s in states)
+                memory, files = measure(root)
+                found.append((memory, files))
+                line = {"name": "live_day", "tenth": tenth + 1, "hours": round(feed.flown_s / 3600, 2)}
+                line |= {"memory_mb": round(memory, 1), "files": files, "alarms": len(alarms)}
+                line |= {"estimates": sum(s["state"]["estimate"] is not None for s in states)}
+                line |= {"skipped": skipped, "elapsed_s": round(time.monotonic() - begun)}
+                print(json.dumps(line), flush=True)
+            live.report("live_day_p95_after_ms", feed.push_slowly(maneuver))
+            for browser in browsers:
+                browser.is_over = True
+            client.post(f"/api/v1/live/streams/{stream_id}/stop", None)
+    growth = np.array(found[-1]) / np.array(found[1]) - 1.0
+    for name, value in zip(("memory", "files"), growth.tolist(), strict=True):
+        live.report(f"live_day_{name}_growth", value, bar=0.05)
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]) if len(sys.argv) > 1 else HOURS)
