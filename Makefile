@@ -5,7 +5,6 @@ PYTHON ?= python3
 PORT ?= 8000
 VENV := .venv
 BIN := $(VENV)/bin
-UV_VERSION := 0.13.8
 DATABASE := sqlite:///var/flexsid.db
 
 # Sources of the page, which is part of the installed package.
@@ -34,7 +33,7 @@ help:
 	@echo 'make install  install the package and its dependencies'
 	@echo 'make format   format all sources'
 	@echo 'make lint, make types, make rules, make page-checks    parts of make test'
-	@echo 'make lock     update requirements.lock'
+	@echo 'make lock     update the locked packages'
 	@echo 'make clean    remove everything that was installed or built, except var/'
 
 # --- Installing ------------------------------------------------------------
@@ -54,7 +53,7 @@ $(BIN)/python:
 $(VENV)/.locked: requirements.lock | $(BIN)/python
 	$(announce) 'installing the locked packages'
 	@$(BIN)/python hatch_build.py --version >/dev/null 2>&1 & \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION); \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r deploy/uv.txt; \
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock || \
 		{ echo 'uv failed; trying pip'; \
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock; } || \
@@ -75,6 +74,8 @@ $(VENV)/.installed: $(VENV)/.locked pyproject.toml hatch_build.py $(PAGE)
 lock: | $(BIN)/python
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 		--no-header --group test --group contract --group docs pyproject.toml --output-file requirements.lock
+	echo uv | $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+		--no-header --no-annotate - --output-file deploy/uv.txt
 
 # --- Running ---------------------------------------------------------------
 
