@@ -138,9 +138,9 @@ class Feed:
         return self.flown_s - newest_s > AHEAD_S
 
 
-def read_states(client: jobs.Client, stream_id: int, since_s: float) -> Iterator[dict]:
+def read_states(port: int, stream_id: int, since_s: float) -> Iterator[dict]:
     """Yield the stored states of maneuvers after a time."""
-    more = True
+    client, more = jobs.Client(port), True  # the server ends connections that are not used
     while more:
         address = f"/api/v1/live/streams/{stream_id}/history?since_s={since_s}&limit=1000"
         page = client.get(address)
@@ -161,9 +161,8 @@ def main(hours: float) -> None:
         names = ",".join([c.name for group in header.groups for c in group][:CHANNELS])
         flights = pool.map(fly_one, range(TENTHS * count))
         with jobs.serve(address, None, 1) as port:
-            client = jobs.Client(port)
             body = {"run_id": run_id, "title": "benchmark", "receiver": {"name": "push"}}
-            stream_id = client.post("/api/v1/live/streams", body)["id"]
+            stream_id = jobs.Client(port).post("/api/v1/live/streams", body)["id"]
             browsers = [Browser(port, stream_id, names) for _ in range(BROWSERS)]
             for browser in browsers:
                 browser.start()
@@ -179,13 +178,17 @@ def main(hours: float) -> None:
             found, since_s, begun = [], 0.0, time.monotonic()
             for tenth in range(TENTHS):
                 feed.push_fast(build_frames(header, list(itertools.islice(flights, count))))
-                states = list(read_states(client, stream_id, since_s))
+                states = list(read_states(port, stream_id, since_s))
                 since_s = states[-1]["time_s"]
                 alarms = {(a["subject"], a["time_s"]) for s in states for a in s["state"]["alarms"]}
                 skipped = sum("too slow" in s["state"]["reason"] for s in states)
                 memory, files = measure(root)
                 found.append((memory, files))
-                line = {"name": "live_day", "tenth": tenth + 1, "hours": round(feed.flown_s / 3600, 2)}
+                line = {
+                    "name": "live_day",
+                    "tenth": tenth + 1,
+                    "hours": round(feed.flown_s / 3600, 2),
+                }
                 line |= {"memory_mb": round(memory, 1), "files": files, "alarms": len(alarms)}
                 line |= {"estimates": sum(s["state"]["estimate"] is not None for s in states)}
                 line |= {"skipped": skipped, "elapsed_s": round(time.monotonic() - begun)}
@@ -193,7 +196,7 @@ def main(hours: float) -> None:
             live.report("live_day_p95_after_ms", feed.push_slowly(maneuver))
             for browser in browsers:
                 browser.is_over = True
-            client.post(f"/api/v1/live/streams/{stream_id}/stop", None)
+            jobs.Client(port).post(f"/api/v1/live/streams/{stream_id}/stop", None)
     growth = np.array(found[-1]) / np.array(found[1]) - 1.0
     for name, value in zip(("memory", "files"), growth.tolist(), strict=True):
         live.report(f"live_day_{name}_growth", value, bar=0.05)

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
+from irig106_recorder import PACKETS, write
 from scipy.io import loadmat
 from waiting import PATIENCE_S, wait_until
 
@@ -230,6 +231,36 @@ def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     assert "imported" in refused(capsys, 1, *command)
     recording.write_text("t_s,bfs,q\n0.00,x,1\n")
     assert "m.csv" in refused(capsys, 2, *command)
+
+
+def test_what_an_import_does_not_read_is_printed(database_url: str, capsys, tmp_path: Path) -> None:
+    mapping = tmp_path / "m.toml"
+    mapping.write_text(
+        """
+        [aircraft]
+        builtin = "FLEX-28"
+        [flight]
+        number = 7
+        [time]
+        uneven = "interpolate"
+        [[channels]]
+        column = "Q"
+        name = "q"
+        unit = "deg/s"
+        role = "output"
+        """
+    )
+    recording = write(tmp_path / "a.ch10", PACKETS["packed"])
+    command = ["import", str(recording), "--mapping", str(mapping), "--database", database_url]
+    assert main(command) == 0
+    assert "not read: SUB: a subframe" in capsys.readouterr().out
+    text = mapping.read_text()
+    mapping.write_text(text.replace("number = 7", "number = 8"))
+    assert main([*command, "--each"]) == 0
+    assert "not read: SUB: a subframe" in capsys.readouterr().out
+    mapping.write_text(text.replace("number = 7", "number = 9"))
+    assert main([*command, "--each", "--json"]) == 0
+    assert "SUB: a subframe" in json.loads(capsys.readouterr().out)["not_read"]
 
 
 def test_errors_are_reported_on_one_line(flown_url: str, capsys) -> None:

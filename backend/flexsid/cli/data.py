@@ -77,8 +77,8 @@ def import_files(settings: Settings, arguments: argparse.Namespace) -> int:
             confirmed=arguments.confirm,
         )
     lines = _describe_import(imported, len(upload.channels))
-    lines += [f"not read: {text}" for file in upload.sources.items for text in file.not_read]
-    print_result(lines, _collect_ids(imported), as_json=arguments.json)
+    lines += _list_not_read(imported)
+    print_result(lines, _collect_result(imported), as_json=arguments.json)
     return 0
 
 
@@ -107,8 +107,9 @@ def _import_each(
             text = f"{len(result.flight_channels)} channels of a whole flight"
             if result.maneuver is not None:
                 text = f"maneuver {result.maneuver.id}, {result.maneuver.label}"
-            ids = {"file": str(file), **_collect_ids(result)}
-            print_next_result(f"{file}: {text}", ids, as_json=as_json)
+            lines = [f"{file}: {text}", *_list_not_read(result)]
+            found = {"file": str(file), **_collect_result(result)}
+            print_next_result("\n".join(lines), found, as_json=as_json)
     if refused and not as_json:
         summary = f"{len(refused)} of {len(paths)} files were refused"
         print(*refused, summary, sep="\n", file=sys.stderr)
@@ -148,14 +149,19 @@ def _encode_jsbsim(store: Store, arguments: argparse.Namespace) -> bytes:
     return write_jsbsim_aircraft(store, arguments.run, arguments.other_run)
 
 
-def _collect_ids(imported: Imported) -> dict[str, Any]:
-    """Return the ids of the imported records."""
+def _list_not_read(imported: Imported) -> list[str]:
+    return [f"not read: {text}" for text in imported.not_read]
+
+
+def _collect_result(imported: Imported) -> dict[str, Any]:
+    """Return the ids of the imported records, and what was not read."""
     return {
         "aircraft": imported.aircraft.id,
         "flight": None if imported.flight is None else imported.flight.id,
         "maneuver": None if imported.maneuver is None else imported.maneuver.id,
         "modal_tables": [table.id for table in imported.modal_tables],
         "predictions": [prediction.id for prediction in imported.predictions],
+        "not_read": list(imported.not_read),
     }
 
 

@@ -58,9 +58,7 @@ def _build_pause(channel: FlownChannel, pause_s: float) -> np.ndarray:
     return np.tile(there_and_back, -(-count // there_and_back.size))[-count:]
 
 
-def _build_transition(
-    channel: FlownChannel, following: FlownChannel, pause_s: float
-) -> np.ndarray:
+def _build_transition(channel: FlownChannel, following: FlownChannel, pause_s: float) -> np.ndarray:
     """Return the transition to the next maneuver: slow change of trim, zero commands."""
     steady = _build_pause(following, pause_s)
     if channel.role is Role.COMMAND:

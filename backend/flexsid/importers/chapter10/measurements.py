@@ -82,7 +82,8 @@ def _read_analog(
         name = setup.get(f"{recorder}\\AMN-{key}") or (
             label if len(found) == 1 else f"{label}.{own.subchannel}"
         )
-        binary = FORMATS.get(setup.get(f"{recorder}\\AF-{key}", "U").upper(), "OTH")
+        stated = setup.get(f"{recorder}\\AF-{key}").upper()
+        binary = FORMATS.get(stated, "OTH") if stated else ""
         bits = own.values.astype(np.uint64)
         yield _convert(setup, name, bits, own.n_bits, binary, own.ticks, not_read)
 
@@ -138,6 +139,8 @@ def _convert(
 ) -> MeasuredValues:
     """Convert the bits of a measurement, where its format and conversion are supported."""
     integers = read_integers(bits, n_bits, binary)
+    if not binary:
+        not_read.append(f"{name}: the setup record states no binary format, read as unsigned")
     if integers is None:
         not_read.append(f"{name}: binary format {binary}, not converted")
         return MeasuredValues(name, COUNTS, ticks, bits)

@@ -376,7 +376,10 @@ def _add_once(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imported:
-    """Records of an import: added, or existing aircraft, tables and predictions."""
+    """Records of an import: added, or existing aircraft, tables and predictions.
+
+    ``not_read`` names contents of the files that are not read, and why.
+    """
 
     aircraft: Aircraft
     flight: Flight | None = None
@@ -384,6 +387,7 @@ class Imported:
     maneuver: Maneuver | None = None
     modal_tables: tuple[ModalTable, ...] = ()
     predictions: tuple[DerivativePrediction, ...] = ()
+    not_read: tuple[str, ...] = ()
 
 
 def read_upload(
@@ -534,6 +538,7 @@ def store_upload(
         maneuver=maneuver,
         modal_tables=tables,
         predictions=predictions,
+        not_read=tuple(text for file in sources.items for text in file.not_read),
     )
 
 
