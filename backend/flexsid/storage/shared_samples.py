@@ -152,7 +152,7 @@ def find_missing_samples(backup: Path) -> list[str]:
 def is_incremental(backup: Path) -> bool:
     """Whether samples of a backup are in the file that the backups of its folder share."""
     with _open(backup) as opened:
-        return opened.execute(f"SELECT 1 FROM arrays WHERE {_IS_APART}").fetchone() is not None
+        return _has_samples_apart(opened)
 
 
 def check_samples(backup: Path) -> None:
@@ -186,12 +186,15 @@ def attach_samples(opened: sqlite3.Connection, folder: Path) -> str:
     A complete backup has no samples in the file, whatever it is.
     """
     file = folder / SAMPLES
-    is_complete = opened.execute(f"SELECT 1 FROM arrays WHERE {_IS_APART}").fetchone() is None
-    if is_complete or not file.is_file():
+    if not _has_samples_apart(opened) or not file.is_file():
         return "data"
     opened.execute("ATTACH ? AS shared", (f"{file.absolute().as_uri()}?mode=ro",))
     found = "(SELECT s.data FROM shared.arrays AS s WHERE s.hash = arrays.hash)"
     return f"CASE WHEN {_IS_APART} THEN {found} ELSE data END"
+
+
+def _has_samples_apart(opened: sqlite3.Connection) -> bool:
+    return opened.execute(f"SELECT 1 FROM arrays WHERE {_IS_APART}").fetchone() is not None
 
 
 def _list_apart(backup: Path) -> list[str]:
