@@ -23,6 +23,8 @@ from flexsid.storage.store import Store
 _log = logging.getLogger(__name__)
 
 _POLL_S = 1.0  # other servers write into the log too
+_GATHERED_S = 0.05  # from a change to reading: the end of a job and the start of the next one are
+# one update of a hundred pages, not three
 _MAX_EVENTS = 1000  # a page that missed more events reloads its lists
 _HEALTH: frozenset[tuple[str, None]] = frozenset({("health", None)})
 _STREAMS_S = 0.1  # between two events of streams: samples are sent ten times per second
@@ -141,6 +143,7 @@ class LiveEvents:
                 last = before = None
             try:
                 await asyncio.wait_for(self._notified.wait(), _POLL_S)
+                await asyncio.sleep(_GATHERED_S)
             except TimeoutError:
                 continue
 
