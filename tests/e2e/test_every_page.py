@@ -177,6 +177,7 @@ def _follow(page: Page, address: str) -> None:
 def _switch_theme(page: Page) -> None:
     page.get_by_test_id("theme-toggle").click()
     page.mouse.move(0, 0)
+    expect(page.get_by_role("tooltip")).to_have_count(0)  # while it fades, its contrast is low
 
 
 def _walk(page: Page, name: str, themes: tuple[str, ...]) -> None:

@@ -68,8 +68,8 @@ def test_a_word_has_its_own_time(tmp_path: Path) -> None:
 def test_what_is_not_read_is_named(tmp_path: Path) -> None:
     source = read(write(tmp_path / "flight.c10", PACKETS["packed"]))
     assert source.not_read == (
-        "AZ: the setup record states no binary format, read as unsigned",
         "AZ: conversion DER, not converted",
+        "AZ: the setup record states no binary format, read as unsigned",
         "LONG: the setup record states no binary format, read as unsigned",
         "SUB: a subframe",
         "BUS: 1 packets of MIL-STD-1553",

@@ -20,16 +20,21 @@ from flexsid.importers.chapter10.setup_record import SetupRecord, find_conversio
 from flexsid.importers.source import COUNTS
 
 _MOST_WORDS = 500  # of a PCM format without measurements
+_UNSIGNED = "the setup record states no binary format, read as unsigned"
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredValues:
-    """Values of a measurement with their times of the relative time counter. [ticks]"""
+    """Values of a measurement with their times of the relative time counter. [ticks]
+
+    ``assumed`` is what the setup record does not state of them.
+    """
 
     name: str
     unit: str
     ticks: np.ndarray
     values: np.ndarray
+    assumed: str = ""
 
 
 def name_channel(setup: SetupRecord, channel: int) -> str:
@@ -139,8 +144,6 @@ def _convert(
 ) -> MeasuredValues:
     """Convert the bits of a measurement, where its format and conversion are supported."""
     integers = read_integers(bits, n_bits, binary)
-    if not binary:
-        not_read.append(f"{name}: the setup record states no binary format, read as unsigned")
     if integers is None:
         not_read.append(f"{name}: binary format {binary}, not converted")
         return MeasuredValues(name, COUNTS, ticks, bits)
@@ -148,4 +151,4 @@ def _convert(
     if refused:
         not_read.append(f"{name}: conversion {refused}, not converted")
     values = integers if conversion is None else conversion(integers)
-    return MeasuredValues(name, unit, ticks, values)
+    return MeasuredValues(name, unit, ticks, values, "" if binary else _UNSIGNED)

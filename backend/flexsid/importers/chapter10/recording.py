@@ -58,7 +58,8 @@ def read(path: Path) -> Iterator[Field]:
 
     Names are those of the setup record. PCM formats without measurements give their words, such as
     ``telemetry.word3``. The field ``not_read`` lists channels of other types, and measurements
-    with locations or conversions that are not supported; these remain in counts.
+    with locations or conversions that are not supported; these remain in counts. It also has what
+    is assumed of a measurement.
     """
     with path.open("rb") as file:
         content = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)  # packets are views of it
@@ -68,6 +69,8 @@ def read(path: Path) -> Iterator[Field]:
         for found in read_measurements(recording.setup, packets, recording.not_read):
             own = found.name if found.name not in known else f"{found.name}@{channel}"
             known.add(own)
+            if found.assumed:
+                recording.not_read.append(f"{own}: {found.assumed}")
             yield Field(f"{own}.time", recording.to_seconds(found.ticks), "s")
             yield Field(own, found.values, found.unit, f"{own}.time")
     for (channel, kind), count in sorted(recording.others.items()):
