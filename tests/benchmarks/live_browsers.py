@@ -75,33 +75,61 @@ class Browser(threading.Thread):
         return delays
 
 
+class Feed:
+    """Frames of one stream, numbered on."""
+
+    def __init__(self, port: int, stream_id: int, browsers: list[Browser]) -> None:
+        self._connection = HTTPConnection("127.0.0.1", port, timeout=120)
+        self._address = f"/api/v1/live/streams/{stream_id}/frames"
+        self._browsers = browsers
+        self._next = 0
+
+    def wait_for_browsers(self, frames: list[Frame]) -> None:
+        """Push until the process of the stream takes frames."""
+        while not self._browsers[0].snapshot.get("state"):
+            self.push(frames)
+            time.sleep(1.0)
+
+    @property
+    def flown_s(self) -> float:
+        """End of the newest frame."""
+        return self._next * FRAME_S
+
+    def push(self, frames: list[Frame]) -> None:
+        """Push frames at once."""
+        numbers = range(self._next, self._next + len(frames))
+        self._next += len(frames)
+        body = b"".join(
+            encode_frame(replace(frame, number=k, time_s=k * FRAME_S))
+            for k, frame in zip(numbers, frames, strict=True)
+        )
+        header = {"Content-Type": "application/octet-stream"}
+        self._connection.request("POST", self._address, body, header)
+        response = self._connection.getresponse()
+        response.read()
+        assert response.status == 200, response.status
+
+    def push_slowly(self, frames: list[Frame]) -> list[list[float]]:
+        """Push in real time; return the delays at each browser. [ms]"""
+        sent: dict[float, float] = {}
+        for frame in pace(frames, FRAME_S, 1.0):
+            sent[self.flown_s + FRAME_S] = time.monotonic()
+            self.push([frame])
+        time.sleep(2.0)
+        return [browser.find_delays(sent) for browser in self._browsers]
+
+
 def fly(port: int, run_id: int, frames: list[Frame], names: list[str], browsers: int) -> None:
     """Push a maneuver in real time, and print what browsers saw."""
     client = jobs.Client(port)
     body = {"run_id": run_id, "title": "benchmark", "receiver": {"name": "push"}}
     stream_id = client.post("/api/v1/live/streams", body)["id"]
-    connection = HTTPConnection("127.0.0.1", port, timeout=60)
-
-    def push(frame: Frame) -> None:
-        address = f"/api/v1/live/streams/{stream_id}/frames"
-        header = {"Content-Type": "application/octet-stream"}
-        connection.request("POST", address, encode_frame(frame), header)
-        connection.getresponse().read()
-
     every = [Browser(port, stream_id, ",".join(names)) for _ in range(browsers)]
     for browser in every:
         browser.start()
-    first = replace(frames[0], number=0)
-    while every[0].snapshot.get("newest_s") is None:  # until the process of the stream takes frames
-        push(first)
-        time.sleep(1.0)
-    sent: dict[float, float] = {}
-    moved = [replace(f, number=f.number + 1, time_s=f.time_s + FRAME_S) for f in frames]
-    for frame in pace(moved, FRAME_S, 1.0):
-        sent[frame.time_s + FRAME_S] = time.monotonic()
-        push(frame)
-    time.sleep(2.0)
-    delays = [browser.find_delays(sent) for browser in every]
+    feed = Feed(port, stream_id, every)
+    feed.wait_for_browsers(frames[:1])
+    delays = feed.push_slowly(frames)
     for browser in every:
         browser.is_over = True
     client.post(f"/api/v1/live/streams/{stream_id}/stop", None)
@@ -110,8 +138,8 @@ def fly(port: int, run_id: int, frames: list[Frame], names: list[str], browsers:
         f"live_browsers_{browsers}_p95_ms",
         float(np.percentile(np.concatenate(delays), 95)),
         worst_ms=float(max(map(max, delays))),
-        frames=len(sent),
-        missing=sum(len(sent) - len(own) for own in delays),
+        frames=len(frames),
+        missing=sum(len(frames) - len(own) for own in delays),
         memory_mb=measure(root)[0],
     )
 

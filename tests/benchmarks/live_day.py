@@ -22,14 +22,12 @@ import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
-from http.client import HTTPConnection
 
 import jobs
 import live
 import numpy as np
 from endurance import is_server, list_processes, measure
-from live_browsers import BROWSERS, CHANNELS, Browser
+from live_browsers import BROWSERS, CHANNELS, Browser, Feed
 from live_intervals import AIR, AIRSPEEDS
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
@@ -42,7 +40,6 @@ from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettin
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
-from flexsid.workflow.live.packets import encode_frame
 from flexsid.workflow.runs.run_proposal import apply_proposal
 
 HOURS, TENTHS = 8.0, 10
@@ -84,58 +81,21 @@ def build_frames(header: StreamHeader, flown: list[FlownManeuver]) -> Iterator[F
         yield Frame(number=k, time_s=k * FRAME_S, samples=samples)
 
 
-class Feed:
-    """Frames of one stream, numbered on."""
+def push_fast(feed: Feed, browser: Browser, frames: Iterator[Frame]) -> None:
+    """Push as fast as the server estimates, at least in real time."""
+    while second := list(itertools.islice(frames, PER_PUSH)):
+        begun = time.monotonic()
+        feed.push(second)
+        while is_ahead(feed, browser) and time.monotonic() < begun + 1.0:
+            time.sleep(0.01)
 
-    def __init__(self, port: int, stream_id: int, browsers: list[Browser]) -> None:
-        self._connection = HTTPConnection("127.0.0.1", port, timeout=120)
-        self._address = f"/api/v1/live/streams/{stream_id}/frames"
-        self._browsers = browsers
-        self._next = 0
 
-    @property
-    def flown_s(self) -> float:
-        """End of the newest frame."""
-        return self._next * FRAME_S
-
-    def push(self, frames: list[Frame]) -> None:
-        """Push frames at once."""
-        numbers = range(self._next, self._next + len(frames))
-        self._next += len(frames)
-        body = b"".join(
-            encode_frame(replace(frame, number=k, time_s=k * FRAME_S))
-            for k, frame in zip(numbers, frames, strict=True)
-        )
-        header = {"Content-Type": "application/octet-stream"}
-        self._connection.request("POST", self._address, body, header)
-        response = self._connection.getresponse()
-        response.read()
-        assert response.status == 200, response.status
-
-    def push_slowly(self, frames: list[Frame]) -> float:
-        """Push in real time; return the 95th percentile of delays at all browsers. [ms]"""
-        begun, sent = time.monotonic(), {}
-        for k, frame in enumerate(frames):
-            time.sleep(max(0.0, begun + k * FRAME_S - time.monotonic()))
-            sent[(self._next + 1) * FRAME_S] = time.monotonic()
-            self.push([frame])
-        time.sleep(2.0)
-        delays = [browser.find_delays(sent) for browser in self._browsers]
-        return float(np.percentile(np.concatenate(delays), 95))
-
-    def push_fast(self, frames: Iterator[Frame]) -> None:
-        """Push as fast as the server estimates, at least in real time."""
-        while second := list(itertools.islice(frames, PER_PUSH)):
-            begun = time.monotonic()
-            self.push(second)
-            while self._is_ahead() and time.monotonic() < begun + 1.0:
-                time.sleep(0.01)
-
-    def _is_ahead(self) -> bool:
-        state = self._browsers[0].snapshot["state"]
-        estimate = state["estimate"] if state["phase"] == "excited" else None
-        newest_s = state["time_s"] if estimate is None else estimate["time_s"]
-        return self.flown_s - newest_s > AHEAD_S
+def is_ahead(feed: Feed, browser: Browser) -> bool:
+    """Whether estimates of many seconds are missing at a browser."""
+    state = browser.snapshot["state"]
+    estimate = state["estimate"] if state["phase"] == "excited" else None
+    newest_s = state["time_s"] if estimate is None else estimate["time_s"]
+    return feed.flown_s - newest_s > AHEAD_S
 
 
 def read_states(port: int, stream_id: int, since_s: float) -> Iterator[dict]:
@@ -146,6 +106,11 @@ def read_states(port: int, stream_id: int, since_s: float) -> Iterator[dict]:
         page = client.get(address)
         yield from page["states"]
         more, since_s = page["more"], page["states"][-1]["time_s"] if page["states"] else since_s
+
+
+def report_delays(when: str, delays: list[list[float]]) -> None:
+    """Print the 95th percentile over all frames and browsers."""
+    live.report(f"live_day_p95_{when}_ms", float(np.percentile(np.concatenate(delays), 95)))
 
 
 def main(hours: float) -> None:
@@ -170,14 +135,13 @@ def main(hours: float) -> None:
             whole = list(build_frames(header, [fly_one(0)]))
             around = round(PAUSE_S / FRAME_S)
             maneuver = whole[around - PER_PUSH : len(whole) - around]
-            while not browsers[0].snapshot.get("state"):  # until the process takes frames
-                feed.push(whole[:PER_PUSH])
-                time.sleep(1.0)
-            live.report("live_day_p95_before_ms", feed.push_slowly(maneuver))
+            feed.wait_for_browsers(whole[:PER_PUSH])
+            report_delays("before", feed.push_slowly(maneuver))
             (root,) = (own for own in list_processes(os.getpid()) if is_server(own))
             found, since_s, begun = [], 0.0, time.monotonic()
             for tenth in range(TENTHS):
-                feed.push_fast(build_frames(header, list(itertools.islice(flights, count))))
+                flown = list(itertools.islice(flights, count))
+                push_fast(feed, browsers[0], build_frames(header, flown))
                 states = list(read_states(port, stream_id, since_s))
                 since_s = states[-1]["time_s"]
                 alarms = {(a["subject"], a["time_s"]) for s in states for a in s["state"]["alarms"]}
@@ -193,7 +157,7 @@ def main(hours: float) -> None:
                 line |= {"estimates": sum(s["state"]["estimate"] is not None for s in states)}
                 line |= {"skipped": skipped, "elapsed_s": round(time.monotonic() - begun)}
                 print(json.dumps(line), flush=True)
-            live.report("live_day_p95_after_ms", feed.push_slowly(maneuver))
+            report_delays("after", feed.push_slowly(maneuver))
             for browser in browsers:
                 browser.is_over = True
             jobs.Client(port).post(f"/api/v1/live/streams/{stream_id}/stop", None)

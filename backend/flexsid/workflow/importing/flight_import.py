@@ -378,7 +378,7 @@ def _add_once(
 class Imported:
     """Records of an import: added, or existing aircraft, tables and predictions.
 
-    ``not_read`` names contents of the files that are not read, and why.
+    ``not_read`` names contents of the files that are not read or assumed, and why.
     """
 
     aircraft: Aircraft
