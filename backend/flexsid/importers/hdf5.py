@@ -36,7 +36,7 @@ def read(path: Path, matlab: bool = False) -> Iterator[Field]:
     Raises
     ------
     UnreadableFile
-        If the file holds links or external data sets.
+        If the file holds links, or data sets whose samples are in other files.
     """
     with h5py.File(path, "r") as file:
         yield from _leaves(file, "", matlab, set())
@@ -53,25 +53,44 @@ def _leaves(group: h5py.Group, prefix: str, matlab: bool, seen: set[h5py.Group])
             raise UnreadableFile(
                 f"field '{prefix}{name}' is a link; only plain fields are read.", column=name
             )
-        item = group[name]
+        item = _open(group, name, f"{prefix}{name}")
         if isinstance(item, h5py.Group):
             yield from _leaves(item, f"{prefix}{name}.", matlab, seen)
         elif isinstance(item, h5py.Dataset):
             yield from _leaf(item, f"{prefix}{name}", matlab)
 
 
+def _open(parent: h5py.Group, key: str | h5py.Reference, path: str) -> h5py.HLObject | None:
+    """Open what a name or a reference denotes, None for an empty reference.
+
+    Nothing else opens data sets: the samples of one may lie in any file that this process may
+    read, and that file is opened as soon as they are read.
+
+    Raises
+    ------
+    UnreadableFile
+        If its samples are not stored in this file, or are too many.
+    """
+    if isinstance(key, h5py.Reference) and not key:
+        return None
+    item = parent[key]
+    if isinstance(item, h5py.Dataset):
+        if item.external or item.is_virtual:
+            raise UnreadableFile(
+                f"field '{path}' is external or virtual; only data in the file are read.",
+                column=path,
+            )
+        if item.nbytes > LARGEST_CONTENT:
+            raise UnreadableFile(f"field '{path}' claims shape {item.shape}.", column=path)
+    return item
+
+
 def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
-    if item.external or item.is_virtual:
-        raise UnreadableFile(
-            f"field '{path}' is external or virtual; only data in the file are read.", column=path
-        )
     is_text = h5py.check_string_dtype(item.dtype) is not None
     is_complex = item.dtype.kind == "c" or item.dtype.names in _COMPLEX_PARTS
     is_cell = matlab and item.attrs.get("MATLAB_class") == b"cell"
     if item.shape is None or not (is_text or is_complex or is_cell or item.dtype.kind in "biuf"):
         return
-    if item.nbytes > LARGEST_CONTENT:
-        raise UnreadableFile(f"field '{path}' claims shape {item.shape}.", column=path)
     if "MATLAB_empty" in item.attrs:
         return
     if is_text:
@@ -97,9 +116,10 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
 
 
 def _decode(codes: np.ndarray) -> np.ndarray:
-    """Texts of a MATLAB character array, one for each row."""
-    rows = np.atleast_2d(codes)
-    return np.array(["".join(chr(int(code)) for code in row).rstrip() for row in rows])
+    """Texts of a MATLAB character array, one for each row; what is no text is replaced."""
+    rows = [[chr(int(code)) for code in row] for row in np.atleast_2d(codes)]
+    shown = [[c if c.isprintable() or c.isspace() else "\ufffd" for c in row] for row in rows]
+    return np.array(["".join(row).rstrip() for row in shown])
 
 
 def _texts(item: h5py.Dataset, path: str) -> Iterator[Field]:
@@ -109,7 +129,7 @@ def _texts(item: h5py.Dataset, path: str) -> Iterator[Field]:
         return
     texts = []
     for reference in references.T.reshape(-1):
-        cell = item.file[reference]
+        cell = _open(item.file, reference, path)
         if not isinstance(cell, h5py.Dataset) or cell.attrs.get("MATLAB_class") != b"char":
             return
         texts.append(str(_decode(np.asarray(cell).T)[0]) if cell.size else "")

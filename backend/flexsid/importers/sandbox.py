@@ -35,6 +35,10 @@ SECONDS = 10.0
 
 _SECONDS_TO_START = 120.0
 _BYTES_PER_SECOND = 10e6
+# Nothing of the server's: no credentials, no folder from which a library is loaded.
+_ENVIRONMENT: dict[str, str] = dict.fromkeys(
+    ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1"
+)
 _WAITING = 30.0  # largest ratio of elapsed to processor time, on a loaded computer
 
 
@@ -142,6 +146,7 @@ class _ReaderProcess:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             bufsize=0,
+            env=_ENVIRONMENT,
         )
         self._received = b""
 

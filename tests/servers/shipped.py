@@ -1,0 +1,174 @@
+"""The command ``flexsid`` as it is installed, and a server that it has started.
+
+Tests of this kind act as a user does, through the command and the port, and import nothing of
+flexsid: a promise that holds only in the process of a test is found out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx2
+from waiting import PATIENCE_S, wait_until
+
+PROGRAM = Path(sys.executable).parent / "flexsid"
+API = "/api/v1"
+PASSWORD = "correct horse battery"
+_UNDER_WAY = ("queued", "running")
+
+
+def make_environment(**variables: str) -> dict[str, str]:
+    """Return the environment of this process without settings of flexsid and Python."""
+    own = {k: v for k, v in os.environ.items() if not k.startswith(("FLEXSID_", "PYTHON"))}
+    return {**own, **variables}
+
+
+def run_command(
+    folder: Path, database: str, *arguments: str, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """Run ``flexsid`` in a folder and return what it printed."""
+    return subprocess.run(
+        [PROGRAM, *arguments, "--database", database],
+        cwd=folder,
+        env=make_environment(**variables),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+
+
+def ask_command(folder: Path, database: str, *arguments: str) -> Any:
+    """Run ``flexsid`` with ``--json`` and return its result."""
+    done = run_command(folder, database, *arguments, "--json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout)
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server that runs, and the process that serves."""
+
+    url: str
+    process: subprocess.Popen[bytes]
+    log: Path
+    clients: list[httpx2.Client] = field(default_factory=list)
+
+    def connect(self, **options: Any) -> Client:
+        """Return a client without log-in; ``serving`` closes it."""
+        opened = httpx2.Client(base_url=self.url, timeout=PATIENCE_S, trust_env=False, **options)
+        self.clients.append(opened)
+        return Client(opened)
+
+    def log_in(self, name: str, password: str = PASSWORD) -> Client:
+        """Return a client with the session of an account."""
+        client = self.connect(headers={"Sec-Fetch-Site": "same-origin"})
+        client.send("post", "session", {"name": name, "password": password})
+        return client
+
+
+@dataclass(frozen=True, slots=True)
+class Client:
+    """Requests of one user."""
+
+    http: httpx2.Client
+
+    def request(self, method: str, path: str, body: Any = None, **sent: Any) -> httpx2.Response:
+        """Send a request, with a JSON body if there is one."""
+        where = path if path.startswith("/") else f"{API}/{path}"
+        if body is not None:
+            sent["json"] = body
+        return self.http.request(method.upper(), where, **sent)
+
+    def send(self, method: str, path: str, body: Any = None, **sent: Any) -> Any:
+        """Send a request that must succeed, and return its content."""
+        response = self.request(method, path, body, **sent)
+        assert response.is_success, f"{method} {path}: {response.status_code} {response.text}"
+        return response.json() if response.content else None
+
+    def get(self, path: str, **sent: Any) -> Any:
+        """Return the content of an address."""
+        return self.send("get", path, **sent)
+
+    def upload(self, *files: Path) -> Any:
+        """Upload files and return what the server found in them."""
+        sent = [("files", (file.name, file.read_bytes())) for file in files]
+        return self.send("post", "uploads", files=sent)
+
+    def wait_for_end(self, path: str) -> Any:
+        """Wait until a job or a run has ended; return its last state."""
+
+        def check() -> Any:
+            now = self.get(path)
+            return None if now["state"] in _UNDER_WAY else now
+
+        return wait_until(check, f"the end of {path}")
+
+
+@contextmanager
+def serving(
+    folder: Path, database: str, *options: str, command: str = "serve", **variables: str
+) -> Iterator[Server]:
+    """Start ``flexsid serve`` in a folder, until the block ends."""
+    port, log = _find_free_port(), folder / "server.log"
+    with log.open("ab") as output:
+        process = subprocess.Popen(
+            [PROGRAM, command, "--database", database, *options],
+            cwd=folder,
+            env=make_environment(FLEXSID_PORT=str(port), **variables),
+            stdout=output,
+            stderr=output,
+        )
+    server = Server(f"http://127.0.0.1:{port}", process, log)
+    try:
+        probe = server.connect().http
+        wait_until(lambda: _responds(probe, server), "the start of the server")
+        yield server
+    finally:
+        for client in server.clients:
+            client.close()
+        process.terminate()
+        process.wait(PATIENCE_S)
+
+
+def invite(folder: Path, database: str, name: str, *roles: tuple[str, str]) -> str:
+    """Add an account with roles in campaigns by the command, and return the code of its invitation.
+
+    ``roles`` has pairs of role and campaign, the name of an aircraft or "all".
+    """
+    (role, campaign), *others = roles or [("", "")]
+    named = [role, "--campaign", campaign] if role else []
+    added = ask_command(folder, database, "users", "add", name, *named)
+    for role, campaign in others:
+        ask_command(folder, database, "users", "grant", name, role, "--campaign", campaign)
+    return added["invitation"].partition("#")[2]
+
+
+def set_password(server: Server, code: str) -> None:
+    """Accept an invitation as its page does."""
+    server.connect(headers={"Sec-Fetch-Site": "same-origin"}).send(
+        "post", "invitations", {"code": code, "password": PASSWORD}
+    )
+
+
+def _responds(probe: httpx2.Client, server: Server) -> bool:
+    assert server.process.poll() is None, server.log.read_text()
+    try:
+        return probe.get(f"{API}/health/live").is_success
+    except httpx2.TransportError:
+        return False
+
+
+def _find_free_port() -> int:
+    with closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
