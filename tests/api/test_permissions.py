@@ -49,8 +49,8 @@ from flexsid.records.saved_view import SavedView
 from flexsid.settings import Mode
 from flexsid.storage import access, job_log, tables
 from flexsid.storage.campaigns import adopt_records
-from flexsid.storage.columns import metadata
 from flexsid.storage.store import Store
+from flexsid.storage.tables import metadata
 from flexsid.workflow.accounts import accounts
 
 Operation = tuple[str, str, dict[str, Any]]

@@ -7,6 +7,7 @@ import json
 import sqlite3
 import threading
 from contextlib import closing
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,11 @@ from sqlalchemy.exc import DBAPIError
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.excitation import DesignSpecification, ExcitationDesign
 from flexsid.records.job import Job
+from flexsid.records.maneuver import StoredMapping
+from flexsid.records.run import Batch
+from flexsid.records.saved_view import SavedView
 from flexsid.records.search import InitialTerms
 from flexsid.storage import migrate
 from flexsid.storage.database import make_engine, parse_url
@@ -27,6 +32,8 @@ from flexsid.storage.event_chain import hash_value
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
+from flexsid.workflow.accounts import accounts
+from flexsid.workflow.review.database_check import check_database
 from flexsid.workflow.views.dashboard import read_derivative_coverage
 
 NEWEST = max(file.name for file in migrate.find_migrations().glob("versions/*.py"))[:4]
@@ -375,3 +382,72 @@ def test_migrated_records_are_read_and_their_hashes_hold(flown_url: str) -> None
     del filled["free_delays"]
     assert hash_value(run.structure) == _sha256_of(filled)
     store.close()
+
+
+def test_records_without_a_campaign_get_that_of_what_they_refer_to(flown_url: str) -> None:
+    store = Store.open(flown_url)
+    second = store.aircraft.add(replace(store.aircraft.get(1), name="Other", id=None))
+    assert second.id == 2
+    batch = store.batches.add(Batch(name="b", author=""))
+    design = store.designs.add(replace(_design(), name="used"))
+    store.designs.add(replace(_design(), name="unused"))
+    requests = (
+        ("flutter-prediction", {"run_ids": [1], "fuel": None}, None),
+        ("closed-loop", {"flutter": {"run_ids": [1]}, "controller_id": 9}, None),
+        ("import", {"upload_id": "a", "aircraft_id": None}, {"maneuver_id": 1}),
+        ("preflight-simulation", {"design_id": design.id, "run_id": 1}, None),
+        ("derivative-prediction", {"aircraft_id": 2, "modes": [1]}, None),
+        ("cross-prediction", {"run_ids": [1], "aircraft_id": 2}, None),
+        ("excitation-design", {"name": "d", "fta": 1}, None),
+    )
+    for kind, request, result in requests:
+        store.jobs.add(Job(kind=kind, request=request, result=result))
+    store.saved_views.add(SavedView(page="compare", name="v", search="?runs=1%2C5", author=""))
+    store.mappings.add(StoredMapping(name="m", text='[aircraft]\nname = "Other"', note=""))
+    with store.database.transaction() as connection:
+        connection.execute(sa.insert(metadata.tables["batch_runs"]).values(batch_id=1, run_id=1))
+        connection.execute(sa.update(metadata.tables["jobs"]).values(aircraft_id=None))
+    assert batch.id == 1
+    store.close()
+
+    _upgrade_from(flown_url, "0045")
+    assert set(_read_campaigns(flown_url, "jobs")) == {None}, "of a workbench without accounts"
+    store = Store.open(flown_url)
+    accounts.add_account(store, "Ann Analyst")
+    store.close()
+    _upgrade_from(flown_url, "0045")
+    assert _read_campaigns(flown_url, "jobs") == [1, 1, 1, 1, 1, 2, None, None]
+    assert _read_campaigns(flown_url, "batches") == [1]
+    assert _read_campaigns(flown_url, "designs") == [1, None]
+    assert _read_campaigns(flown_url, "saved_views") == [1]
+    assert _read_campaigns(flown_url, "mappings") == [2]
+    store = Store.open(flown_url)
+    named = [p for p in check_database(store) if p.code == "without-campaign"]
+    assert [(p.record, p.text[:2]) for p in named] == [("designs", "1 "), ("jobs", "2 ")]
+    assert [p for p in check_database(store) if p.is_damage] == []
+    store.close()
+
+
+def _upgrade_from(url: str, revision: str) -> None:
+    """Upgrade a database from a schema of the same tables."""
+    engine = make_engine(parse_url(url))
+    with engine.begin() as connection:
+        connection.execute(sa.text(f"UPDATE alembic_version SET version_num = '{revision}'"))
+    engine.dispose()
+    migrate.upgrade(url)
+
+
+def _design() -> ExcitationDesign:
+    specification = DesignSpecification(
+        duration_s=24.0, rate_hz=50.0, inputs=(), peaks=(0.01, 0.02, 0.03)
+    )
+    return ExcitationDesign(name="", specification=specification, phases={}, peak_factors={})
+
+
+def _read_campaigns(url: str, table: str) -> list[int | None]:
+    engine = make_engine(parse_url(url))
+    with engine.connect() as connection:
+        columns = metadata.tables[table].c
+        found = list(connection.scalars(sa.select(columns.aircraft_id).order_by(columns.id)))
+    engine.dispose()
+    return found

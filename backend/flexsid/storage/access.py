@@ -23,7 +23,7 @@ from sqlalchemy.exc import DontWrapMixin
 from sqlalchemy.sql import visitors
 
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
-from flexsid.storage.columns import metadata
+from flexsid.storage.tables import metadata
 
 Campaigns = frozenset[int] | None
 """Ids of aircraft; None for every campaign."""
@@ -142,12 +142,12 @@ WITHOUT_CAMPAIGN = frozenset(
     }
 )
 
-# Tables whose rows may belong to no campaign; without accounts they do not.
-_OPTIONAL = frozenset(
+OPTIONAL = frozenset(
     name
     for name, table in metadata.tables.items()
     if name in _BY_COLUMN and table.c[_BY_COLUMN[name][0]].nullable
 )
+"""Tables whose rows may belong to no campaign; without accounts they do not."""
 
 
 def add_access_control(engine: Engine) -> None:
@@ -274,7 +274,7 @@ def _insert_campaign(
     campaign: int | None,
 ) -> tuple[Any, Any, Any]:
     """Add the campaign to new rows whose records do not name it."""
-    if campaign is None or statement.table.name not in _OPTIONAL:
+    if campaign is None or statement.table.name not in OPTIONAL:
         return statement, many, parameters
     if statement._values is not None:
         if "aircraft_id" not in _read_values(statement):

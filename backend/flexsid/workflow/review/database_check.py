@@ -15,6 +15,7 @@ from flexsid.storage import tables
 from flexsid.storage.array_references import list_referring_records
 from flexsid.storage.arrays import DamagedData, compute_checksum, hash_array
 from flexsid.storage.audit_log import read_events
+from flexsid.storage.campaigns import count_without_campaign
 from flexsid.storage.content import find_changes
 from flexsid.storage.database import Database
 from flexsid.storage.event_chain import is_chain_intact
@@ -48,6 +49,7 @@ def check_database(store: Store) -> list[DatabaseProblem]:
         *_check_pages(store.database),
         *_check_rows(store.database),
         *_check_references(store.database),
+        *_check_campaigns(store.database),
         *_check_arrays(store.database),
         *_check_chunks(store),
         *_check_results(store.database),
@@ -112,6 +114,17 @@ def _check_references(database: Database) -> Iterator[DatabaseProblem]:
                         f" {_REPAIR}."
                     )
                     yield DatabaseProblem("broken-reference", table.name, text)
+
+
+def _check_campaigns(database: Database) -> Iterator[DatabaseProblem]:
+    for table, count in count_without_campaign(database).items():
+        name = table.replace("_", " ")
+        text = (
+            f"{count} {name} belong to no campaign, and are seen by administrators of all"
+            " campaigns only; `flexsid users adopt NAME` puts them into the campaign of an"
+            " aircraft."
+        )
+        yield DatabaseProblem("without-campaign", name, text, is_damage=False)
 
 
 def _check_arrays(database: Database) -> Iterator[DatabaseProblem]:
