@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from interpreter import make_interpreter
 from scipy.signal import butter, lfilter, lsim
 
 from flexsid.client import Workbench
@@ -115,12 +116,8 @@ def server(database_url: str, tmp_path: Path) -> Iterator[str]:
         port = probe.getsockname()[1]
     start = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
     process = subprocess.Popen(
-        [sys.executable, "-c", start, "serve", "--database", database_url],
-        env={
-            **os.environ,
-            "FLEXSID_PORT": str(port),
-            "PYTHONPATH": os.pathsep.join([str(target), *sys.path]),
-        },
+        [make_interpreter(tmp_path, target), "-c", start, "serve", "--database", database_url],
+        env={**os.environ, "FLEXSID_PORT": str(port)},
         stdout=subprocess.PIPE,
         text=True,
     )

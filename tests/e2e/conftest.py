@@ -117,12 +117,8 @@ def serving(
     port: int,
     log: Path,
     program: Sequence[str] = FLEXSID,
-    path: Sequence[Path] = (),
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """A server on this database and port, until it is killed or no longer needed.
-
-    ``path`` has further modules of the program.
-    """
+    """A server on this database and port, until it is killed or no longer needed."""
     with log.open("a") as output:
         process = subprocess.Popen(
             [*program, "serve", "--database", f"sqlite:///{database}"],
@@ -131,7 +127,6 @@ def serving(
                 **os.environ,
                 "FLEXSID_PORT": str(port),
                 "OPENBLAS_NUM_THREADS": "1",
-                "PYTHONPATH": os.pathsep.join(map(str, path)),
             },
             stdout=output,
             stderr=subprocess.STDOUT,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
+from interpreter import make_interpreter
 from playwright.sync_api import Browser, expect
 from waiting import wait_until
 
@@ -20,8 +20,8 @@ from flexsid.storage.store import Store
 from .conftest import free_port, serving
 
 pytestmark = [pytest.mark.e2e, pytest.mark.long]
-_PROGRAM = [sys.executable, "-c", "import sys, held_kinds; sys.exit(held_kinds.serve())"]
-_PATH = (Path(__file__).parents[1] / "jobs",)
+_START = ("-c", "import sys, held_kinds; sys.exit(held_kinds.serve())")
+_MODULES = Path(__file__).parents[1] / "jobs"
 # What the page reads of the requests of all kinds.
 _REQUEST = {
     **dict.fromkeys(("run_id", "design_id", "search_id", "prediction_id", "maneuver_id"), 1),
@@ -57,7 +57,8 @@ def test_a_job_survives_a_restart_in_its_middle(
     page = context.new_page()
     state = page.get_by_test_id("jobs-table").get_by_test_id("run-state").first
     lost = page.get_by_test_id("lost-connection")
-    with serving(database, port, log, _PROGRAM, _PATH) as process:
+    program = [str(make_interpreter(tmp_path, _MODULES)), *_START]
+    with serving(database, port, log, program) as process:
         page.goto("/jobs")
         page.evaluate("window.openedOnce = true")
         expect(state).to_have_attribute("data-state", "running")
@@ -65,7 +66,7 @@ def test_a_job_survives_a_restart_in_its_middle(
         process.kill()
         process.wait()
         expect(lost).to_contain_text("not reachable")
-    with serving(database, port, log, _PROGRAM, _PATH):
+    with serving(database, port, log, program):
         expect(state).to_have_attribute("data-state", "succeeded")
         expect(lost).to_have_count(0)
     assert page.evaluate("window.openedOnce") is True, "loaded again"

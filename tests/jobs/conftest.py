@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -11,6 +10,7 @@ from typing import Any
 
 import dask_cluster
 import pytest
+from interpreter import make_interpreter
 from waiting import wait_until
 
 from flexsid.jobs.dispatcher import Dispatcher
@@ -51,6 +51,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _parameters(item: pytest.Function) -> dict[str, object]:
     return item.callspec.params if hasattr(item, "callspec") else {}
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interpreter(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Run servers, dispatchers and workers by a Python into which the stub kinds are installed."""
+    made = make_interpreter(tmp_path_factory.mktemp("interpreter"), HERE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "executable", str(made))
+        yield made
 
 
 @pytest.fixture(scope="session")
@@ -132,8 +141,7 @@ def start_server(
             [
                 *(sys.executable, str(HERE / "stub_server.py")),
                 *(database_url, executor or "", str(lease_timeout_s)),
-            ],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])},
+            ]
         )
         started.append(server)
         return server

@@ -124,10 +124,7 @@ def test_it_ends_with_a_server_that_is_killed(
     tmp_path: Path,
 ) -> None:
     run = add_job(f"hold {tmp_path}/pid")
-    path = os.pathsep.join([str(HERE), *sys.path])
-    server = subprocess.Popen(
-        [sys.executable, "-c", SERVER, database_url], env={**os.environ, "PYTHONPATH": path}
-    )
+    server = subprocess.Popen([sys.executable, "-c", SERVER, database_url])
     try:
         worker, dispatcher = process_of(tmp_path / "pid"), _dispatcher(store)
     finally:

@@ -33,6 +33,9 @@ def main(command_line: Sequence[str] | None = None) -> int:
     # Before numpy is imported: one BLAS thread, since the matrices are small and cores are shared.
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    # Processes that this one starts import from the installation only.
+    os.environ.pop("PYTHONPATH", None)
+    os.environ["PYTHONSAFEPATH"] = "1"
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("flexsid").setLevel(logging.INFO)
     given = sys.argv[1:] if command_line is None else command_line

@@ -27,6 +27,7 @@ _CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 class Program:
     """A module of flexsid run as a separate process that ends with its parent process.
 
+    It imports from the installation only, whatever the folder and the ``PYTHONPATH`` of its parent.
     A ``subprocess`` rather than a ``multiprocessing`` process: any process, a daemon
     included, may start it, and it does not load the parent's main module. It receives the
     file descriptors of a connection and of a lifeline pipe, which closes with the parent.
@@ -43,14 +44,18 @@ class Program:
         self._lifeline: int | None = lifeline
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", module, str(child_connection.fileno()), str(child_lifeline)],
+                [
+                    # Without -P a module of the folder in which the server was started is imported
+                    # in place of any other of its name.
+                    *(sys.executable, "-P", "-m", module),
+                    *(str(child_connection.fileno()), str(child_lifeline)),
+                ],
                 stdin=subprocess.DEVNULL,
                 pass_fds=(child_connection.fileno(), child_lifeline),
                 env={
-                    **os.environ,
+                    **{name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
                     # The matrices are small, and all workers share the cores.
                     **dict.fromkeys(_BLAS_THREADS, "1"),
-                    "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
                 },
             )
         finally:
