@@ -23,7 +23,7 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import DesignSpecification, ExcitationDesign
 from flexsid.records.job import Job
 from flexsid.records.maneuver import StoredMapping
-from flexsid.records.run import Batch
+from flexsid.records.run import Batch, OutOfBandModes
 from flexsid.records.saved_view import SavedView
 from flexsid.records.search import InitialTerms
 from flexsid.storage import migrate
@@ -369,6 +369,7 @@ def test_migrated_records_are_read_and_their_hashes_hold(flown_url: str) -> None
     migrate.upgrade(flown_url)
     store = Store.open(flown_url)
     run = store.runs.get(1)
+    assert run.settings.out_of_band_modes is OutOfBandModes.OMITTED, "as it was estimated"
     assert run.structure.extra_parameters == ("delay_q",)
     assert run.settings.additional_maneuver_ids == (2, 3)
     assert not run.altered

@@ -17,7 +17,7 @@ from flexsid.errors import BadInput
 from flexsid.records.live import AlarmKind, Frame, LiveCondition, LiveMode, LivePhase, LiveState
 from flexsid.records.maneuver import Flight, Role
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import growing_record
@@ -69,7 +69,8 @@ def build_stream_of(folder, flown: FlownManeuver) -> Stream:
         maneuver_id=maneuver.id or 0,
         method=Method.OE,
         structure=Structure(modes=MODES, fixed={}, outputs=OUTPUTS),
-        settings=RunSettings(),
+        # as many modes as fly
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     next_speed = 1.05 * maneuver.condition.airspeed_m_s
     task = prepare_live_task(store, run, next_speed)

@@ -7,7 +7,14 @@ import numpy as np
 from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, Progress, RunSettings, Start
+from flexsid.records.run import (
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    Progress,
+    RunSettings,
+    Start,
+)
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import limits
 from flexsid.workflow.flutter.run_models import UnmodelledModes, load_run_models
@@ -100,7 +107,9 @@ def test_flutter_prediction_knows_the_priors_of_the_analyst(flown_url: str):
         maneuver_id=1,
         method=Method.OE,
         structure=Structure(modes=(7,), fixed={}),
-        settings=RunSettings(priors={"Cm_q": (-12.0, 2.0)}),
+        settings=RunSettings(
+            priors={"Cm_q": (-12.0, 2.0)}, out_of_band_modes=OutOfBandModes.OMITTED
+        ),
     )
     run = execute_run(store, request, RUN, lambda _: None)
     derived = DerivedRuns(store, lambda _: None)

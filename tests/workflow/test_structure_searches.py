@@ -6,12 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.maneuver import Flight
+from flexsid.records.modal_data import ModalTable
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import InitialTerms, SearchSettings, StructureSearch
@@ -33,11 +35,13 @@ SPEEDS = (0.65, 0.7, 0.75)
 
 @pytest.fixture(scope="module")
 def flown_store(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory):
-    """Three maneuvers of FLEX-28 without the terms above."""
+    """Three maneuvers of FLEX-28 with two modes and without the terms above."""
     file = tmp_path_factory.mktemp("searched") / "searched.db"
     file.write_bytes(migrated_file.read_bytes())
     store = Store.open(f"sqlite:///{file}")
     aircraft = add_aircraft(store)
+    for table in store.modal_tables.find():
+        store.modal_tables.replace(select_modes(store, table, (7, 9)))
     flight = store.flights.add(Flight(aircraft_id=aircraft.id or 0, number=1))
     for number, ratio in enumerate(SPEEDS):
         flown = fly(
@@ -46,6 +50,20 @@ def flown_store(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory):
         add_maneuver(store, flown, flight.id or 0)
     yield store
     store.close()
+
+
+def select_modes(store: Store, table: ModalTable, numbers: tuple[int, ...]) -> ModalTable:
+    """Return a modal table without the other modes."""
+    inside = [table.numbers.index(number) for number in numbers]
+    arrays = dict(table.arrays)
+    for name in set(arrays) - {"nodes", "lines", "shown", "shown_lines", "node_ids"}:
+        values = store.arrays.get(arrays[name])
+        arrays[name] = store.arrays.put(np.ascontiguousarray(values[:, inside]), "")
+    of_modes = ("numbers", "names", "symmetric", "reasons")
+    retained = {
+        n: tuple(getattr(table, n)[k] for k in inside) for n in of_modes if getattr(table, n)
+    }
+    return replace(table, arrays=arrays, **retained)
 
 
 def build_search(
@@ -64,7 +82,9 @@ def build_search(
 def test_every_method_finds_the_terms_of_a_flown_maneuver(flown_store: Store, method: Method):
     progress = []
     result = compute_search(prepare_search(flown_store, build_search(method)), progress.append)
+    assert result.undecided == ""
     proposed = result.proposed
+    assert proposed is not None
     assert sorted(proposed.structure.absent) == sorted(ABSENT)
     assert proposed.n_terms == 44 - len(ABSENT)
     assert proposed is result.candidates[0], "the true structure also predicts best"
@@ -91,6 +111,7 @@ def test_turbulence_hides_no_absent_terms(flown_store: Store):
     maneuver = add_maneuver(flown_store, flown, flight_id=1)
     request = build_search(Method.OE, (maneuver.id or 0,))
     proposed = compute_search(prepare_search(flown_store, request), lambda progress: None).proposed
+    assert proposed is not None
     assert len(set(ABSENT) - set(proposed.structure.absent)) <= 2
     assert abs((proposed.flutter_m_s or 0.0) - 70.1) < 2.0 * (proposed.flutter_std_m_s or 0.0)
 
@@ -104,6 +125,7 @@ def test_search_over_a_campaign_is_cross_validated(flown_store: Store):
         resamplings=2,
     )
     result = compute_search(prepare_search(flown_store, request), lambda progress: None)
+    assert result.proposed is not None
     assert sorted(result.proposed.structure.absent) == sorted(ABSENT)
     assert [one.name for one in result.proposed.predicted] == ["m2"]
     assert (result.proposed.predicted[0].r_squared or 0.0) > 0.8

@@ -84,7 +84,7 @@ def _read_request(arguments: argparse.Namespace) -> EstimationRun:
             band_hz=parse_band(arguments.band),
             prior_spread=arguments.prior_spread,
             out_of_band_modes=OutOfBandModes(
-                arguments.out_of_band_modes or OutOfBandModes.RETAINED
+                arguments.out_of_band_modes or RunSettings().out_of_band_modes
             ),
             aerodynamics=Aerodynamics(arguments.aerodynamics or Aerodynamics.QUASI_STEADY),
             additional_maneuver_ids=parse_list(additional, int, "--additional-maneuvers"),

@@ -125,7 +125,7 @@ class RunSettings:
     prior_spread: float | None = None
     start_run_id: int | None = None
     additional_maneuver_ids: tuple[int, ...] = ()
-    out_of_band_modes: OutOfBandModes = OutOfBandModes.OMITTED  # as runs of earlier releases
+    out_of_band_modes: OutOfBandModes = OutOfBandModes.RETAINED
     aerodynamics: Aerodynamics = Aerodynamics.QUASI_STEADY
 
 

@@ -137,18 +137,22 @@ class SearchCandidate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchResult:
-    """Result of a search; candidates are in the order of predictive likelihood."""
+    """Result of a search; candidates are in the order of predictive likelihood.
+
+    ``undecided`` is the reason for which the search proposes none of them, empty if it does.
+    """
 
     sentence: str
     groups: tuple[TermGroup, ...]
     candidates: tuple[SearchCandidate, ...]
     warnings: tuple[str, ...]
     seconds: float
+    undecided: str = ""
 
     @property
-    def proposed(self) -> SearchCandidate:
-        """The candidate that the search ends with."""
-        return next(one for one in self.candidates if one.proposed)
+    def proposed(self) -> SearchCandidate | None:
+        """The candidate that the search ends with; None if it is undecided."""
+        return next((one for one in self.candidates if one.proposed), None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -35,10 +35,16 @@ export function SearchResult({ search, group, onGroup }: Props) {
       </Alert>
     );
   }
+  const isDecided = result.undecided === "";
   const shown = result.groups.find((one) => one.name === group) ?? result.groups[0];
   return (
     <>
-      <Alert color="blue" variant="light" role="status" data-testid="search-sentence">
+      <Alert
+        color={isDecided ? "blue" : "yellow.9"}
+        variant="light"
+        role="status"
+        data-testid="search-sentence"
+      >
         {result.sentence}
         {result.warnings.length > 0 && (
           <List size="sm" mt={6}>
@@ -168,17 +174,19 @@ function Candidates({ search, result }: CandidatesProps) {
           >
             Open as run
           </Button>
-          <Button
-            size="compact-xs"
-            variant="default"
-            data-testid={`create-structure-${String(index)}`}
-            loading={add.isPending}
-            onClick={() => {
-              makeStructure(one);
-            }}
-          >
-            Create model structure
-          </Button>
+          {result.undecided === "" && (
+            <Button
+              size="compact-xs"
+              variant="default"
+              data-testid={`create-structure-${String(index)}`}
+              loading={add.isPending}
+              onClick={() => {
+                makeStructure(one);
+              }}
+            >
+              Create model structure
+            </Button>
+          )}
         </Group>
       ),
     },

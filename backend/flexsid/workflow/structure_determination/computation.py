@@ -11,7 +11,7 @@ import numpy as np
 from flexsid.errors import Cancelled, FlexsidError, NotIdentifiable
 from flexsid.records import finite_or_none
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress, ReportProgress
+from flexsid.records.run import AdequacyState, Method, Progress, ReportProgress
 from flexsid.records.search import (
     Algorithm,
     InitialTerms,
@@ -53,6 +53,7 @@ from flexsid.sysid.structure_determination.selection import (
     summarise_selection,
 )
 from flexsid.sysid.structure_determination.validation import cross_validate
+from flexsid.workflow.fits.computation import compute_run
 from flexsid.workflow.fits.equation_error_fit import (
     reconstruct_with_out_of_band_modes,
     warn_of_sensor_noise,
@@ -70,7 +71,10 @@ _FLUTTER_BAND = (0.35, 2.0)  # of the fastest maneuver
 
 @dataclass(frozen=True, slots=True)
 class SearchTask:
-    """Input of a worker: one task for each fitted and for each validation maneuver."""
+    """Input of a worker: one task for each fitted and for each validation maneuver.
+
+    ``default_run`` is the run of all fitted maneuvers by the same method with all candidates.
+    """
 
     method: Method
     settings: SearchSettings
@@ -79,6 +83,7 @@ class SearchTask:
     structure: Structure
     maneuvers: tuple[EstimationTask, ...]
     unseen: tuple[EstimationTask, ...]
+    default_run: EstimationTask
     warnings: tuple[str, ...]
 
 
@@ -455,13 +460,41 @@ def compute_search(task: SearchTask, report: ReportProgress) -> SearchResult:
         begin = task.settings.initial_terms is InitialTerms.EQUATION_ERROR
         start = EquationSearch(task, report).found.selected if begin else None
         candidates, groups, fitted = search_by_likelihood(task, start, warnings, report)
+    compared = compare_candidates(task, candidates, fitted, report)
+    undecided = _find_objection(task, report)
+    if undecided:
+        compared = tuple(replace(one, proposed=False) for one in compared)
     return SearchResult(
-        sentence=_summarise(task, candidates, fitted),
+        sentence=f"Not decided: {undecided}" if undecided else _summarise(task, candidates, fitted),
         groups=groups,
-        candidates=compare_candidates(task, candidates, fitted, report),
+        candidates=compared,
         warnings=tuple(dict.fromkeys(warnings)),
         seconds=time.perf_counter() - began,
+        undecided=undecided,
     )
+
+
+def _find_objection(task: SearchTask, report: ReportProgress) -> str:
+    """Return why the model that was searched is not that of runs or not adequate, else nothing.
+
+    Terms that are dropped from such a model may be those that compensate its error.
+    """
+    run = task.default_run
+    if run.nuisance is not None:
+        modes = ", ".join(map(str, run.retained))
+        return (
+            f"runs of these maneuvers retain out-of-band modes ({modes}), which the model of this "
+            "search omits. Open a candidate as a run to see what the data support."
+        )
+    at = Progress(fraction=0.95, message="Testing the model with all terms")
+    report(at)
+    try:
+        found = compute_run(run, _report_at(at, report))
+    except NotIdentifiable:  # what is not identifiable with all terms may be so with fewer
+        return ""
+    if found.adequacy.state is not AdequacyState.SUSPECT:
+        return ""
+    return f"the tests of a run reject the model with all terms. {found.adequacy.reason}"
 
 
 def _remove_feedback_noise(task: SearchTask, report: ReportProgress) -> SearchTask:

@@ -9,7 +9,13 @@ import numpy as np
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.job import Job
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
+from flexsid.records.run import (
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+    RunState,
+)
 from flexsid.records.search import SearchResult, StructureSearch, TermGroup
 from flexsid.storage import batches, queue
 from flexsid.storage.access import storing_in_campaign
@@ -63,10 +69,11 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
     aircraft = store.aircraft.get(store.maneuvers.get(ids[0]).aircraft_id)
     check_structure(store, aircraft, request.structure)
     tasks, others = (
-        tuple(prepare_run(store, _build_run(request, request.structure, (n,))) for n in numbers)
+        tuple(_prepare_own_model(store, request, number) for number in numbers)
         for numbers in (ids, unseen)
     )
     _check_same_candidates((*tasks, *others))
+    default_run = prepare_run(store, _build_run(request, request.structure, ids))
     settings = request.settings
     return SearchTask(
         method=request.method,
@@ -78,6 +85,7 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
         structure=request.structure,
         maneuvers=tasks,
         unseen=others,
+        default_run=default_run,
         warnings=(
             *dict.fromkeys(warning for task in tasks for warning in task.warnings),
             *_warn_of_undecayed_motion(store, request, tasks),
@@ -177,6 +185,13 @@ def create_candidate_run(store: Store, search_id: int, number: int, author: str)
         candidates[number] = replace(candidate, run_id=run.id)
         store.searches.replace(replace(found, result=replace(result, candidates=tuple(candidates))))
     return run
+
+
+def _prepare_own_model(store: Store, search: StructureSearch, maneuver_id: int) -> EstimationTask:
+    """Prepare the model that is searched, of one maneuver: it omits out-of-band modes."""
+    run = _build_run(search, search.structure, (maneuver_id,))
+    settings = replace(run.settings, out_of_band_modes=OutOfBandModes.OMITTED)
+    return prepare_run(store, replace(run, settings=settings))
 
 
 def _build_run(

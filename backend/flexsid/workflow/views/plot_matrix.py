@@ -10,7 +10,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.records.views import PlotMatrix
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import build_regressors
@@ -88,7 +88,7 @@ def _read_regressors(store: Store, maneuver: Maneuver, modes: tuple[int, ...]) -
         maneuver_id=maneuver.id,
         method=Method.EE,
         structure=Structure(modes=modes, fixed={}, axis=find_body(maneuver.axis).axis),
-        settings=RunSettings(),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     data = prepare(store, request).maneuvers[0]
     columns = build_regressors(

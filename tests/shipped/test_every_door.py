@@ -1,0 +1,160 @@
+"""The run of a maneuver that is proposed is the run that each door requests."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcp import Client as AgentClient
+from mcp.client.stdio import StdioServerParameters
+from shipped import PROGRAM, Client, Server, ask_command, make_environment, serving
+from waiting import wait_until
+
+MANEUVER = 2
+CLIENT = """
+import sys
+from flexsid.client import Workbench
+print(Workbench(sys.argv[1]).submit(int(sys.argv[2]), "EE"))
+"""
+
+
+@pytest.fixture(scope="module")
+def database(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("doors") / "flexsid.db"
+    shutil.copy(campaign, file)
+    return file
+
+
+@pytest.fixture(scope="module")
+def server(database: Path) -> Iterator[Server]:
+    with serving(database.parent, f"sqlite:///{database}") as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def client(server: Server) -> Client:
+    return server.connect()
+
+
+@pytest.fixture(scope="module")
+def proposal(client: Client) -> dict[str, Any]:
+    """What the page proposes, and requests unchanged."""
+    return client.get(f"maneuvers/{MANEUVER}/run-proposal")
+
+
+def request_by_page(client: Client, proposal: dict[str, Any]) -> int:
+    body = {
+        "maneuver_id": MANEUVER,
+        "method": "EE",
+        "structure": proposal["structure"],
+        "settings": proposal["settings"],
+    }
+    return client.send("post", "runs", body)["id"]
+
+
+def request_by_rest(client: Client) -> int:
+    return client.send("post", "runs", {"maneuver_id": MANEUVER, "method": "EE"})["id"]
+
+
+def request_by_command(folder: Path, database: Path) -> int:
+    arguments = ("run", "--maneuver", str(MANEUVER), "--method", "EE")
+    return ask_command(folder, f"sqlite:///{database}", *arguments)["id"]
+
+
+def request_by_client(server: Server, folder: Path) -> int:
+    command = [sys.executable, "-c", CLIENT, server.url, str(MANEUVER)]
+    environment = make_environment()
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=True
+    )
+    return int(done.stdout)
+
+
+def request_by_batch(client: Client) -> int:
+    """Return how many runs of a batch of one are not new."""
+    body = {"name": "doors", "maneuver_ids": [MANEUVER], "methods": ["EE"]}
+    return client.send("post", "batches", body)["repeated"]
+
+
+def request_by_template(client: Client, run_id: int) -> int:
+    template = client.send("post", "run-templates", {"run_id": run_id, "name": "as proposed"})
+    body = {"maneuver_id": MANEUVER, "method": "EE", "run_template_id": template["id"]}
+    return client.send("post", "runs", body)["id"]
+
+
+def request_by_agent(server: Server) -> int:
+    parameters = StdioServerParameters(command=str(PROGRAM), args=["mcp", "--url", server.url])
+
+    async def ask() -> int:
+        async with AgentClient(parameters) as agent:
+            body = {"maneuver_id": MANEUVER, "method": "EE"}
+            called = await agent.call_tool("request_run", {"body": body})
+            return json.loads(called.content[0].text)["result"]["id"]  # pyright: ignore
+
+    return asyncio.run(ask())
+
+
+def test_page_rest_command_client_batch_template_and_agent_request_one_run(
+    server: Server, client: Client, proposal: dict[str, Any], database: Path, tmp_path: Path
+) -> None:
+    first = request_by_page(client, proposal)
+    found = {
+        "rest": request_by_rest(client),
+        "command": request_by_command(tmp_path, database),
+        "client": request_by_client(server, tmp_path),
+        "template": request_by_template(client, first),
+        "agent": request_by_agent(server),
+    }
+    # A request that equals a run, in its settings, model and data, is that run.
+    assert found == dict.fromkeys(found, first)
+    assert request_by_batch(client) == 1
+    run = client.get(f"runs/{first}")
+    assert run["settings"] == proposal["settings"]
+    assert run["structure"] == proposal["structure"]
+
+
+def test_a_candidate_of_a_search_opens_as_the_proposed_run(
+    client: Client, proposal: dict[str, Any]
+) -> None:
+    body = {
+        "maneuver_ids": [MANEUVER],
+        "method": "EE",
+        "structure": proposal["structure"],
+        "settings": {"resamplings": 0},
+    }
+    search = client.send("post", "searches", body)
+    ended = client.wait_for_end(f"searches/{search['id']}")
+    assert ended["state"] == "succeeded", ended["error"]
+    result = ended["result"]
+    # Its model is not that of the run, so that it decides nothing.
+    assert "retain out-of-band modes" in result["undecided"]
+    assert result["undecided"] in result["sentence"]
+    assert not any(one["proposed"] for one in result["candidates"])
+    run = client.send("post", f"searches/{search['id']}/candidates/0/run")
+    assert run["settings"] == proposal["settings"]
+
+
+def test_a_live_test_point_queues_the_run_that_the_page_proposes_for_it(client: Client) -> None:
+    first = client.send("post", "runs", {"maneuver_id": MANEUVER, "method": "EE"})
+    assert client.wait_for_end(f"runs/{first['id']}")["state"] == "succeeded"
+    receiver = {"name": "replay", "options": {"maneuver_id": MANEUVER, "speed": 1000.0}}
+    body = {"run_id": first["id"], "title": "doors", "flight_id": 1, "receiver": receiver}
+    stream = client.send("post", "live/streams", body)["id"]
+
+    def find_point() -> Any:
+        points = client.get(f"live/streams/{stream}")["test_points"]
+        return points[0] if points else None
+
+    point = wait_until(find_point, "the test point")
+    assert point["run_id"] is not None, point["message"]
+    run = client.get(f"runs/{point['run_id']}")
+    proposed = client.get(f"maneuvers/{point['maneuver_id']}/run-proposal")
+    assert run["settings"] == proposed["settings"]
+    assert run["structure"] == proposed["structure"]
