@@ -81,7 +81,8 @@ class UsedTemplate:
 class Run:
     """An estimation run; ``parameters``, ``fit`` and ``poles`` are present once it succeeded.
 
-    So is ``adequacy``, the result of the tests for remaining model error, and ``symmetry``, of
+    ``prediction_id`` is the requested prediction, once it succeeded the one that was used.
+    ``adequacy`` is the result of the tests for remaining model error, and ``symmetry``, of
     those for an asymmetry of the aircraft, where a maneuver excites both axes.
     ``altered`` means that the result or the request does not match the hash stored with it;
     ``changed_since`` names data that were corrected since the run was computed, null if an
@@ -150,6 +151,7 @@ def build_run_response(store: Store, run: EstimationRun, *, repeated: bool = Fal
         symmetry=result and result.symmetry,
         poles=() if result is None else result.poles,
         blocks=[] if result is None else [extend_record(RunBlock, one) for one in result.blocks],
+        prediction_id=run.prediction_id or (result and result.prediction_id),
         residualized_prediction=result and result.residualized_prediction,
         retained=result and result.retained,
         error=run.error and JobError(**run.error),

@@ -14,7 +14,6 @@ from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
     ModeInBand,
-    OutOfBandModes,
     ProposalBasis,
     ProposalSource,
     RunProposal,
@@ -68,11 +67,21 @@ class _BandAndModes:
         return float(hz.min()), float(hz.max())
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssumedRecords:
+    """Ids of the modal tables and of the prediction that a run names; by default the latest."""
+
+    modal_table_id: int | None = None
+    damping_table_id: int | None = None
+    prediction_id: int | None = None
+
+
 def propose_run(
     store: Store,
     maneuver_ids: Sequence[int],
     band_hz: tuple[float, float] | None = None,
     axis: str | None = None,
+    assumed: AssumedRecords = AssumedRecords(),
 ) -> RunProposal:
     """Propose a run of one maneuver, or of several that are fitted together.
 
@@ -90,6 +99,8 @@ def propose_run(
     axis
         Axis of the model; that of the maneuver by default, the longitudinal one of a combined
         maneuver.
+    assumed
+        Modal tables with the modes that may be proposed, and prediction of their roots in air.
 
     Raises
     ------
@@ -97,7 +108,7 @@ def propose_run(
         If maneuvers are of different axes, were not flown, or baselines differ.
     """
     with store.reading():
-        return _propose(store, tuple(maneuver_ids), band_hz, axis)
+        return _propose(store, tuple(maneuver_ids), band_hz, axis, assumed)
 
 
 def _propose(
@@ -105,17 +116,18 @@ def _propose(
     maneuver_ids: tuple[int, ...],
     band_hz: tuple[float, float] | None,
     axis: str | None,
+    assumed: AssumedRecords,
 ) -> RunProposal:
     maneuvers = [store.maneuvers.get(number) for number in maneuver_ids]
     body = find_body(maneuvers[0].axis if axis is None else axis)
     require_axis(body, maneuvers)
     # The maneuver with the highest excited frequency determines the modes in the band.
     found = max(
-        (_read_band_and_modes(store, maneuver, band_hz, body) for maneuver in maneuvers),
+        (_read_band_and_modes(store, maneuver, band_hz, body, assumed) for maneuver in maneuvers),
         key=lambda one: one.band_hz[1],
     )
     first = maneuvers[0]
-    settings = RunSettings(out_of_band_modes=OutOfBandModes.RETAINED)
+    settings = RunSettings()
     if band_hz is not None or first.excitation is None:
         settings = replace(settings, band_hz=found.band_hz)
     structure, basis = _select_structure(store, maneuver_ids, first, found, body)
@@ -162,7 +174,12 @@ def _propose_for(store: Store, run: EstimationRun) -> RunProposal:
     ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
     bodies = list_bodies(store.maneuvers.get(run.maneuver_id).axis)
     axis = run.structure.axis if find_body(run.structure.axis) in bodies else None
-    return propose_run(store, ids, run.settings.band_hz, axis)
+    assumed = AssumedRecords(
+        modal_table_id=run.modal_table_id,
+        damping_table_id=run.damping_table_id,
+        prediction_id=run.prediction_id,
+    )
+    return propose_run(store, ids, run.settings.band_hz, axis, assumed)
 
 
 def _read_band_and_modes(
@@ -170,6 +187,7 @@ def _read_band_and_modes(
     maneuver: Maneuver,
     band_hz: tuple[float, float] | None,
     body: RigidBody,
+    assumed: AssumedRecords,
 ) -> _BandAndModes:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     build_flight_condition(aircraft, maneuver.condition)  # refuses ground records
@@ -177,7 +195,7 @@ def _read_band_and_modes(
         band_hz = find_excited_band(store, maneuver, aircraft, body)
     frequencies = select_frequencies(maneuver, band_hz)
     top_hz = float(frequencies.omega.max()) / (2.0 * np.pi)
-    modes = _find_modes_near_band(store, maneuver, aircraft, top_hz, body)
+    modes = _find_modes_near_band(store, maneuver, aircraft, top_hz, body, assumed)
     return _BandAndModes(maneuver, aircraft, frequencies, modes)
 
 
@@ -272,16 +290,24 @@ def _find_saved_structure(
 
 
 def _find_modes_near_band(
-    store: Store, maneuver: Maneuver, aircraft: Aircraft, top_hz: float, body: RigidBody
+    store: Store,
+    maneuver: Maneuver,
+    aircraft: Aircraft,
+    top_hz: float,
+    body: RigidBody,
+    assumed: AssumedRecords,
 ) -> tuple[ModeInBand, ...]:
     """Find modes of the axis in the band and just above it, lowest first; none without a table."""
+    named = assumed.modal_table_id, assumed.damping_table_id
     try:
-        tables = find_modal_tables(store, maneuver.aircraft_id, None, None)
+        tables = find_modal_tables(store, maneuver.aircraft_id, *named)
     except BadInput:
+        if any(number is not None for number in named):
+            raise
         return ()
     known = load_modes(store, *tables)
     at_fuel = known.table.at(maneuver.condition.fuel_fraction)
-    air = _compute_poles_in_air(store, maneuver, aircraft, known, body)
+    air = _compute_poles_in_air(store, maneuver, aircraft, known, body, assumed.prediction_id)
     found = []
     for number, omega, zeta in zip(at_fuel.numbers, at_fuel.omega, at_fuel.zeta, strict=True):
         if not known.belongs_to(number, body):
@@ -317,10 +343,11 @@ def _compute_poles_in_air(
     aircraft: Aircraft,
     known: AircraftModes,
     body: RigidBody,
+    prediction_id: int | None,
 ) -> dict[int, NamedPole]:
     """Compute the poles of the modes of the axis that a prediction covers, at the condition."""
     own = tuple(n for n in known.table.numbers if known.belongs_to(n, body))
-    prediction = select_prediction(store, maneuver.aircraft_id, None, own, (), body)
+    prediction = select_prediction(store, maneuver.aircraft_id, prediction_id, own, (), body)
     if prediction is None:
         return {}
     covered = list_predicted_modes(prediction, own, body)
