@@ -63,6 +63,4 @@ def test_commands_of_the_guides_exist() -> None:
         for command in re.findall(
             r"^flexsid ([a-z-]+)", path.read_text(encoding="utf-8"), re.MULTILINE
         ):
-            with pytest.raises(SystemExit) as ended:
-                main([command, "--help"])
-            assert ended.value.code == 0, f"{path.name}: flexsid {command}"
+            assert main([command, "--help"]) == 0, f"{path.name}: flexsid {command}"

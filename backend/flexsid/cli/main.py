@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import NoReturn
 
 import flexsid
+from flexsid.cli.output import discard_output, flush_output, print_error
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.interpreter import loading
 from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
@@ -41,21 +42,31 @@ def main(command_line: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if command_line is None else command_line
     as_json = "--json" in given
     try:
-        arguments = build_parser().parse_args(given)
-        settings = read_settings()
-        if arguments.database is not None:
-            settings = replace(settings, database=arguments.database)
-        return _load_command(arguments.command)(settings, arguments)
-    except FlexsidError as error:
-        from flexsid.cli.output import print_error
+        code = _call(lambda: _run(given), as_json=as_json)
+        return _call(flush_output, as_json=as_json) or code
+    except BrokenPipeError:  # the reader has closed the pipe, as `head` does
+        discard_output()
+        return 141
 
+
+def _run(given: Sequence[str]) -> int:
+    arguments = build_parser().parse_args(given)
+    settings = read_settings()
+    if arguments.database is not None:
+        settings = replace(settings, database=arguments.database)
+    return _load_command(arguments.command)(settings, arguments)
+
+
+def _call(action: Callable[[], int], *, as_json: bool) -> int:
+    try:
+        return action()
+    except FlexsidError as error:
         print_error(error.message, error.code, as_json=as_json)
         return 2 if isinstance(error, BadInput) else 1
+    except SystemExit:  # of --help and --version
+        return 0
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:  # the reader has closed the pipe, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
 
 
 def _load_command(name: str) -> Callable[[Settings, argparse.Namespace], int]:

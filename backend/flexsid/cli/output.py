@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import orjson
 
@@ -17,15 +19,62 @@ _OPTIONS = orjson.OPT_NON_STR_KEYS | orjson.OPT_UTC_Z | orjson.OPT_SERIALIZE_NUM
 def print_result(lines: Iterable[str], result: Any, *, as_json: bool) -> None:
     """Print the result of a command to standard output."""
     if as_json:
-        print(orjson.dumps(result, option=_OPTIONS | orjson.OPT_INDENT_2).decode())
+        _print(orjson.dumps(result, option=_OPTIONS | orjson.OPT_INDENT_2).decode())
     else:
         for line in lines:
-            print(line)
+            _print(line)
 
 
 def print_next_result(line: str, result: Any, *, as_json: bool) -> None:
     """Print one of several results at once; as JSON one object per line."""
-    print(orjson.dumps(result, option=_OPTIONS).decode() if as_json else line, flush=True)
+    _print(orjson.dumps(result, option=_OPTIONS).decode() if as_json else line)
+    flush_output()
+
+
+def _print(line: str) -> None:
+    with _writing_output():
+        print(line)
+
+
+def flush_output() -> int:
+    """Write what is buffered, and return 0.
+
+    The interpreter does so at its end, where a failure can no longer be handled.
+
+    Raises
+    ------
+    BrokenPipeError
+        If the reader has closed the output.
+    FlexsidError
+        If it cannot be written.
+    """
+    with _writing_output():
+        print(end="", flush=True)
+    return 0
+
+
+def discard_output() -> None:
+    """Discard what is buffered, and what is still written, of the output and of errors."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:  # closed by the shell
+            _discard(stream)
+
+
+def _discard(stream: TextIO) -> None:
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+@contextmanager
+def _writing_output() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        _discard(sys.stdout)
+        raise FlexsidError(
+            f"the output cannot be written: {error.strerror}", code="not-written"
+        ) from error
 
 
 def write_file(file: str | Path, content: bytes) -> None:
