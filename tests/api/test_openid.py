@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import closing
 from dataclasses import replace
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -17,6 +15,7 @@ import pytest
 from fastapi.testclient import TestClient
 from joserfc import jwt
 from joserfc.jwk import KeySet, OctKey, RSAKey
+from ports import find_free_port
 from tests.api.accounts import API, SAME_ORIGIN, Member, add_member
 from tests.api.conftest import Serve
 from waiting import wait_until
@@ -36,9 +35,7 @@ NONCE = "n"
 @pytest.fixture(scope="module")
 def issuer() -> Iterator[str]:
     """Return the address of a provider that knows Ann (42), and Eve, who also calls herself Ann."""
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = find_free_port()
     command = [sys.executable, "-m", "oidc_provider_mock", "--port", str(port)]
     quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen([*command, "--require-nonce", "1"], **quiet) as process:

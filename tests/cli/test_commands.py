@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import urllib.request
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 from irig106_recorder import PACKETS, write
+from ports import find_free_port
 from scipy.io import loadmat
 from waiting import PATIENCE_S, wait_until
 
@@ -85,18 +87,62 @@ def test_invalid_arguments_are_reported_as_text_or_json(capsys) -> None:
     assert json.loads(capsys.readouterr().err)["code"] == "bad-arguments"
 
 
-def test_a_closed_output_pipe_is_no_failure(flown_url: str) -> None:
+@pytest.mark.parametrize("arguments", [("--help",), ESTIMATE])
+def test_a_closed_output_pipe_is_no_failure(flown_url: str, arguments: Sequence[str]) -> None:
+    assert _run_into(_open_closed_pipe(), *arguments, url=flown_url) == (141, "")
+
+
+def test_a_closed_pipe_of_output_and_errors_is_no_failure(flown_url: str) -> None:
+    run = ("run", "--method", "EE", "--maneuver", "99,1")
+    assert _run_into(_open_closed_pipe(), *run, url=flown_url, shares_output=True)[0] == 141
+
+
+def test_an_error_is_reported_though_the_output_is_closed(flown_url: str) -> None:
+    run = ("run", "--method", "EE", "--maneuver", "99,1")
+    code, err = _run_into(_open_closed_pipe(), *run, url=flown_url)
+    assert (code, err) == (141, "flexsid: maneuver 99: there is no maneuver 99\n")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is full")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_output_that_cannot_be_written_is_reported(flown_url: str, unbuffered: str) -> None:
+    full = os.open("/dev/full", os.O_WRONLY)
+    code, err = _run_into(full, *ESTIMATE, url=flown_url, unbuffered=unbuffered)
+    assert code == 1
+    assert err == "flexsid: the output cannot be written: No space left on device\n"
+
+
+def _open_closed_pipe() -> int:
+    """Return an end to write to; the other is closed before a command is started."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    return writing
+
+
+def _run_into(
+    output: int, *arguments: str, url: str, shares_output: bool = False, unbuffered: str = ""
+) -> tuple[int, str]:
+    """Run the command with an open file as its output; return its exit code and its errors."""
     command = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
-    reading = subprocess.Popen(
-        [sys.executable, "-c", command, *ESTIMATE, "--wait", "--database", flown_url],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    assert reading.stdout is not None
-    reading.stdout.close()
-    _, err = reading.communicate(timeout=PATIENCE_S)
-    assert (reading.returncode, err) == (141, b"")
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "PYTHONUNBUFFERED": unbuffered,
+        "FLEXSID_DATABASE": url,
+    }
+    try:
+        ended = subprocess.run(
+            [sys.executable, "-c", command, *arguments],
+            env=environment,
+            stdout=output,
+            stderr=output if shares_output else subprocess.PIPE,
+            text=True,
+            timeout=PATIENCE_S,
+            check=False,
+        )
+    finally:
+        os.close(output)
+    return ended.returncode, ended.stderr or ""
 
 
 def test_a_run_uses_a_saved_or_the_approved_structure(flown_url: str, capsys) -> None:
@@ -298,9 +344,7 @@ def test_a_failed_run_reports_the_reason(flown_url: str, capsys, monkeypatch) ->
 
 
 def test_the_server_executes_runs_and_stops_at_once(flown_url: str) -> None:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = find_free_port()
     server = subprocess.Popen(
         [
             sys.executable,
@@ -428,9 +472,7 @@ def test_a_missing_database_is_not_created_by_reading(tmp_path: Path, capsys) ->
 def test_serving_a_file_that_is_no_database_is_refused(
     tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        monkeypatch.setenv("FLEXSID_PORT", str(probe.getsockname()[1]))
+    monkeypatch.setenv("FLEXSID_PORT", str(find_free_port()))
     file = tmp_path / "notes.txt"
     file.write_text("these are my notes\n" * 100)
     error = refused(capsys, 1, "serve", "--database", f"sqlite:///{file}")

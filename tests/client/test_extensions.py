@@ -6,7 +6,6 @@ import importlib
 import os
 import pickle
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -18,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from interpreter import make_interpreter
+from ports import find_free_port
 from scipy.signal import butter, lfilter, lsim
 
 from flexsid.client import Workbench
@@ -111,9 +111,7 @@ def server(database_url: str, tmp_path: Path) -> Iterator[str]:
     options = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")
     install = (sys.executable, "-m", "pip", "install", "--quiet", *options, "--target", target)
     subprocess.run([*install, str(TEMPLATE)], check=True)
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = find_free_port()
     start = "import sys; from flexsid.cli.main import main; sys.exit(main(sys.argv[1:]))"
     process = subprocess.Popen(
         [make_interpreter(tmp_path, target), "-c", start, "serve", "--database", database_url],

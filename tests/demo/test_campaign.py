@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import wait_until
 
 from flexsid.demo.campaign import (
     PLAN,
@@ -23,7 +23,7 @@ from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.demo.flex28 import INPUTS
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.jobs.health import PartState
+from flexsid.jobs.health import PartHealth, PartState
 from flexsid.records.maneuver import Flight, Maneuver, Role
 from flexsid.records.quality import GroundTestVerdict
 from flexsid.storage import bulk
@@ -69,10 +69,7 @@ def test_the_server_simulates_missing_maneuvers_beside_itself(whole: Store):
     assert shown.state is PartState.STARTING
     process.start()
     try:
-        deadline = time.monotonic() + 60.0
-        while process.check_health() is not None and time.monotonic() < deadline:
-            time.sleep(0.05)
-        assert process.check_health() is None
+        wait_until(lambda: process.check_health() is None, "the end of the simulation")
     finally:
         process.stop()
     assert heard[-1][0] == 1.0
@@ -83,11 +80,7 @@ def test_an_interrupted_simulation_is_reported(tmp_path: Path):
     process = CampaignProcess(f"sqlite:///{tmp_path}/missing.db", lambda *one: None)
     process.start()
     try:
-        deadline = time.monotonic() + 60.0
-        while (shown := process.check_health()) is not None and shown.state is PartState.STARTING:
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        assert shown is not None
+        shown = wait_until(lambda: _read_last_health(process), "the end of the simulation")
         assert shown.state is PartState.DEGRADED
         assert "Start flexsid demo again" in shown.text
     finally:
@@ -221,3 +214,8 @@ def test_maneuver_without_flight_is_rejected(store: Store):
     with pytest.raises(FlexsidError):
         add_maneuver(store, fly(fta=503, noise=False), 12345)
     assert store.channels.find() == []
+
+
+def _read_last_health(process: CampaignProcess) -> PartHealth | None:
+    shown = process.check_health()
+    return None if shown is None or shown.state is PartState.STARTING else shown

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, closing, contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
@@ -24,6 +23,7 @@ from playwright.sync_api import (
     expect,
     sync_playwright,
 )
+from ports import find_free_port
 from preloaded import start_server
 from waiting import PATIENCE_MS, PATIENCE_S, wait_until
 
@@ -93,7 +93,7 @@ def serving_on() -> ServingOn:
 @contextmanager
 def _serving_preloaded(database: Path, log: Path) -> Iterator[str]:
     """A server that is forked from loaded libraries; its address."""
-    port = free_port()
+    port = find_free_port()
     process = start_server(database, port, log)
     try:
         _wait_until_healthy(f"http://127.0.0.1:{port}", process.is_alive, log)
@@ -102,13 +102,6 @@ def _serving_preloaded(database: Path, log: Path) -> Iterator[str]:
     finally:
         process.terminate()
         process.join(PATIENCE_S)
-
-
-def free_port() -> int:
-    """A port that nothing listens on."""
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 @contextmanager

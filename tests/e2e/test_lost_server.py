@@ -7,15 +7,16 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, expect
+from ports import find_free_port
 from waiting import PATIENCE_MS
 
-from .conftest import free_port, serving
+from .conftest import serving
 
 pytestmark = pytest.mark.e2e
 
 
 def test_the_page_outlives_its_server(browser: Browser, campaign: Path, tmp_path: Path):
-    database, log, port = tmp_path / "flexsid.db", tmp_path / "server.log", free_port()
+    database, log, port = tmp_path / "flexsid.db", tmp_path / "server.log", find_free_port()
     shutil.copy(campaign, database)
     context = browser.new_context(base_url=f"http://127.0.0.1:{port}")
     page = context.new_page()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from interpreter import make_interpreter
 from playwright.sync_api import Browser, expect
+from ports import find_free_port
 from waiting import wait_until
 
 from flexsid.jobs.kinds import KINDS
@@ -17,7 +18,7 @@ from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 
-from .conftest import free_port, serving
+from .conftest import serving
 
 pytestmark = [pytest.mark.e2e, pytest.mark.long]
 _START = ("-c", "import sys, held_kinds; sys.exit(held_kinds.serve())")
@@ -49,7 +50,7 @@ def _add_job(store: Store, kind: str, text: str) -> int:
 def test_a_job_survives_a_restart_in_its_middle(
     browser: Browser, campaign: Path, tmp_path: Path, kind: str
 ) -> None:
-    database, log, port = tmp_path / "flexsid.db", tmp_path / "server.log", free_port()
+    database, log, port = tmp_path / "flexsid.db", tmp_path / "server.log", find_free_port()
     shutil.copy(campaign, database)
     store, held = Store.open(f"sqlite:///{database}"), tmp_path / "held"
     number = _add_job(store, kind, f"hold-once {held}")

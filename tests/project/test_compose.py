@@ -9,18 +9,18 @@ from __future__ import annotations
 import json
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
 from collections.abc import Iterator
-from contextlib import closing, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import postgresql as postgresql_server
 import pytest
+from ports import find_free_port
 from ruamel.yaml import YAML
 from waiting import PATIENCE_S, wait_until
 
@@ -159,8 +159,8 @@ def started(tmp_path: Path, postgresql: postgresql_server.Cluster) -> Iterator[d
     inputs = {
         "DB_PASSWORD": "not-checked",
         "DB_PORT": str(postgresql.port),
-        "DASK_PORT": str(_free_port()),
-        "PORT": str(_free_port()),
+        "DASK_PORT": str(find_free_port()),
+        "PORT": str(find_free_port()),
     }
     found = services(inputs)
     assert set(found) == {"db", "certificate", "scheduler", "worker", "web", "backup"}
@@ -248,9 +248,3 @@ def _wait_until_healthy(
         log = logs / name
         assert time.monotonic() < deadline, log.read_text() if log.exists() else name
         time.sleep(0.2)
-
-
-def _free_port() -> int:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]

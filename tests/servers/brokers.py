@@ -14,6 +14,7 @@ from pathlib import Path
 
 import nats
 from paho.mqtt import publish
+from ports import find_free_port
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 from waiting import wait_until
@@ -25,12 +26,6 @@ listeners: {{default: {{type: tcp, bind: "127.0.0.1:{port}"}}}}
 plugins:
   amqtt.plugins.authentication.FileAuthPlugin: {{password_file: "{passwords}"}}
 """
-
-
-def find_free_port() -> int:
-    """Return a port that is free at present."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        return free.getsockname()[1]
 
 
 @dataclass

@@ -5,11 +5,9 @@ from __future__ import annotations
 import atexit
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
-from contextlib import closing
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -17,6 +15,7 @@ from typing import Any
 
 import dask.config
 from distributed import Client
+from ports import find_free_port
 from ruamel.yaml import YAML
 from waiting import PATIENCE_S, wait_until
 
@@ -39,9 +38,7 @@ class Cluster:
 
     def __init__(self, folder: Path, workers: int = 2, path: Path | None = None) -> None:
         self._folder = folder
-        with closing(socket.socket()) as probe:
-            probe.bind(("127.0.0.1", 0))
-            self._port = probe.getsockname()[1]
+        self._port = find_free_port()
         self.address = f"tls://127.0.0.1:{self._port}"
         self._environment = {
             **os.environ,

@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
 import uuid
-from contextlib import closing
 from pathlib import Path
 
 import psycopg
+from ports import find_free_port
 from waiting import PATIENCE_S
 
 
@@ -38,7 +37,7 @@ class Cluster:
         if self._user:
             shutil.chown(self.folder, self._user, self._user)
         self._run("initdb", "-U", "flexsid", "-A", "trust", "--no-sync", "-E", "UTF8")
-        self.port = _free_port()
+        self.port = find_free_port()
         self._server: subprocess.Popen[bytes] | None = None
         self.start()
 
@@ -108,9 +107,3 @@ class Cluster:
             user=self._user,
             cwd=self.folder,
         )
-
-
-def _free_port() -> int:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]

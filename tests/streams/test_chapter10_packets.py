@@ -9,7 +9,6 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from brokers import find_free_port
 from irig106_recorder import (
     BITS_PER_S,
     PACKETS,
@@ -21,6 +20,7 @@ from irig106_recorder import (
     analog_packets,
     packet,
 )
+from ports import find_free_port
 
 from flexsid.errors import BadInput
 from flexsid.records.live import Frame, ReceiverSettings, Reception, StreamChannel, StreamHeader

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from brokers import PASSWORD, USER, NatsServer
+from ports import find_free_port
 from preloaded import use_preloaded
 from waiting import wait_until
 
@@ -296,8 +297,7 @@ def test_the_next_server_resumes_the_streams_of_a_killed_one(store, streams):
 @pytest.mark.parametrize("name", ["udp", "tcp"])
 def test_packets_of_the_network_are_frames(name, store):
     header = read_task(store).header
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = find_free_port()
     receiver, options = find_receiver(ReceiverSettings(name=name, options={"port": port}))
     source = receiver.open(store, options, header)
     frames = read_frames_of_flight(store, 0, 3)

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from brokers import find_free_port
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ports import find_free_port
 from pymavlink.dialects.v20 import common
 
 from flexsid.errors import BadInput
