@@ -218,8 +218,8 @@ def create_app(
     add_docs(app)
     add_page(app)
     add_error_handlers(app)
-    app.add_middleware(BodyLimit)
     app.add_middleware(WriteLimit)
+    app.add_middleware(BodyLimit)
     app.add_middleware(RequestCoalescing)
     app.add_middleware(SecurityMiddleware)
     app.add_middleware(RequestLog, metrics=metrics)  # the last one added runs first

@@ -85,8 +85,8 @@ class RequestLog:
         try:
             size = sum(len(name) + len(value) for name, value in scope["headers"])
             if size > LARGEST_HEADERS:
-                words = f"the headers have {size} bytes; expected at most {LARGEST_HEADERS}"
-                await make_problem(431, "headers-too-large", words)(scope, receive, send_with_id)
+                problem = make_problem(431, "headers-too-large", refuse_headers(size))
+                await problem(scope, receive, send_with_id)
             else:
                 await self._app(scope, receive, send_with_id)
         finally:
@@ -94,6 +94,11 @@ class RequestLog:
             route = getattr(scope.get("route"), "path", "other").removeprefix(PREFIX)
             self._metrics.count(scope["method"], route, status, duration_s)
             _log_request(scope, status, duration_s)
+
+
+def refuse_headers(size: int) -> str:
+    """Return why headers of this size are refused. [bytes]"""
+    return f"the headers have {size} bytes; expected at most {LARGEST_HEADERS}"
 
 
 def _log_request(scope: Scope, status: int, duration_s: float) -> None:

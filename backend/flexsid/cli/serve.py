@@ -13,6 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from flexsid.api.app import create_app
+from flexsid.api.connections import ClientConnection, allow_connections
 from flexsid.api.request_log import JsonFormatter
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_next_result, show_progress
@@ -117,6 +118,9 @@ def _serve_on(
         app,
         host=settings.address,
         port=settings.port,
+        http=ClientConnection,
+        ws="none",
+        limit_concurrency=allow_connections(),
         log_level="warning",
         access_log=False,
         timeout_graceful_shutdown=_GRACE_S,

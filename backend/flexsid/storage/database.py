@@ -36,6 +36,9 @@ from flexsid.storage.row_seals import add_seal_function
 
 _WRITES = "flexsid_writes"
 _LAX = "flexsid_lax"
+_WAITS_MS = "flexsid_waits_ms"
+_LONGEST_WAIT_MS = 30_000
+"""Longest time for which a writer waits for the lock of SQLite."""
 _LONGEST_PAUSE_S = 60
 """Longest pause within a transaction on PostgreSQL, which then ends it: a stopped process, or one
 on a computer that is gone, would hold its locks for hours. [s]"""
@@ -129,7 +132,7 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
         connection.isolation_level = None  # transactions begin explicitly
         add_seal_function(connection)
         for pragma in (
-            "busy_timeout = 30000",
+            f"busy_timeout = {_LONGEST_WAIT_MS}",
             "journal_mode = WAL",
             "synchronous = FULL",
             "journal_size_limit = 67108864",
@@ -140,8 +143,11 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
         options = connection.get_execution_options()
+        # These have no effect within a transaction, and persist for the connection.
+        connection.exec_driver_sql(
+            f"PRAGMA busy_timeout = {options.get(_WAITS_MS, _LONGEST_WAIT_MS)}"
+        )
         if options.get(_WRITES, False):
-            # Has no effect within a transaction, and persists for the connection.
             level = "NORMAL" if options.get(_LAX, False) else "FULL"
             connection.exec_driver_sql(f"PRAGMA synchronous = {level}")
             connection.exec_driver_sql("BEGIN IMMEDIATE")
@@ -185,8 +191,11 @@ def _make_postgresql_engine(url: URL) -> Engine:
 
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
-        if connection.get_execution_options().get(_LAX, False):
+        options = connection.get_execution_options()
+        if options.get(_LAX, False):
             connection.exec_driver_sql("SET LOCAL synchronous_commit = off")
+        if _WAITS_MS in options:
+            connection.exec_driver_sql(f"SET LOCAL lock_timeout = {options[_WAITS_MS]}")
 
     return engine
 
@@ -254,6 +263,19 @@ class Database:
         """Block other transactions that take this lock until the present one ends."""
         if connection.dialect.name == "postgresql":  # SQLite has one writer
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_ALONE)))
+
+    def check_writing(self, within_s: float) -> None:
+        """Take the lock of a writer, and leave it.
+
+        Raises
+        ------
+        DatabaseUnavailable
+            If it is not free within this time.
+        """
+        engine = self._writing_engine.execution_options(**{_WAITS_MS: round(1000 * within_s)})
+        with translate_errors(), engine.begin() as connection:
+            if connection.dialect.name == "postgresql":
+                connection.exec_driver_sql("LOCK TABLE leases IN ROW EXCLUSIVE MODE")
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
