@@ -11,13 +11,13 @@ import shutil
 import sqlite3
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
 import sqlalchemy as sa
-from sqlalchemy.engine import URL
+from sqlalchemy.engine import URL, Connection
 from sqlalchemy.pool import StaticPool
 
 from flexsid.errors import BadInput, Conflict, FlexsidError
@@ -25,7 +25,7 @@ from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, new_file
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.row_copy import copy_rows
+from flexsid.storage.row_copy import copy_rows, replace_tables
 from flexsid.storage.row_seals import add_seal_function, find_changed_rows
 from flexsid.storage.shared_samples import (
     add_samples,
@@ -36,6 +36,7 @@ from flexsid.storage.shared_samples import (
     include_samples,
     is_sound,
 )
+from flexsid.storage.table_locks import lock_tables
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
@@ -218,7 +219,8 @@ def restore(url: str, source: Path) -> Path | None:
     """Replace the content of a database by a backup, after a copy of the present content.
 
     Servers on the database continue with the restored content; their running jobs
-    are dropped, and runs that were running in the backup are queued again.
+    are dropped, and runs that were running in the backup are queued again. Who writes waits from
+    before the copy until the content is replaced: all that was acknowledged is in one of them.
 
     Damaged rows and samples in the backup cause a warning, not an error: no other copy may
     exist, and damaged samples are not used.
@@ -261,19 +263,47 @@ def restore(url: str, source: Path) -> Path | None:
 def _restore_file(
     target: Path, source: Path, ending: str, *, has_samples: bool = True
 ) -> Path | None:
-    previous = None
     beside = target.with_name(f"{target.name}.{ending}")
-    if target.exists() and target.stat().st_size > 0:
-        previous = beside
-        with new_file(previous) as partial:
-            _copy(target, partial)
-    else:
+    previous = beside if target.exists() and target.stat().st_size > 0 else None
+    if previous is None:
         _move_remains(target, beside)
         upgrade(f"sqlite:///{target}")
     with _upgraded_copy(source, target.parent, has_samples=has_samples) as ready:
-        _make_ready(ready, target)
-        _copy(ready, target)
+        if _is_intact(target):
+            _replace_tables(target, ready, previous)
+        else:  # tables cannot be dropped; all pages are overwritten
+            with new_file(beside) as partial:
+                _copy(target, partial)
+            _make_ready(ready, target)
+            _copy(ready, target)
     return previous
+
+
+def _is_intact(file: Path) -> bool:
+    try:
+        check(file)
+    except DatabaseUnavailable:
+        return False
+    return True
+
+
+def _replace_tables(target: Path, ready: Path, previous: Path | None) -> None:
+    """Copy a database to a new file and replace its tables, while writers wait."""
+    try:
+        with closing(sqlite3.connect(target, timeout=30.0, isolation_level=None)) as writing:
+            add_seal_function(writing)
+            writing.execute("ATTACH ? AS restored", (str(ready),))
+            writing.execute("BEGIN IMMEDIATE")
+            if previous is not None:
+                with new_file(previous) as partial:
+                    _copy(target, partial)
+            epoch, given = _read_epoch(writing), _read_given_ids(writing)
+            replace_tables(writing, "restored")
+            _end_running_jobs(writing, epoch)
+            _retain_given_ids(given, writing)
+            writing.execute("COMMIT")
+    except sqlite3.Error as error:
+        raise DatabaseUnavailable(f"{target} cannot be replaced: {error}") from error
 
 
 def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
@@ -283,19 +313,18 @@ def _restore_on_server(url: str, source: Path, ending: str) -> Path | None:
         with translate_errors(), engine.connect() as connection:
             is_new = not sa.inspect(connection).has_table("alembic_version")
         upgrade(url)
-        previous = None
-        if not is_new:
-            previous = source.with_name(f"{source.name}.{ending}")
-            with new_file(previous) as partial:  # damaged or not
-                _copy_rows_of(parsed, partial)
-                _make_single_file(partial)
+        previous = None if is_new else source.with_name(f"{source.name}.{ending}")
         with (
             _upgraded_copy(source, source.parent) as ready,
             _open_copy(ready) as copy,
             translate_errors(),
             engine.begin() as target,
         ):
-            target.exec_driver_sql("LOCK TABLE leases IN ACCESS EXCLUSIVE MODE")
+            lock_tables(target)
+            if previous is not None:
+                with new_file(previous) as partial:  # damaged or not
+                    _copy_rows(target, partial)
+                    _make_single_file(partial)
             epoch = target.exec_driver_sql("SELECT max(epoch) FROM leases").scalar_one()
             with closing(sqlite3.connect(ready, isolation_level=None)) as restored:
                 add_seal_function(restored)
@@ -418,39 +447,41 @@ def find_file(url: str) -> Path:
 
 
 def _copy_rows_of(url: URL, target: Path, samples: Path | None = None) -> int:
-    """Copy the rows of a database, in one state, into an empty file.
-
-    With a folder of samples, these are written into its file; returns their size. [bytes]
-    """
+    """Copy the rows of a database, in one state, into an empty file; see ``_copy_rows``."""
     server = make_engine(url)
     options: dict[str, object] = {}
     if url.get_backend_name() == "postgresql":
         options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
     try:
-        with (
-            tempfile.TemporaryDirectory(dir=target.parent) as folder,
-            translate_errors(),
-            server.connect().execution_options(**options) as source,
-        ):
-            made = Path(folder) / "copy.db"
-            newest = upgrade(f"sqlite:///{made}")
-            has_schema = sa.inspect(source).has_table("alembic_version")
-            query = "SELECT version_num FROM alembic_version"
-            present = source.exec_driver_sql(query).scalar() if has_schema else None
-            if present != newest:
-                raise BadInput(
-                    f"the database has schema {present}, this flexsid {newest}; back it up with the"
-                    " release that uses it, or run `flexsid migrate` first"
-                )
-            # The seals of the copy are made from what is read.
-            _refuse_damaged([str(rows) for rows in find_changed_rows(source)], "the database")
-            n_bytes = 0 if samples is None else add_samples(source, samples)
-            with _open_copy(made) as copy, copy.begin() as writing:
-                copy_rows(source, writing, has_samples=samples is None)
-            _copy(made, target)
-            return n_bytes
+        with translate_errors(), server.connect().execution_options(**options) as source:
+            return _copy_rows(source, target, samples)
     finally:
         server.dispose()
+
+
+def _copy_rows(source: Connection, target: Path, samples: Path | None = None) -> int:
+    """Copy all rows into an empty file.
+
+    With a folder of samples, these are written into its file; returns their size. [bytes]
+    """
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        made = Path(folder) / "copy.db"
+        newest = upgrade(f"sqlite:///{made}")
+        has_schema = sa.inspect(source).has_table("alembic_version")
+        query = "SELECT version_num FROM alembic_version"
+        present = source.exec_driver_sql(query).scalar() if has_schema else None
+        if present != newest:
+            raise BadInput(
+                f"the database has schema {present}, this flexsid {newest}; back it up with the"
+                " release that uses it, or run `flexsid migrate` first"
+            )
+        # The seals of the copy are made from what is read.
+        _refuse_damaged([str(rows) for rows in find_changed_rows(source)], "the database")
+        n_bytes = 0 if samples is None else add_samples(source, samples)
+        with _open_copy(made) as copy, copy.begin() as writing:
+            copy_rows(source, writing, has_samples=samples is None)
+        _copy(made, target)
+        return n_bytes
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -479,11 +510,8 @@ def _make_ready(ready: Path, target: Path) -> None:
     ):
         add_seal_function(restored)
         size = present.execute("PRAGMA page_size").fetchone()[0]
-        epoch = 0
-        if present.execute("SELECT 1 FROM sqlite_master WHERE name = 'leases'").fetchone():
-            epoch = present.execute("SELECT max(epoch) FROM leases").fetchone()[0]
-        _end_running_jobs(restored, epoch)
-        _retain_given_ids(present, restored)
+        _end_running_jobs(restored, _read_epoch(present))
+        _retain_given_ids(_read_given_ids(present), restored)
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")
@@ -505,14 +533,27 @@ def _end_running_jobs(restored: sqlite3.Connection, epoch: int) -> None:
     )
 
 
-def _retain_given_ids(present: sqlite3.Connection, restored: sqlite3.Connection) -> None:
+def _read_epoch(present: sqlite3.Connection) -> int:
+    """Return how often the lease was taken; 0 before there were leases."""
+    query = "SELECT 1 FROM main.sqlite_master WHERE name = 'leases'"
+    if not present.execute(query).fetchone():
+        return 0
+    return present.execute("SELECT max(epoch) FROM main.leases").fetchone()[0] or 0
+
+
+def _read_given_ids(present: sqlite3.Connection) -> dict[str, int]:
+    """Return the largest id that each table has given."""
+    return dict(present.execute("SELECT name, seq FROM main.sqlite_sequence"))
+
+
+def _retain_given_ids(given: Mapping[str, int], restored: sqlite3.Connection) -> None:
     """Continue the ids of all tables: addresses name records by them, and reports cite them."""
-    query = "SELECT name, seq FROM sqlite_sequence"
-    known = dict(restored.execute(query))
-    tables = {name for (name,) in restored.execute("SELECT name FROM sqlite_master")}
-    for name, given in present.execute(query).fetchall():
+    known = _read_given_ids(restored)
+    tables = {name for (name,) in restored.execute("SELECT name FROM main.sqlite_master")}
+    for name, last in given.items():
         if name in known:
-            sequence = (max(given, known[name]), name)
-            restored.execute("UPDATE sqlite_sequence SET seq = ? WHERE name = ?", sequence)
+            sequence = (max(last, known[name]), name)
+            restored.execute("UPDATE main.sqlite_sequence SET seq = ? WHERE name = ?", sequence)
         elif name in tables:
-            restored.execute("INSERT INTO sqlite_sequence (seq, name) VALUES (?, ?)", (given, name))
+            row = (last, name)
+            restored.execute("INSERT INTO main.sqlite_sequence (seq, name) VALUES (?, ?)", row)

@@ -21,6 +21,7 @@ from flexsid.errors import FlexsidError
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
 from flexsid.storage.row_seals import drop_seals, seal_rows
+from flexsid.storage.table_locks import lock_tables
 from flexsid.storage.tables import metadata
 
 _log = logging.getLogger(__name__)
@@ -84,6 +85,7 @@ def migrate_to(url: str, target: str) -> str:
             if present is None:
                 _reject_foreign(connection)
             else:
+                lock_tables(connection)  # what servers write meanwhile is migrated, too
                 copy = _copy_database(file, present)
             config.attributes["connection"] = connection
             damaged = drop_seals(connection)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -37,12 +38,37 @@ def copy_rows(source: Connection, target: Connection, *, has_samples: bool = Tru
                 column if has_samples or column is not arrays.c.data else _NO_DATA
                 for column in table.c
             ]
-            found = source.execution_options(yield_per=count).execute(sa.select(*columns))
+            options = {"yield_per": count}  # of the statement: the connection may be written, too
+            found = source.execute(sa.select(*columns), execution_options=options)
             for rows in found.mappings().partitions():
                 target.execute(table.insert(), [dict(row) for row in rows])
     present = _read_given_ids(target)
     for name, given in _read_given_ids(source).items():
         _give_ids_from(target, name, max(given, present.get(name, 0)))
+
+
+def replace_tables(connection: sqlite3.Connection, source: str) -> None:
+    """Replace all tables of a database of SQLite by those of an attached one.
+
+    Parameters
+    ----------
+    connection
+        In a transaction that writes, without foreign keys.
+    source
+        Name of the attached database.
+    """
+    is_own = "name NOT LIKE 'sqlite~_%' ESCAPE '~'"
+    query = f"SELECT name FROM main.sqlite_master WHERE type = 'table' AND {is_own}"
+    for (name,) in connection.execute(query).fetchall():
+        connection.execute(f'DROP TABLE main."{name}"')  # with its indices and triggers
+    query = f"SELECT type = 'table', name, sql FROM {source}.sqlite_master WHERE sql IS NOT NULL"
+    made = connection.execute(f"{query} AND {is_own} ORDER BY type <> 'table'").fetchall()
+    for is_table, name, sql in made:
+        connection.execute(sql)
+        if is_table:
+            connection.execute(f'INSERT INTO main."{name}" SELECT * FROM {source}."{name}"')
+    connection.execute("DELETE FROM main.sqlite_sequence")
+    connection.execute(f"INSERT INTO main.sqlite_sequence SELECT * FROM {source}.sqlite_sequence")
 
 
 def _read_given_ids(connection: Connection) -> dict[str, int]:

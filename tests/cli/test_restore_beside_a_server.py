@@ -1,0 +1,90 @@
+"""What a server has acknowledged is never lost by a restore or an upgrade beside it."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import psycopg
+import pytest
+from started import Server, run_command, start_server
+from waiting import wait_until
+
+WRITERS = 4
+BOTH = pytest.mark.parametrize("backend", ["sqlite", "postgresql"])
+
+
+class Notes:
+    """Analysts who write notes until they are stopped, and what was acknowledged."""
+
+    def __init__(self, server: Server) -> None:
+        self.acknowledged: list[tuple[int, str]] = []
+        self.others: set[tuple[int, str]] = set()
+        self._server = server
+        self._stop = threading.Event()
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Write during the body."""
+        threads = [threading.Thread(target=self._write, args=(k,)) for k in range(WRITERS)]
+        for thread in threads:
+            thread.start()
+        try:
+            yield
+        finally:
+            self._stop.set()
+            for thread in threads:
+                thread.join()
+
+    def wait_for(self, count: int) -> None:
+        """Wait until so many further notes are acknowledged."""
+        total = len(self.acknowledged) + count
+        wait_until(lambda: len(self.acknowledged) >= total, f"{total} notes")
+
+    def _write(self, writer: int) -> None:
+        number = 0
+        while not self._stop.is_set():
+            number += 1
+            note = {"subject": "maneuver", "key": "1", "text": f"note {number} of {writer}"}
+            response = self._server.request("POST", "/notes", note, {"X-Flexsid-Analyst": "Ann"})
+            if response.status == 201:
+                self.acknowledged.append((response.body["id"], note["text"]))
+            else:
+                self.others.add((response.status, response.body["code"]))
+
+
+@BOTH
+def test_no_note_is_lost_by_a_restore(flown_url: str, tmp_path: Path) -> None:
+    copy = tmp_path / "copy.db"
+    with start_server(flown_url) as server:
+        notes = Notes(server)
+        with notes.writing():
+            notes.wait_for(20)
+            assert run_command(flown_url, "backup", str(copy)).returncode == 0
+            notes.wait_for(20)
+            restored = run_command(flown_url, "restore", str(copy), "--json")
+            assert restored.returncode == 0, restored.stderr
+            notes.wait_for(20)
+    before = f"sqlite:///{json.loads(restored.stdout)['before']}"
+    previous, present = _read_notes(before), _read_notes(flown_url)
+    lost = [one for one in notes.acknowledged if one not in previous | present]
+    assert lost == []
+    ids = [number for number, _ in notes.acknowledged]
+    assert len(set(ids)) == len(ids), "an id was given twice"
+    assert notes.others <= {(503, "database-unavailable")}
+    for url in (before, flown_url):
+        checked = run_command(url, "check")
+        assert checked.returncode == 0, checked.stdout
+
+
+def _read_notes(url: str) -> set[tuple[int, str]]:
+    query = "SELECT id, text FROM notes"
+    if url.startswith("postgresql"):
+        with closing(psycopg.connect(url)) as opened:
+            return set(opened.execute(query).fetchall())
+    with closing(sqlite3.connect(url.removeprefix("sqlite:///"))) as opened:
+        return set(opened.execute(query))
