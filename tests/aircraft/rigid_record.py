@@ -1,80 +1,97 @@
-"""A file and a mapping of a short-period maneuver of a rigid aircraft, made without flexsid.
-
-Two rows of stick and motion: dalpha/dt = Za/V alpha + q + Zd/V d, dq/dt = Ma alpha + Mq q + Md d
-(Etkin and Reid, Dynamics of Flight, 3rd ed., 1996, eq. 6.3,1), at constant airspeed in straight
-flight, with white noise of the sensors.
-"""
+"""Record of a rigid aircraft in a doublet, and the mapping for its import; numpy only."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import lsim
 
-RATE_HZ = 50.0
-AIRSPEED, DENSITY, AREA, CHORD, MASS, INERTIA = 27.0, 1.1, 0.8, 0.3, 10.0, 1.2
+RATE_HZ = 100.0
 DERIVATIVES = {
-    "CZ_alpha": -4.6,
-    "CZ_elevator": -0.4,
-    "Cm_alpha": -0.8,
-    "Cm_q": -18.0,
-    "Cm_elevator": -1.3,
-}
-MAPPING = """
-flight = {{ number = 1 }}
+    "CZ_alpha": -5.2, "CZ_q": -7.0, "CZ_elevator": -0.4,
+    "Cm_alpha": -0.6, "Cm_q": -14.0, "Cm_elevator": -1.3,
+}  # fmt: skip
+SHORT_PERIOD_HZ = 0.41  # undamped; damping ratio 0.56
+AIRSPEED, DENSITY, AREA, CHORD, SPAN, MASS, INERTIA = 60.0, 1.0, 18.0, 1.8, 10.0, 2200.0, 7500.0
+NOISE = {"alpha": 2e-4, "q": 5e-4, "theta": 2e-4, "az": 0.01}
+_STEPS = 10  # of the integration per sample
+_UNITS = {"elevator": "rad", "alpha": "rad", "q": "rad/s", "theta": "rad", "az": "m/s2"}
+_KINDS = {"alpha": "vane", "q": "gyro", "theta": "attitude", "az": "accelerometer"}
+
+
+def write_record(
+    folder: Path, duration_s: float = 7.5, pulse_s: float = 0.6, aircraft: str = "Rigid"
+) -> tuple[Path, Path]:
+    """Write a doublet that begins after 1 s, and the mapping for its import; return both files.
+
+    The elevator rests, and is constant between the smooth edges of its pulses: its largest and
+    its smallest value last for most of a pulse.
+    """
+    columns = simulate(duration_s, pulse_s)
+    record, mapping = folder / "doublet.csv", folder / "mapping.toml"
+    table = np.stack(list(columns.values()), axis=1)
+    np.savetxt(record, table, "%.9g", ",", header=",".join(columns), comments="")
+    mapping.write_text(_format_mapping(aircraft))
+    return record, mapping
+
+
+def simulate(duration_s: float, pulse_s: float) -> dict[str, np.ndarray]:
+    """Integrate the short period from trim, and add noise of the sensors."""
+    rate = RATE_HZ * _STEPS
+    time = np.arange(round(duration_s * rate)) / rate
+    pulses = np.where(time < 1.0 + pulse_s, 1.0, -1.0) * (time >= 1.0) * (time < 1.0 + 2 * pulse_s)
+    edge = np.hanning(round(0.12 * rate))
+    elevator = np.round(0.03 * np.convolve(pulses, edge / edge.sum(), "same"), 6)
+    d, reduced = DERIVATIVES, CHORD / (2 * AIRSPEED)
+    force = 0.5 * DENSITY * AIRSPEED**2 * AREA
+    lift, moment = force / (MASS * AIRSPEED), force * CHORD / INERTIA
+    system = np.array(
+        [[lift * d["CZ_alpha"], 1 + lift * d["CZ_q"] * reduced, 0],
+         [moment * d["Cm_alpha"], moment * d["Cm_q"] * reduced, 0],
+         [0, 1, 0]]
+    )  # fmt: skip
+    effect = np.array([lift * d["CZ_elevator"], moment * d["Cm_elevator"], 0])
+    states = np.zeros((time.size, 3))
+    for k in range(time.size - 1):  # trapezoidal rule for the input, midpoint for the states
+        between = (elevator[k] + elevator[k + 1]) / 2
+        half = states[k] + (system @ states[k] + effect * elevator[k]) / (2 * rate)
+        states[k + 1] = states[k] + (system @ half + effect * between) / rate
+    turn = states @ system.T + elevator[:, None] * effect
+    rng = np.random.default_rng(1)
+    columns = {"t": time, "elevator": elevator, "alpha": states[:, 0], "q": states[:, 1]}
+    columns |= {"theta": states[:, 2], "az": AIRSPEED * (turn[:, 0] - states[:, 1])}
+    columns = {name: values[::_STEPS] for name, values in columns.items()}
+    for name, std in NOISE.items():
+        columns[name] = columns[name] + std * rng.normal(size=columns[name].size)
+    return columns
+
+
+def _format_mapping(aircraft: str) -> str:
+    geometry = ", ".join(
+        f'{name} = {{ value = {value}, unit = "{unit}" }}'
+        for name, value, unit in (("area", AREA, "m2"), ("chord", CHORD, "m"), ("span", SPAN, "m"))
+    )
+    sensors = ", ".join(f'{{ name = "{n}", kind = "{kind}" }}' for n, kind in _KINDS.items())
+    channels = "".join(
+        f'[[channels]]\ncolumn = "{name}"\nunit = "{unit}"\n'
+        f'role = "{"input" if name == "elevator" else "output"}"\n'
+        for name, unit in _UNITS.items()
+    )
+    return f"""flight = {{ number = 1 }}
 time = {{ column = "t" }}
-channels = [
-    {{ column = "elevator", name = "elevator", unit = "rad", role = "input" }},
-    {{ column = "alpha", name = "alpha", unit = "rad", role = "output" }},
-    {{ column = "q", name = "q", unit = "rad/s", role = "output" }},
-]
 [maneuver]
-label = "{label}"
+label = "doublet"
 axis = "longitudinal"
-condition.airspeed = {{ value = 27, unit = "m/s" }}
-condition.density = {{ value = 1.1, unit = "kg/m3" }}
+condition.airspeed = {{ value = {AIRSPEED}, unit = "m/s" }}
+condition.density = {{ value = {DENSITY}, unit = "kg/m3" }}
 condition.fuel_fraction = {{ value = 0, unit = "%" }}
 [aircraft]
 name = "{aircraft}"
 surfaces = [{{ name = "elevator" }}]
-sensors = [{{ name = "alpha", kind = "vane" }}, {{ name = "q", kind = "gyro" }}]
-geometry.area = {{ value = 0.8, unit = "m2" }}
-geometry.chord = {{ value = 0.3, unit = "m" }}
-geometry.span = {{ value = 2.6, unit = "m" }}
+sensors = [{sensors}]
+geometry = {{ {geometry} }}
 mass.fuel = [0]
-mass.mass = {{ values = [10], unit = "kg" }}
-mass.pitch_inertia = {{ values = [1.2], unit = "kg*m2" }}
+mass.mass = {{ values = [{MASS}], unit = "kg" }}
+mass.pitch_inertia = {{ values = [{INERTIA}], unit = "kg*m2" }}
 mass.x_cg = {{ values = [0], unit = "m" }}
-"""
-
-
-def write_record(
-    folder: Path, aircraft: str = "Rigid", label: str = "doublet", seed: int = 0
-) -> tuple[Path, Path]:
-    """Write a record of 12 s with two doublets, and its mapping; return both files."""
-    rng = np.random.default_rng(seed)
-    time = np.arange(0.0, 12.0, 1.0 / RATE_HZ)
-    elevator = np.zeros_like(time)
-    for start, width in ((1.0, 0.4), (4.0, 0.8)):
-        for k, sign in enumerate((1.0, -1.0)):
-            begin = start + k * width
-            elevator[(time >= begin) & (time < begin + width)] = sign * np.radians(2.0)
-    elevator = np.convolve(elevator, np.hanning(9) / np.hanning(9).sum(), "same")
-    motion = lsim(_make_model(), elevator, time)[1]
-    noise = rng.standard_normal(motion.shape) * (0.0003, 0.001)
-    table = np.column_stack((time, elevator, motion + noise))
-    record, mapping = folder / f"{label}.csv", folder / f"{label}.toml"
-    np.savetxt(record, table, "%.9g", ",", header="t,elevator,alpha,q", comments="")
-    mapping.write_text(MAPPING.format(aircraft=aircraft, label=label))
-    return record, mapping
-
-
-def _make_model() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    force = 0.5 * DENSITY * AIRSPEED**2 * AREA
-    c = DERIVATIVES
-    lift, moment = force / (MASS * AIRSPEED), force * CHORD / INERTIA
-    pitch = CHORD / (2.0 * AIRSPEED)
-    a = [[lift * c["CZ_alpha"], 1.0], [moment * c["Cm_alpha"], moment * c["Cm_q"] * pitch]]
-    b = [[lift * c["CZ_elevator"]], [moment * c["Cm_elevator"]]]
-    return np.array(a), np.array(b), np.eye(2), np.zeros((2, 1))
+{channels}"""

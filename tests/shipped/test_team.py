@@ -99,7 +99,8 @@ def test_each_role_does_what_it_may(
         database = cluster.url(cluster.copy("template1"))
     ask_command(tmp_path, database, "migrate")
     for aircraft in ("Falke", "Habicht"):
-        files = write_record(tmp_path, aircraft, aircraft)
+        (tmp_path / aircraft).mkdir()
+        files = write_record(tmp_path / aircraft, aircraft=aircraft)
         ask_command(tmp_path, database, "import", str(files[0]), "--mapping", str(files[1]))
     members = {role.title(): role for role in RANKS}
     codes = [invite(tmp_path, database, name, (role, "Falke")) for name, role in members.items()]

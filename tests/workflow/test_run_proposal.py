@@ -22,6 +22,8 @@ from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis, propose_run
+from flexsid.workflow.validation.predicted_maneuver import predict_maneuver
+from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
 WIDE, NARROW = 1, 2  # FTA 506 to 13.7 Hz, FTA 503 to 5.4 Hz
 
@@ -101,6 +103,21 @@ def test_band_of_unknown_excitation_is_that_of_moving_surfaces(
     assert found.settings.band_hz == found.basis.band_hz
     assert 4.5 < found.basis.band_hz[1] < 7.0
     assert prepare(bands, apply_proposal(bands, _build_run(NARROW))).max_omega > 0
+
+
+def test_a_model_of_unknown_excitation_has_that_band_without_a_run(bands: Store) -> None:
+    bands.maneuvers.replace(replace(bands.maneuvers.get(NARROW), excitation=None))
+    assert compute_plot_matrix(bands, NARROW, modes=(7,)).samples.size
+    elsewhere = execute_run(bands, _build_run(WIDE, modes=(7,)), RUN, lambda _progress: None)
+    assert elsewhere.settings.band_hz is None
+    assert predict_maneuver(bands, elsewhere, NARROW).spectra.omega.size
+
+
+def test_maneuvers_with_and_without_known_excitation_share_a_band(bands: Store) -> None:
+    bands.maneuvers.replace(replace(bands.maneuvers.get(NARROW), excitation=None))
+    low, high = propose_run(bands, [WIDE, NARROW]).settings.band_hz or (0.0, 0.0)
+    assert low <= 0.25
+    assert high == pytest.approx(13.7, abs=0.1), "all harmonics of the other one"
 
 
 def test_saved_structure_of_the_fta_takes_precedence_over_the_band(bands: Store) -> None:

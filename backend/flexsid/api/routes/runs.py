@@ -68,6 +68,9 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
     refused immediately. A request equal to a queued, running or succeeded run returns that run
     (200, ``repeated``).
 
+    Without a band, a record without known harmonics is estimated in its excited band, which the
+    settings then name.
+
     Priors requested by ``prior_spread`` without a prediction are those of the approved global
     model at the condition, where it has the modes of the run; the settings then name them.
     """

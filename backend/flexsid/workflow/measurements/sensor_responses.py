@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +14,7 @@ from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensors import SensorRows
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
@@ -41,7 +43,7 @@ from flexsid.workflow.modal_data.modal_tables import (
 )
 
 _MAX_FREQUENCY_RATIO = 0.4  # of the sampling rate
-_MIN_CYCLES = 4.0  # cycles per record, where no harmonics are known
+_MIN_CYCLES = 4.0  # cycles per record of what sensors and surfaces are assessed at
 _LOWEST_HZ = 0.25  # the phugoid lies below, which models without airspeed do not have
 _SMOOTHED = 9  # frequencies over which power is averaged
 _MIN_INPUT_POWER = 1e-2  # of the largest power of the surfaces: not excited below
@@ -206,7 +208,10 @@ def _count_independent(sensors: SensorRows) -> int:
 def find_excited_band(
     store: Store, maneuver: Maneuver, aircraft: Aircraft, body: RigidBody
 ) -> tuple[float, float]:
-    """Find the excited band of a maneuver without known excitation for a model. [Hz]
+    """Find the band that a model of a body describes, of an unknown excitation. [Hz]
+
+    It begins at the resolution 1/T of the record; for models without the phugoid at the last
+    multiple of it up to ``_LOWEST_HZ``. It ends where the power of the surfaces has a gap.
 
     Raises
     ------
@@ -223,15 +228,16 @@ def find_excited_band(
     power = np.abs(spectra.inputs.values) ** 2
     power = np.sum(power / np.maximum(power.max(axis=0), 1e-300), axis=1)
     smooth = np.convolve(power, np.ones(_SMOOTHED) / _SMOOTHED, mode="same")
-    # Removing filters amplifies noise at high frequency: the band ends at the first gap.
+    # Removing filters amplifies noise at high frequency: the band ends at the first gap. What is
+    # slower than a few cycles per record, a drift or a held deflection, does not scale the power.
     quiet = np.flatnonzero(smooth[np.argmax(smooth) :] < _MIN_INPUT_POWER * smooth.max())
     top = smooth.size - 1 if quiet.size == 0 else int(np.argmax(smooth)) + int(quiet[0])
-    hz = spectra.omega / (2.0 * np.pi)
-    return float(min(max(hz[0], _get_lowest_hz(body)), 0.5 * hz[top])), float(hz[top])
+    first = max(1, math.floor(_get_lowest_hz(body) * maneuver.duration_s + 1e-9))
+    return first / maneuver.duration_s, float(spectra.omega[top] / (2.0 * np.pi))
 
 
 def _get_lowest_hz(body: RigidBody) -> float:
-    return _LOWEST_HZ if body.fast is None else 0.0
+    return _LOWEST_HZ if body is LONGITUDINAL else 0.0
 
 
 def reconstruct_resolved_modes(

@@ -12,12 +12,12 @@ from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.storage.store import Store
-from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.spectra.residual_spectrum import (
     estimate_noise_about_responses,
     estimate_scatter,
 )
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
+from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.measurements.maneuver_spectra import (
     read_measurement,
     read_spectra,
@@ -119,7 +119,7 @@ def _measure_without_harmonics(
     """Divide the spectra of output and input where the input has power."""
     surface = name.removesuffix(COMMAND_SUFFIX)
     if band_hz is None:
-        band_hz = find_excited_band(store, maneuver, aircraft, LONGITUDINAL)
+        band_hz = find_excited_band(store, maneuver, aircraft, find_body(maneuver.axis))
     recorded = [c.name for c in store.channels.find(maneuver_id=maneuver.id, role=Role.INPUT)]
     own = {surface, *(part for part, _ in list_surface_parts(aircraft).get(surface, ()))}
     inputs = (surface, *(one for one in recorded if one != surface))

@@ -11,6 +11,7 @@ from flexsid.storage import batches
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import estimation
+from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.run_identity import RunHasher
 from flexsid.workflow.runs.run_proposal import apply_proposal
 
@@ -77,19 +78,18 @@ def queue_batch(
     for number in maneuvers:
         if not hasher.has_maneuver(number):
             raise UnknownRecord(f"there is no maneuver {number}")
+    complete = apply_proposal if by_proposal else set_default_band
     ordered = sorted(set(methods), key=lambda method: method is not Method.EE)
     for template in templates:  # an error common to all runs is raised here
         for method in ordered:
             run = replace(template, maneuver_id=maneuvers[0], method=method)
-            estimation.prepare(store, apply_proposal(store, run) if by_proposal else run)
+            estimation.prepare(store, complete(store, run))
     requested: list[tuple[EstimationRun, int | None]] = []
     for template in templates:
         for number in maneuvers:
             first: int | None = None
             start_hash: str | None = None
-            of_maneuver = replace(template, maneuver_id=number)
-            if by_proposal:
-                of_maneuver = apply_proposal(store, of_maneuver)
+            of_maneuver = complete(store, replace(template, maneuver_id=number))
             for method in ordered:
                 run = replace(of_maneuver, method=method)
                 if first is not None and from_equation_error:

@@ -35,9 +35,9 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_prediction,
 )
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
-from flexsid.workflow.measurements.sensor_responses import find_excited_band
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, require_baseline
+from flexsid.workflow.runs.default_band import find_default_band, set_default_band
 from flexsid.workflow.runs.estimation import select_inputs_and_outputs
 
 LISTED_BAND_RATIO = 2.5
@@ -121,15 +121,14 @@ def _propose(
     maneuvers = [store.maneuvers.get(number) for number in maneuver_ids]
     body = find_body(maneuvers[0].axis if axis is None else axis)
     require_axis(body, maneuvers)
+    band = find_default_band(store, maneuvers, body) if band_hz is None else band_hz
     # The maneuver with the highest excited frequency determines the modes in the band.
     found = max(
-        (_read_band_and_modes(store, maneuver, band_hz, body, assumed) for maneuver in maneuvers),
+        (_read_band_and_modes(store, maneuver, band, body, assumed) for maneuver in maneuvers),
         key=lambda one: one.band_hz[1],
     )
     first = maneuvers[0]
-    settings = RunSettings()
-    if band_hz is not None or first.excitation is None:
-        settings = replace(settings, band_hz=found.band_hz)
+    settings = RunSettings(band_hz=band if band_hz is None else found.band_hz)
     structure, basis = _select_structure(store, maneuver_ids, first, found, body)
     aircraft = found.aircraft
     inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
@@ -160,7 +159,8 @@ def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
 
 
 def attach_proposal_basis(store: Store, run: EstimationRun) -> EstimationRun:
-    """Add the basis of the proposal to a run whose model structure equals the proposed one."""
+    """Set an open band, and add the basis where the model structure equals the proposed one."""
+    run = set_default_band(store, run)
     try:
         found = _propose_for(store, run)
     except BadInput:  # raised again when the run is prepared, or no proposal is needed
@@ -191,8 +191,6 @@ def _read_band_and_modes(
 ) -> _BandAndModes:
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     build_flight_condition(aircraft, maneuver.condition)  # refuses ground records
-    if maneuver.excitation is None and band_hz is None:
-        band_hz = find_excited_band(store, maneuver, aircraft, body)
     frequencies = select_frequencies(maneuver, band_hz)
     top_hz = float(frequencies.omega.max()) / (2.0 * np.pi)
     modes = _find_modes_near_band(store, maneuver, aircraft, top_hz, body, assumed)

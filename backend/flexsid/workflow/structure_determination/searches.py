@@ -28,6 +28,7 @@ from flexsid.workflow.fits.software_versions import read_versions
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
+from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.structure_determination.computation import SearchTask, compute_search
@@ -104,6 +105,7 @@ def add_search(store: Store, request: StructureSearch) -> StructureSearch:
         If a maneuver was deleted.
     """
     refuse_deleted(store, (*request.maneuver_ids, *request.settings.validate_on))
+    request = _set_default_band(store, request)
     prepare_search(store, request)
     with store.transaction(), storing_in_campaign(request.aircraft_id):
         stored = store.searches.add(replace(request, state=RunState.QUEUED))
@@ -192,6 +194,15 @@ def _prepare_own_model(store: Store, search: StructureSearch, maneuver_id: int) 
     run = _build_run(search, search.structure, (maneuver_id,))
     settings = replace(run.settings, out_of_band_modes=OutOfBandModes.OMITTED)
     return prepare_run(store, replace(run, settings=settings))
+
+
+def _set_default_band(store: Store, request: StructureSearch) -> StructureSearch:
+    """Return a search with the band that a run of all its maneuvers has by default."""
+    ids = (*request.maneuver_ids, *request.settings.validate_on)
+    if not ids:
+        return request
+    run = set_default_band(store, _build_run(request, request.structure, ids))
+    return replace(request, settings=replace(request.settings, band_hz=run.settings.band_hz))
 
 
 def _build_run(

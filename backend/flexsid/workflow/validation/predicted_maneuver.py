@@ -23,6 +23,7 @@ from flexsid.workflow.fits.estimation_task import EstimationTask, select_free_pa
 from flexsid.workflow.fits.likelihood_fit import build_experiments
 from flexsid.workflow.model_structures.model_structures import resolve_structure
 from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare, select_inputs_and_outputs
 from flexsid.workflow.runs.identified_models import collect_values
 
@@ -50,7 +51,7 @@ def predict_maneuver(store: Store, run: EstimationRun, maneuver_id: int) -> Pred
     Conflict
         If the run has no result.
     """
-    task = prepare(store, _move_run(store, run, maneuver_id))
+    task = prepare(store, set_default_band(store, _move_run(store, run, maneuver_id)))
     (experiment,) = build_output_experiments(task)
     parameters = build_identified_parameters(task, collect_values(run))
     spectra = predict_outputs(experiment, parameters, parameters.start)

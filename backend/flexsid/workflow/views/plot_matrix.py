@@ -19,6 +19,7 @@ from flexsid.workflow.aircraft.axes import find_body, list_moved_surfaces
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.recording import select_frequencies
+from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.views.channels import (
     find_sampling,
@@ -90,7 +91,7 @@ def _read_regressors(store: Store, maneuver: Maneuver, modes: tuple[int, ...]) -
         structure=Structure(modes=modes, fixed={}, axis=find_body(maneuver.axis).axis),
         settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
-    data = prepare(store, request).maneuvers[0]
+    data = prepare(store, set_default_band(store, request)).maneuvers[0]
     columns = build_regressors(
         data.model, reconstruct_with_out_of_band_modes(data)[0], data.measured.inputs
     )

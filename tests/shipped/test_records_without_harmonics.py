@@ -1,0 +1,130 @@
+"""A doublet whose harmonics nobody knows, from its files to estimates by every entry point."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rigid_record import DERIVATIVES, SHORT_PERIOD_HZ, write_record
+from shipped import Client, ask_command, make_environment, serving
+
+DURATION_S = 7.5
+RIGID = {"modes": []}
+CLIENT = """
+import sys
+from flexsid.client import Workbench
+print(Workbench(sys.argv[1]).submit(1, "OE", modes=[]))
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Doublet:
+    """A server with the maneuver 1, and the folder and database of its commands."""
+
+    url: str
+    client: Client
+    folder: Path
+    database: str
+
+    def ask(self, *arguments: str) -> Any:
+        return ask_command(self.folder, self.database, *arguments)
+
+    def request(self, **changes: Any) -> dict[str, Any]:
+        body = {"maneuver_id": 1, "method": "OE", "structure": RIGID, **changes}
+        return self.client.send("post", "runs", body)
+
+
+@pytest.fixture(scope="module")
+def doublet(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Doublet]:
+    folder = tmp_path_factory.mktemp("doublet")
+    database = f"sqlite:///{folder / 'flexsid.db'}"
+    record, mapping = write_record(folder, DURATION_S)
+    ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
+    with serving(folder, database) as server:
+        yield Doublet(server.url, server.connect(), folder, database)
+
+
+@pytest.mark.parametrize("method", ["OE", "EE"])
+def test_a_run_without_a_band_contains_the_short_period(doublet: Doublet, method: str) -> None:
+    requested = doublet.request(method=method)
+    low, high = requested["settings"]["band_hz"]
+    assert low == pytest.approx(1 / DURATION_S)
+    assert low < SHORT_PERIOD_HZ < high
+    run = doublet.client.wait_for_end(f"runs/{requested['id']}")
+    assert run["state"] == "succeeded", run["error"]
+    found = {one["name"]: one for one in run["parameters"]}
+    for name, true in DERIVATIVES.items():
+        error, std = found[name]["value"] - true, found[name]["std_error"]
+        assert abs(error) < 4 * std, name
+        assert std < 0.05 * abs(true), name
+
+
+def run_by_request(doublet: Doublet) -> Any:
+    return doublet.request()
+
+
+def run_without_structure(doublet: Doublet) -> Any:
+    return doublet.request(structure=None)
+
+
+def run_of_template(doublet: Doublet) -> Any:
+    known = doublet.client.get("run-templates")["items"]
+    if not known:
+        body = {"run_id": doublet.request()["id"], "name": "standard"}
+        known = [doublet.client.send("post", "run-templates", body)]
+    return doublet.request(run_template_id=known[0]["id"])
+
+
+def run_of_batch(doublet: Doublet) -> Any:
+    body = {"name": "all", "maneuver_ids": [1], "methods": ["OE"]}
+    body["structures"] = [{"structure": RIGID}]
+    run = doublet.request()
+    assert doublet.client.send("post", "batches", body)["repeated"] == 1
+    return run
+
+
+def run_of_command(doublet: Doublet) -> Any:
+    return doublet.ask("run", "--maneuver", "1", "--method", "OE", "--modes", "")
+
+
+def run_of_command_by_proposal(doublet: Doublet) -> Any:
+    return doublet.ask("run", "--maneuver", "1", "--method", "OE")
+
+
+def run_of_client(doublet: Doublet) -> Any:
+    program = [sys.executable, "-c", CLIENT, doublet.url]
+    done = subprocess.run(
+        program, env=make_environment(), capture_output=True, text=True, check=True
+    )
+    return doublet.client.get(f"runs/{int(done.stdout)}")
+
+
+def search_of_request(doublet: Doublet) -> Any:
+    body = {"maneuver_ids": [1], "method": "OE", "structure": RIGID}
+    return doublet.client.send("post", "searches", body)
+
+
+def search_of_command(doublet: Doublet) -> Any:
+    return doublet.ask("search", "1", "--method", "EE", "--modes", "")
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        *(run_by_request, run_without_structure, run_of_template, run_of_batch, run_of_command),
+        *(run_of_command_by_proposal, run_of_client, search_of_request, search_of_command),
+    ],
+)
+def test_every_entry_point_has_the_proposed_band(
+    doublet: Doublet, entry: Callable[[Doublet], Any]
+) -> None:
+    proposed = doublet.client.get("maneuvers/1/run-proposal")["settings"]
+    settings = entry(doublet)["settings"]
+    assert settings["band_hz"] == proposed["band_hz"]
+    if entry.__name__.startswith("run"):
+        assert settings == proposed
