@@ -1,7 +1,8 @@
-"""Record of a rigid aircraft in a doublet, and the mapping for its import; numpy only."""
+"""Record of a rigid aircraft and the mapping for its import; numpy only."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,28 +21,32 @@ _KINDS = {"alpha": "vane", "q": "gyro", "theta": "attitude", "az": "acceleromete
 
 
 def write_record(
-    folder: Path, duration_s: float = 7.5, pulse_s: float = 0.6, aircraft: str = "Rigid"
+    folder: Path, columns: dict[str, np.ndarray], aircraft: str = "Rigid"
 ) -> tuple[Path, Path]:
-    """Write a doublet that begins after 1 s, and the mapping for its import; return both files.
-
-    The elevator rests, and is constant between the smooth edges of its pulses: its largest and
-    its smallest value last for most of a pulse.
-    """
-    columns = simulate(duration_s, pulse_s)
-    record, mapping = folder / "doublet.csv", folder / "mapping.toml"
+    """Write a record and the mapping for its import; return both files."""
+    record, mapping = folder / "record.csv", folder / "mapping.toml"
     table = np.stack(list(columns.values()), axis=1)
     np.savetxt(record, table, "%.9g", ",", header=",".join(columns), comments="")
     mapping.write_text(_format_mapping(aircraft))
     return record, mapping
 
 
-def simulate(duration_s: float, pulse_s: float) -> dict[str, np.ndarray]:
+def make_pulses(time: np.ndarray, *pulses: tuple[float, int]) -> np.ndarray:
+    """Pulses of (duration, sign) from 1 s on, with smooth edges and constant between them."""
+    edges = 1.0 + np.cumsum([0.0, *(duration for duration, _ in pulses)])
+    signs = np.array([0, *(sign for _, sign in pulses), 0])
+    steps = signs[np.searchsorted(edges, time, "right")].astype(float)
+    edge = np.hanning(round(0.12 / (time[1] - time[0])))
+    return np.round(0.03 * np.convolve(steps, edge / edge.sum(), "same"), 6)
+
+
+def simulate(
+    duration_s: float, deflect: Callable[[np.ndarray], np.ndarray]
+) -> dict[str, np.ndarray]:
     """Integrate the short period from trim, and add noise of the sensors."""
     rate = RATE_HZ * _STEPS
     time = np.arange(round(duration_s * rate)) / rate
-    pulses = np.where(time < 1.0 + pulse_s, 1.0, -1.0) * (time >= 1.0) * (time < 1.0 + 2 * pulse_s)
-    edge = np.hanning(round(0.12 * rate))
-    elevator = np.round(0.03 * np.convolve(pulses, edge / edge.sum(), "same"), 6)
+    elevator = deflect(time)
     d, reduced = DERIVATIVES, CHORD / (2 * AIRSPEED)
     force = 0.5 * DENSITY * AIRSPEED**2 * AREA
     lift, moment = force / (MASS * AIRSPEED), force * CHORD / INERTIA
@@ -80,7 +85,7 @@ def _format_mapping(aircraft: str) -> str:
     return f"""flight = {{ number = 1 }}
 time = {{ column = "t" }}
 [maneuver]
-label = "doublet"
+label = "pulses"
 axis = "longitudinal"
 condition.airspeed = {{ value = {AIRSPEED}, unit = "m/s" }}
 condition.density = {{ value = {DENSITY}, unit = "kg/m3" }}

@@ -9,17 +9,32 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from rigid_record import DERIVATIVES, SHORT_PERIOD_HZ, write_record
+from rigid_record import DERIVATIVES, SHORT_PERIOD_HZ, make_pulses, simulate, write_record
 from shipped import Client, ask_command, make_environment, serving
+from waiting import wait_until
 
 DURATION_S = 7.5
+FINEST_RAD = np.deg2rad(0.01)
 RIGID = {"modes": []}
 CLIENT = """
 import sys
 from flexsid.client import Workbench
 print(Workbench(sys.argv[1]).submit(1, "OE", modes=[]))
 """
+
+
+def make_doublet() -> dict[str, np.ndarray]:
+    """The elevator is constant between the smooth edges of its pulses."""
+    return simulate(DURATION_S, lambda time: make_pulses(time, (0.6, 1), (0.6, -1)))
+
+
+def make_coarse_step() -> dict[str, np.ndarray]:
+    """The elevator is held for seconds, and recorded in steps of 0.01 deg."""
+    columns = simulate(DURATION_S, lambda time: make_pulses(time, (3.6, 1)))
+    columns["elevator"] = FINEST_RAD * np.rint(columns["elevator"] / FINEST_RAD)
+    return columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +45,11 @@ class Doublet:
     client: Client
     folder: Path
     database: str
+
+    def add(self, folder: Path, columns: dict[str, np.ndarray]) -> int:
+        """Import another record of the aircraft and return the id of its maneuver."""
+        record, mapping = write_record(folder, columns)
+        return self.ask("import", str(record), "--mapping", str(mapping))["maneuver"]
 
     def ask(self, *arguments: str) -> Any:
         return ask_command(self.folder, self.database, *arguments)
@@ -43,7 +63,7 @@ class Doublet:
 def doublet(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Doublet]:
     folder = tmp_path_factory.mktemp("doublet")
     database = f"sqlite:///{folder / 'flexsid.db'}"
-    record, mapping = write_record(folder, DURATION_S)
+    record, mapping = write_record(folder, make_doublet())
     ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
     with serving(folder, database) as server:
         yield Doublet(server.url, server.connect(), folder, database)
@@ -128,3 +148,27 @@ def test_every_entry_point_has_the_proposed_band(
     assert settings["band_hz"] == proposed["band_hz"]
     if entry.__name__.startswith("run"):
         assert settings == proposed
+
+
+def assess(client: Client, number: int) -> dict[str, Any]:
+    client.send("post", "quality/assess", {"maneuver_ids": [number]})
+    address = f"maneuvers/{number}/quality"
+    return wait_until(lambda: client.get(address)["quality"], "the assessment")
+
+
+def test_a_held_surface_is_sound(doublet: Doublet, tmp_path: Path) -> None:
+    for number in (1, doublet.add(tmp_path, make_coarse_step())):
+        quality = assess(doublet.client, number)
+        found = {one["name"]: one for one in quality["report"]["channels"]}["elevator"]
+        assert (found["saturated"], found["stretches"]) == (0.0, []), number
+        assert quality["verdict"] != "bad", quality["summary"]
+
+
+def test_a_clipped_and_a_frozen_sensor_are_not(doublet: Doublet, tmp_path: Path) -> None:
+    columns = make_doublet()
+    columns["q"] = np.clip(columns["q"], -0.05, 0.05)
+    columns["alpha"][200:240] = columns["alpha"][200]
+    quality = assess(doublet.client, doublet.add(tmp_path, columns))
+    warnings = [one for one in quality["report"]["warnings"] if one["channel"] is not None]
+    about = {(one["about"], one["channel"]) for one in warnings}
+    assert about == {("saturation", "q"), ("dropouts", "alpha")}

@@ -47,7 +47,10 @@ class DefectiveInterval:
 
 
 def find_defects(
-    samples: Float[np.ndarray, " n_samples"], moving: slice | None = None
+    samples: Float[np.ndarray, " n_samples"],
+    moving: slice | None = None,
+    *,
+    may_be_held: bool = False,
 ) -> tuple[DefectiveInterval, ...]:
     """Find spikes, dropouts and saturation in the samples of one channel.
 
@@ -58,6 +61,9 @@ def find_defects(
     moving
         Samples during which the measured quantity is known to move, so that a constant value
         is a dropout; None where that is not known.
+    may_be_held
+        Whether the quantity may be held, as a surface is in a doublet: constant values are then
+        neither dropouts nor saturation.
 
     Notes
     -----
@@ -78,8 +84,11 @@ def find_defects(
         return () if moving is None else (whole,)
     first, stop = _find_equal_runs(x)
     digit = _find_resolution(x)
-    saturated = _find_saturated(x, first, stop, digit)
-    held = _find_held(x, first, stop, moving) & _find_jumps(x, first, stop, digit) & ~saturated
+    if may_be_held:
+        saturated = held = np.zeros(first.size, dtype=bool)
+    else:
+        saturated = _find_saturated(x, first, stop, digit)
+        held = _find_held(x, first, stop, moving) & _find_jumps(x, first, stop, digit) & ~saturated
     taken = np.repeat(held | saturated, stop - first)
     spikes = _find_single_spikes(x, digit) | _find_wide_spikes(x, digit)
     spikes &= ~ndimage.binary_dilation(taken, iterations=2)

@@ -205,7 +205,12 @@ def _find_sample_faults(
             stop=stretch.stop,
             start_s=channel.get_time(stretch.first),
         )
-        for stretch in find_defects(np.asarray(samples, dtype=float), moving)
+        for stretch in find_defects(
+            np.asarray(samples, dtype=float),
+            moving,
+            # without harmonics the pilot may hold a surface: not at its stops, and no dropout
+            may_be_held=channel.role is Role.INPUT and moving is None,
+        )
         if not any(
             first <= stretch.first and stretch.stop <= stop for first, stop in steps.stretches
         )
