@@ -43,6 +43,15 @@ _SUFFIXES = {
 
 _ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
 
+_DELTA = "(?:del(?:ta)?_?)?"  # before a surface: elsewhere it may begin another word, as in delay
+_SURFACES = {
+    "elevator": "el|elev|elevator|stab|stabilator",
+    "aileron": "ail|aileron",
+    "rudder": "rud|rdr|rudder",
+    "elevon": "elevon",
+    "flaperon": "flaperon",
+}
+
 # Pattern of the whole name in lower case, name in flexsid, usual unit, role.
 _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     ("alpha|aoa|alfa", "alpha", _ANGLE, Role.OUTPUT),
@@ -56,18 +65,16 @@ _KNOWN: tuple[tuple[str, str, str, Role], ...] = (
     (r"(?:acc|accel|a|n)_?(?P<tail>[xyz](?:_\w+)?)", "a{tail}", _ACCELERATION, Role.OUTPUT),
     (r"accel_(?P<tail>\w+)", "az_{tail}", _ACCELERATION, Role.OUTPUT),
     (r"(?:s|strain|sg)_(?P<tail>\w+)", "s_{tail}", "ustrain", Role.OUTPUT),
-    ("el|de|elev|elevator|stab|stabilator", "elevator", _ANGLE, Role.INPUT),
-    ("ail|da|aileron", "aileron", _ANGLE, Role.INPUT),
-    ("rdr|dr|rud|rudder", "rudder", _ANGLE, Role.INPUT),
+    ("(?:d|del|delta)_?e", "elevator", _ANGLE, Role.INPUT),
+    ("(?:d|del|delta)_?a", "aileron", _ANGLE, Role.INPUT),
+    ("(?:d|del|delta)_?r", "rudder", _ANGLE, Role.INPUT),
     *(
-        (rf"(?:{names})_?(?P<tail>l|r|lh|rh|left|right)", f"{surface}_{{tail}}", _ANGLE, Role.INPUT)
-        for surface, names in (
-            *(("elevator", "el|elev|elevator|stab|stabilator"), ("aileron", "ail|aileron")),
-            *(("rudder", "rud|rdr|rudder"), ("elevon", "elevon"), ("flaperon", "flaperon")),
-        )
+        (rf"{_DELTA}(?:{names}){tail}", surface + ending, _ANGLE, Role.INPUT)
+        for surface, names in _SURFACES.items()
+        for tail, ending in (("", ""), ("_?(?P<tail>l|r|lh|rh|left|right)", "_{tail}"))
     ),
-    (r"(?P<tail>(?:bf|wf\d)[slra]?)", "{tail}", _ANGLE, Role.INPUT),
-    (r"del_?(?P<tail>\w+)", "{tail}", _ANGLE, Role.INPUT),
+    (rf"{_DELTA}(?P<tail>(?:bf|wf\d)[slra]?)", "{tail}", _ANGLE, Role.INPUT),
+    (r"del_(?P<tail>\w+)", "{tail}", _ANGLE, Role.INPUT),
     ("v|vt|tas|vtas|ktas|airspeed|true_?airspeed", "airspeed", _SPEED, Role.CONDITION),
     ("ias|cas|kias|kcas", "indicated_airspeed", _SPEED, Role.CONDITION),
     ("h|alt|altitude|hp|pressure_?alt(?:itude)?", "altitude", "ft", Role.CONDITION),
