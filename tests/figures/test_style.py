@@ -30,7 +30,8 @@ def test_every_colour_stands_out_on_both_pages(colour, page):
 
 
 def test_meanings_of_colours_are_also_shown_by_symbols():
-    for looks in (style.METHODS.values(), style.PREDICTIONS, map(style.of_index, range(7))):
+    methods = [*style.METHODS.values(), style.OTHER_METHOD]
+    for looks in (methods, style.PREDICTIONS, map(style.of_index, range(7))):
         listed = list(looks)
         assert len({colour for colour, _ in listed}) == len(listed)
         assert len({symbol for _, symbol in listed}) == len(listed)

@@ -126,7 +126,7 @@ def select_styles(sources: tuple[ComparedSource, ...]) -> dict[str, tuple[str, s
     seen: Counter[str] = Counter()
     predictions: dict[int | None, int] = {}
     for source in sources:
-        if source.kind in style.METHODS:
+        if not source.is_prediction:
             looks[source.key] = style.of_method(source.kind, seen[source.kind])
             seen[source.kind] += 1
         else:

@@ -16,7 +16,7 @@ def draw_fit(value: FitPlot) -> Spec:
     """Draw measured data as markers, fitted data as a curve, or for OE as rings."""
     if not value.traces:
         return empty("No fitted data")
-    colour, symbol = style.METHODS[value.method.value]
+    colour, symbol = style.of_method(value.method.value)
     points = {
         "mode": "markers",
         "marker": {"color": style.MEASURED, "symbol": symbol, "size": 5},

@@ -20,6 +20,7 @@ from flexsid.figures.spec import (
 from flexsid.nomenclature import Symbol, describe
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
+from flexsid.records.run import sort_methods
 
 _SYMBOLS = {
     LimitedQuantity.DYNAMIC_PRESSURE: "dynamic_pressure",
@@ -67,7 +68,7 @@ def draw_slice(value: DerivativeSlice) -> Spec:
                 hovertemplate=f"%{{y:.5g}}<extra>{value.prediction_source}</extra>",
             )
         )
-    kinds = (*style.METHODS, _OUTLYING)
+    kinds = (*sort_methods(p.kind for p in value.points), _OUTLYING)
     data += [_draw_points(value, kind, symbol) for kind in kinds]
     layout = plane(
         {**title(symbol.axis_title), "zeroline": False}, title(format_axis_title(value.name)), 1.5
@@ -156,7 +157,7 @@ def _draw_band(
 
 def _draw_points(value: DerivativeSlice, kind: str, symbol: Symbol) -> Spec:
     own = [p for p in value.points if (_OUTLYING if p.is_outlying else p.kind) == kind]
-    colour, mark = (style.FLAG, "x") if kind == _OUTLYING else style.METHODS[kind]
+    colour, mark = (style.FLAG, "x") if kind == _OUTLYING else style.of_method(kind)
     return scatter(
         column(np.array([p.x for p in own]) * symbol.display_factor, exact=True),
         column([p.value for p in own], exact=True),

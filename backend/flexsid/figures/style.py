@@ -25,16 +25,19 @@ GRID = "rgba(134,142,150,0.25)"
 MARKER_LINE = GREY
 
 METHODS = {"OE": (BLUE, "circle"), "FRE": (VERMILION, "square"), "EE": (GREEN, "diamond")}
+OTHER_METHOD = (VIOLET, "hexagon")  # of an installed package
 PREDICTIONS = ((PINK, "triangle-up"), (OCHRE, "triangle-down"), (VIOLET, "star"), (TEAL, "cross"))
 
 
 _REPEATS = ("", "-open", "-cross-open", "-x-open", "-open-dot")
+_REPEATS_OF_OTHERS = ("", "-open", "-open-dot", "-dot")  # a hexagon has no cross inside
 
 
 def of_method(method: str, repeat: int = 0) -> tuple[str, str]:
     """Return colour and symbol of a method, with other fillings for further runs."""
-    colour, symbol = METHODS[method]
-    return colour, symbol + _REPEATS[repeat % len(_REPEATS)]
+    colour, symbol = METHODS.get(method, OTHER_METHOD)
+    fillings = _REPEATS if method in METHODS else _REPEATS_OF_OTHERS
+    return colour, symbol + fillings[repeat % len(fillings)]
 
 
 def of_index(index: int) -> tuple[str, str]:

@@ -26,7 +26,11 @@ def draw_time_check(value: TimeCheck) -> Spec:
         headings.append(title(f"{quantity.title}<br>R² = {trace.r_squared:.3f}"))
         for name, samples, colour in (
             ("measured", trace.measured, style.GREY),
-            (f"{value.method.value} model", trace.simulated, style.METHODS[value.method.value][0]),
+            (
+                f"{value.method.value} model",
+                trace.simulated,
+                style.of_method(value.method.value)[0],
+            ),
         ):
             drawn = select_samples(trace.time_s, samples, value.points)
             data.append(

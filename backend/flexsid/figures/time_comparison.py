@@ -95,7 +95,7 @@ def _select_styles(value: TimeComparison) -> dict[int, tuple[str, str]]:
     for one in (one for record in value.records for one in record.simulated):
         if one.run_id not in looks:
             method = one.method.value
-            colour = style.METHODS.get(method, (style.VIOLET, ""))[0]
+            colour = style.of_method(method)[0]
             looks[one.run_id] = (colour, _DASHES[repeats[method] % len(_DASHES)])
             repeats[method] += 1
     return looks

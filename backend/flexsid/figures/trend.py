@@ -9,6 +9,7 @@ from flexsid.figures.labels import format_axis_title
 from flexsid.figures.spec import N_SIGMA, Spec, column, error_bars, plane, scatter, title
 from flexsid.nomenclature import describe
 from flexsid.records.comparison import Against, DerivativeTrend, TrendLine
+from flexsid.records.run import sort_methods
 
 _SYMBOLS = {
     Against.DYNAMIC_PRESSURE: "dynamic_pressure",
@@ -22,11 +23,11 @@ def draw_trend(value: DerivativeTrend) -> Spec:
     data: list[Spec] = []
     predictions = iter(style.PREDICTIONS * 4)
     for line in value.lines:
-        if line.kind in style.METHODS:
-            data += _draw_fit(line, value.against)
-        else:
+        if line.std_errors is None:
             data.append(_draw_prediction(line, next(predictions), value.against))
-    data += [_draw_points(value, kind) for kind in style.METHODS]
+        else:
+            data += _draw_fit(line, value.against)
+    data += [_draw_points(value, kind) for kind in sort_methods(p.kind for p in value.points)]
     y_axis = {**title(format_axis_title(value.name)), "zeroline": True}
     layout = plane(_lay_out_x(value.against), y_axis, 1.5)
     return {"data": [trace for trace in data if len(trace["x"]) > 0], "layout": layout}
@@ -45,7 +46,7 @@ def _scale_x(x: tuple[float, ...], against: Against) -> Spec | list[str]:
 
 
 def _draw_points(value: DerivativeTrend, kind: str) -> Spec:
-    colour, symbol = style.METHODS[kind]
+    colour, symbol = style.of_method(kind)
     own = [point for point in value.points if point.kind == kind]
     return scatter(
         _scale_x(tuple(point.x for point in own), value.against),
@@ -61,7 +62,7 @@ def _draw_points(value: DerivativeTrend, kind: str) -> Spec:
 
 
 def _draw_fit(line: TrendLine, against: Against) -> list[Spec]:
-    colour, _ = style.METHODS[line.kind]
+    colour, _ = style.of_method(line.kind)
     assert line.std_errors is not None
     values, errors = np.array(line.values), N_SIGMA * np.array(line.std_errors)
     x = _scale_x(line.x, against)

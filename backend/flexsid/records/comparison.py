@@ -13,7 +13,7 @@ PREDICTED = "prediction"  # kind of the sources that were not estimated from fli
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComparedSource:
-    """One column of a comparison; ``kind`` is OE, FRE, EE or prediction.
+    """One column of a comparison; ``kind`` is a method or prediction.
 
     ``changed_since`` names data of a run that were corrected after it was computed, ``adequacy``
     is the result of its tests for remaining model error.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
@@ -50,9 +50,27 @@ class Method(StrEnum):
     def _missing_(cls, value: object) -> Method | None:
         if not isinstance(value, str) or value not in list_extension_names(ESTIMATORS):
             return None
+        return cls._make_member(value)
+
+    @classmethod
+    def restore(cls, value: str) -> Method:
+        """Return the method of a stored run, even if its package is no longer installed."""
+        try:
+            return cls(value)
+        except ValueError:
+            return cls._make_member(value)
+
+    @classmethod
+    def _make_member(cls, value: str) -> Method:
         member = str.__new__(cls, value)
         member._name_, member._value_ = value, value
         return member
+
+
+def sort_methods(methods: Iterable[str]) -> list[str]:
+    """Sort methods without repeats: those of flexsid first, then those of packages by name."""
+    given, known = set(methods), [method.value for method in Method]
+    return [one for one in known if one in given] + sorted(given.difference(known))
 
 
 class RunState(StrEnum):

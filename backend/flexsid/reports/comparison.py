@@ -27,7 +27,7 @@ from flexsid.workflow.comparison.derivative_comparison import (
     list_coefficients,
     select_coefficient,
 )
-from flexsid.workflow.fits.estimators import find_estimator
+from flexsid.workflow.fits.estimators import get_title
 from flexsid.workflow.model_structures.run_results import describe_data_changes
 
 _ABREAST = 6  # sources in one table, by page width
@@ -163,7 +163,7 @@ def _list_sources(store: Store, compared: Comparison) -> ReportTable:
         if not source.is_prediction and source.run_id is not None:
             run = store.runs.get(source.run_id)
             maneuver = store.maneuvers.get(run.maneuver_id)
-            what, where = find_estimator(run.method).title, maneuver.label
+            what, where = get_title(run.method), maneuver.label
             speed = converted(maneuver.condition.airspeed_m_s, "m/s")
             fuel = f"{maneuver.condition.fuel_fraction:.2f}"
         rows.append((source.label, what, where, speed, fuel))

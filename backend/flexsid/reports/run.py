@@ -28,7 +28,7 @@ from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
-from flexsid.workflow.fits.estimators import find_estimator
+from flexsid.workflow.fits.estimators import get_title
 from flexsid.workflow.model_structures.run_results import describe_data_changes
 from flexsid.workflow.review.notes import list_notes
 from flexsid.workflow.runs.run_templates import get_run_template, list_changed_settings
@@ -52,7 +52,7 @@ def run_report(store: Store, run_id: int) -> Report:
     flight = store.flights.get(maneuver.flight_id)
     aircraft = store.aircraft.get(maneuver.aircraft_id)
     return Report(
-        title=f"{find_estimator(run.method).title}, run {run_id}",
+        title=f"{get_title(run.method)}, run {run_id}",
         subtitle=f"{maneuver.label}, flight {flight.number} of {aircraft.name}",
         name=f"flexsid-run-{run_id}",
         sections=(

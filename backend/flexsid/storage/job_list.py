@@ -248,7 +248,7 @@ def _build_item(row: RowMapping, position: int | None) -> JobItem:
     values |= {
         "title": label or values["title"],
         "request": values["request"] if upload_id is None else {"upload_id": upload_id},
-        "method": None if values["method"] is None else Method(values["method"]),
+        "method": None if values["method"] is None else Method.restore(values["method"]),
         "state": RunState(values["state"]),
         "position": position,
         "progress": None if progress is None else Progress(**progress),

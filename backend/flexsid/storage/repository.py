@@ -17,6 +17,7 @@ from sqlalchemy.engine import Connection
 from sqlalchemy.exc import IntegrityError
 
 from flexsid.errors import Conflict, UnknownRecord
+from flexsid.records.run import Method
 from flexsid.storage.database import Database, NotFinite
 from flexsid.storage.reading import read_once
 
@@ -74,6 +75,7 @@ class Repository(Generic[R]):
         self._derived = derived or {}
         names = (field.name for field in fields(record))
         self.fields = tuple(name for name in names if name not in self._derived)
+        self._methods = [n for n, kind in get_type_hints(record).items() if kind is Method]
         self._nested = {name for name in self.fields if isinstance(table.c[name].type, sa.JSON)}
 
     def add(self, record: R) -> R:
@@ -176,6 +178,7 @@ class Repository(Generic[R]):
 
     def _values(self, row: sa.RowMapping) -> dict[str, Any]:
         values = {name: row[name] for name in self.fields}
+        values |= {name: Method.restore(values[name]) for name in self._methods}
         return values | {name: derive(values) for name, derive in self._derived.items()}
 
     def _get(self, identity: int, *, lock: bool = False) -> R:

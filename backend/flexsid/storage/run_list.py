@@ -220,7 +220,7 @@ def count_runs(connection: Connection, filters: RunFilters) -> Facets:
 def _make_item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) -> RunItem:
     return RunItem(
         **{column.name: row[column.name] for column in _shown},
-        method=Method(row["method"]),
+        method=Method.restore(row["method"]),
         state=RunState(row["state"]),
         axis=row["axis"] or LONGITUDINAL.axis,  # not stored by earlier releases
         modes=tuple(row["modes"]),

@@ -204,6 +204,12 @@ export const METHOD_NAMES: Record<Method, string> = {
 export const methodName = (method: string): string =>
   new Map<string, string>(Object.entries(METHOD_NAMES)).get(method) ?? method;
 
+/** Whether the data sets of a run are coefficients, as of equation error, and not outputs. */
+export const fitsCoefficients = ({ method, blocks }: Pick<Run, "method" | "blocks">): boolean =>
+  method === "EE" ||
+  (!METHODS.some((one) => one === method) &&
+    blocks.every(({ name, outputs }) => outputs.length === 1 && name.endsWith(outputs[0] ?? "")));
+
 /** A run that will not change any more. */
 export const isOver = (state: RunState): boolean => state !== "queued" && state !== "running";
 

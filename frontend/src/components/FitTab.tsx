@@ -1,5 +1,5 @@
 import { SegmentedControl, Stack } from "@mantine/core";
-import type { Run } from "../api/types";
+import { fitsCoefficients, type Run } from "../api/types";
 import { bandOf, overFrequency, windowOf } from "../lib/band";
 import type { RunView } from "../views";
 import { BandBar } from "./BandBar";
@@ -65,7 +65,7 @@ export function BlockPicker({ run, view, onChange }: RunTabProps) {
   if (run.blocks.length < 2) return null;
   return (
     <SegmentedControl
-      aria-label={run.method === "EE" ? "Coefficient" : "Input"}
+      aria-label={fitsCoefficients(run) ? "Coefficient" : "Input"}
       data={run.blocks.map((block) => block.name)}
       value={view.block ?? run.blocks[0]?.name}
       style={{ alignSelf: "flex-start", maxWidth: "100%", overflowX: "auto" }}

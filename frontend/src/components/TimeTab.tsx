@@ -1,6 +1,7 @@
 import { MultiSelect, Select, Stack, Text } from "@mantine/core";
 import { useInfiniteQuery, useQuery } from "@tanstack/react-query";
 import { maneuverQuery, maneuversQuery } from "../api/queries";
+import { fitsCoefficients } from "../api/types";
 import { overTime } from "../lib/band";
 import { integer } from "../lib/urlState";
 import { Figure } from "./Figure";
@@ -15,7 +16,7 @@ export function TimeTab({ run, view, onChange }: RunTabProps) {
     .flatMap((page) => page.items)
     .filter((one) => one.aircraft_id === own.data?.aircraft_id);
   // Equation error stores coefficients, not outputs: its model has the usual outputs.
-  const outputs = run.method === "EE" ? [] : (run.blocks[0]?.outputs ?? []);
+  const outputs = fitsCoefficients(run) ? [] : (run.blocks[0]?.outputs ?? []);
   const shared = overTime(view, onChange);
   return (
     <div className="split" style={{ gridTemplateColumns: "minmax(220px, 260px) minmax(0, 1fr)" }}>

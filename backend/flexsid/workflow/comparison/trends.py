@@ -10,7 +10,7 @@ from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
 from flexsid.records.comparison import Against, DerivativeTrend, TrendLine, TrendPoint
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import Method
+from flexsid.records.run import sort_methods
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.trend import fit_trend
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
@@ -89,8 +89,8 @@ def fit_derivative_trend(
         )
     lines = [
         line
-        for method in Method
-        if (line := _fit_line(method.value, points, 0 if against is Against.FTA else degree))
+        for kind in sort_methods(point.kind for point in points)
+        if (line := _fit_line(kind, points, 0 if against is Against.FTA else degree))
     ]
     lines += _build_predicted_lines(store, prediction_ids, name, list(flown.values()))
     return DerivativeTrend(

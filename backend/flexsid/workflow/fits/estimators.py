@@ -129,6 +129,12 @@ def find_estimator(method: Method) -> Estimator:
     return estimators[method]
 
 
+def get_title(method: Method) -> str:
+    """Return the title of a method; its name if its package is no longer installed."""
+    known = load_estimators().get(method)
+    return method.value if known is None else known.title
+
+
 @cache
 def load_estimators() -> Mapping[str, Estimator]:
     """Load all estimators by method, first those of flexsid.

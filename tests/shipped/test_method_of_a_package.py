@@ -1,0 +1,139 @@
+"""A run by the estimator of an installed package, on every route and figure."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import sysconfig
+import venv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx2
+import pytest
+import shipped
+from rigid_record import make_pulses, simulate, write_record
+from shipped import Client, ask_command, serving
+from waiting import wait_until
+
+METHOD = "least-squares"
+PROJECT = f"""
+[build-system]
+requires = ["hatchling"]
+build-backend = "hatchling.build"
+[project]
+name = "vendor"
+version = "2.0"
+[project.entry-points."flexsid.estimators"]
+{METHOD} = "vendor:ESTIMATOR"
+"""
+MODULE = """
+from flexsid.workflow.fits.estimators import Estimator, fit_regressions
+ESTIMATOR = Estimator(title="Least squares", fit=fit_regressions)
+"""
+GIVEN = {
+    **{"name": "Cm_alpha", "output": "q", "input": "elevator", "channel": "q", "against": "fta"},
+    **{"y": "Cm_alpha", "x": "airspeed_ratio", "derivative": "Cm_alpha", "axis": "longitudinal"},
+}
+"""Parameters of routes that are no id."""
+SHOWN = (
+    *("runs", "runs/1", "runs/1/export", "runs/1/model", "runs/facets", "jobs", "jobs/1"),
+    *("maneuvers", "maneuvers/1", "aircraft/1/dashboard", "reports/run/1"),
+    *(f"figures/{name}?run_id=1" for name in ("fit", "poles", "residual", "time-check")),
+    *(f"{name}?run_ids=1" for name in ("comparisons", "reports/comparison", "figures/derivatives")),
+    "figures/trend?run_ids=1&name=Cm_alpha",
+)
+
+
+def install(folder: Path) -> Path:
+    """Install the package beside flexsid in an environment of its own; return its programs."""
+    package = folder / "package"
+    package.mkdir()
+    (package / "pyproject.toml").write_text(PROJECT)
+    (package / "vendor.py").write_text(MODULE)
+    environment = folder / "environment"
+    venv.create(environment, symlinks=True)
+    paths = {"base": str(environment), "platbase": str(environment)}
+    target = Path(sysconfig.get_path("purelib", "venv", paths))
+    shared = sysconfig.get_path("purelib")
+    (target / "shared.pth").write_text(f"import site; site.addsitedir({shared!r})\n")
+    options = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")
+    pip = (sys.executable, "-m", "pip", "install", "--quiet", *options, "--target", target)
+    subprocess.run([*pip, str(package)], check=True)
+    programs = environment / "bin"
+    program = programs / "flexsid"
+    program.write_text(
+        f"#!{programs / 'python'}\n"
+        "import sys\nfrom flexsid.cli.main import main\nsys.exit(main())\n"
+    )
+    program.chmod(0o755)
+    return program
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, Path]:
+    """Folder and database with two runs, and the command in the environment of the package."""
+    folder = tmp_path_factory.mktemp("package")
+    database = f"sqlite:///{folder / 'flexsid.db'}"
+    columns = simulate(7.5, lambda time: make_pulses(time, (0.6, 1), (0.6, -1)))
+    record, mapping = write_record(folder, columns)
+    ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
+    program = install(folder)
+    with serving_by(program, folder, database) as client:
+        for method in (METHOD, "EE"):
+            body = {"maneuver_id": 1, "method": method, "structure": {"modes": []}}
+            run = client.send("post", "runs", body)
+            assert client.wait_for_end(f"runs/{run['id']}")["state"] == "succeeded"
+    return folder, database, program
+
+
+@contextmanager
+def serving_by(program: Path, folder: Path, database: str) -> Iterator[Client]:
+    """Serve by the command of an environment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shipped, "PROGRAM", program)
+        with serving(folder, database) as server:
+            yield server.connect()
+
+
+def list_addresses(client: Client) -> Iterator[str]:
+    """List every address of the description that can be read, with the ids of the first records."""
+    for path, methods in client.get("/api/v1/openapi.json")["paths"].items():
+        if "get" not in methods or "event-stream" in str(methods["get"]["responses"]):
+            continue
+        asked = []
+        for one in methods["get"].get("parameters", []):
+            name, is_id = one["name"], one["name"].endswith(("_id", "_ids")) or one["name"] == "ids"
+            value = GIVEN.get(name, "1")
+            if one["in"] == "path":
+                path = path.replace(f"{{{name}}}", value)
+            elif one["in"] == "query" and (one.get("required") or (is_id and "run" in name)):
+                asked.append(f"{name}={value}")
+        yield path + ("?" + "&".join(asked) if asked else "")
+
+
+def read_all(client: Client) -> dict[str, httpx2.Response]:
+    """Read every address, once more when the results that it draws or lists are computed."""
+    wait_until(lambda: client.request("get", "health/ready").is_success, "the dispatcher")
+    addresses = list(list_addresses(client))
+    responses = [client.request("get", address) for address in addresses]
+    responses += [client.request("post", one) for one in addresses if "/results" in one]
+    for state in ("queued", "running"):
+        address = f"jobs?state={state}"
+        wait_until(lambda address=address: not client.get(address)["items"], "the results")
+    assert [one.text for one in responses if one.status_code >= 500] == []
+    return {address: client.request("get", address) for address in addresses}
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_no_route_and_no_figure_fails(campaign: tuple[Path, str, Path], installed: bool) -> None:
+    folder, database, program = campaign
+    with serving_by(program if installed else shipped.PROGRAM, folder, database) as client:
+        responses = read_all(client)
+        shown = {path: client.request("get", path).status_code for path in SHOWN}
+        body = {"maneuver_id": 1, "method": METHOD, "structure": {"modes": []}}
+        repeated = client.request("post", "runs", body).status_code
+    assert {path: one.text for path, one in responses.items() if one.status_code >= 500} == {}
+    assert shown == dict.fromkeys(SHOWN, 200)
+    assert repeated == (200 if installed else 422)
