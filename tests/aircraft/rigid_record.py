@@ -40,6 +40,11 @@ def make_pulses(time: np.ndarray, *pulses: tuple[float, int]) -> np.ndarray:
     return np.round(0.03 * np.convolve(steps, edge / edge.sum(), "same"), 6)
 
 
+def simulate_doublet() -> dict[str, np.ndarray]:
+    """Return a record of 7.5 s with a doublet."""
+    return simulate(7.5, lambda time: make_pulses(time, (0.6, 1), (0.6, -1)))
+
+
 def simulate(
     duration_s: float, deflect: Callable[[np.ndarray], np.ndarray]
 ) -> dict[str, np.ndarray]:

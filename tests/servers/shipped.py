@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import httpx2
+from ports import find_free_port
 from waiting import PATIENCE_S, wait_until
 
 PROGRAM = Path(sys.executable).parent / "flexsid"
@@ -58,10 +58,15 @@ def ask_command(folder: Path, database: str, *arguments: str) -> Any:
 class Server:
     """A server that runs, and the process that serves."""
 
-    url: str
+    port: int
     process: subprocess.Popen[bytes]
     log: Path
     clients: list[httpx2.Client] = field(default_factory=list)
+
+    @property
+    def url(self) -> str:
+        """Address of the server."""
+        return f"http://127.0.0.1:{self.port}"
 
     def connect(self, **options: Any) -> Client:
         """Return a client without log-in; ``serving`` closes it."""
@@ -119,7 +124,7 @@ def serving(
     folder: Path, database: str, *options: str, command: str = "serve", **variables: str
 ) -> Iterator[Server]:
     """Start ``flexsid serve`` in a folder, until the block ends."""
-    port, log = _find_free_port(), folder / "server.log"
+    port, log = find_free_port(), folder / "server.log"
     with log.open("ab") as output:
         process = subprocess.Popen(
             [PROGRAM, command, "--database", database, *options],
@@ -128,7 +133,7 @@ def serving(
             stdout=output,
             stderr=output,
         )
-    server = Server(f"http://127.0.0.1:{port}", process, log)
+    server = Server(port, process, log)
     try:
         probe = server.connect().http
         wait_until(lambda: _responds(probe, server), "the start of the server")
@@ -166,9 +171,3 @@ def _responds(probe: httpx2.Client, server: Server) -> bool:
         return probe.get(f"{API}/health/live").is_success
     except httpx2.TransportError:
         return False
-
-
-def _find_free_port() -> int:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]

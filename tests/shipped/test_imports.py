@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
-from rigid_record import write_record
+from rigid_record import simulate_doublet, write_record
 from shipped import Client, serving
 from waiting import wait_until
 
@@ -45,7 +45,7 @@ def test_every_process_imports_from_the_installation_only(campaign: Path, tmp_pa
 
 
 def import_record(client: Client, folder: Path) -> None:
-    record, mapping = write_record(folder)
+    record, mapping = write_record(folder, simulate_doublet())
     upload = client.upload(record)["upload"]["id"]
     body = {"mapping": mapping.read_text(), "confirmed": True}
     job = client.send("post", f"uploads/{upload}/import", body)

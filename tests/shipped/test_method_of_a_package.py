@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx2
 import pytest
 import shipped
-from rigid_record import make_pulses, simulate, write_record
+from rigid_record import simulate_doublet, write_record
 from shipped import Client, ask_command, serving
 from waiting import wait_until
 
@@ -76,7 +76,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, Path]
     """Folder and database with two runs, and the command in the environment of the package."""
     folder = tmp_path_factory.mktemp("package")
     database = f"sqlite:///{folder / 'flexsid.db'}"
-    columns = simulate(7.5, lambda time: make_pulses(time, (0.6, 1), (0.6, -1)))
+    columns = simulate_doublet()
     record, mapping = write_record(folder, columns)
     ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
     program = install(folder)

@@ -11,7 +11,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid_record import DERIVATIVES, SHORT_PERIOD_HZ, make_pulses, simulate, write_record
+from rigid_record import (
+    DERIVATIVES,
+    SHORT_PERIOD_HZ,
+    make_pulses,
+    simulate,
+    simulate_doublet,
+    write_record,
+)
 from shipped import Client, ask_command, make_environment, serving
 from waiting import wait_until
 
@@ -23,11 +30,6 @@ import sys
 from flexsid.client import Workbench
 print(Workbench(sys.argv[1]).submit(1, "OE", modes=[]))
 """
-
-
-def make_doublet() -> dict[str, np.ndarray]:
-    """The elevator is constant between the smooth edges of its pulses."""
-    return simulate(DURATION_S, lambda time: make_pulses(time, (0.6, 1), (0.6, -1)))
 
 
 def make_coarse_step() -> dict[str, np.ndarray]:
@@ -63,7 +65,7 @@ class Doublet:
 def doublet(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Doublet]:
     folder = tmp_path_factory.mktemp("doublet")
     database = f"sqlite:///{folder / 'flexsid.db'}"
-    record, mapping = write_record(folder, make_doublet())
+    record, mapping = write_record(folder, simulate_doublet())
     ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
     with serving(folder, database) as server:
         yield Doublet(server.url, server.connect(), folder, database)
@@ -165,7 +167,7 @@ def test_a_held_surface_is_sound(doublet: Doublet, tmp_path: Path) -> None:
 
 
 def test_a_clipped_and_a_frozen_sensor_are_not(doublet: Doublet, tmp_path: Path) -> None:
-    columns = make_doublet()
+    columns = simulate_doublet()
     columns["q"] = np.clip(columns["q"], -0.05, 0.05)
     columns["alpha"][200:240] = columns["alpha"][200]
     quality = assess(doublet.client, doublet.add(tmp_path, columns))

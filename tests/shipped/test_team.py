@@ -13,13 +13,12 @@ from typing import Any
 
 import httpx2
 import pytest
-from rigid_record import write_record
+from rigid_record import simulate_doublet, write_record
 from shipped import Client, Server, ask_command, invite, serving, set_password
 
 SECRET = "5b7d" * 16
 RANKS = ("viewer", "analyst", "reviewer", "admin")
 STRUCTURE = {"modes": []}
-BAND = {"band_hz": [0.3, 5.0]}
 DESIGN = {
     "duration_s": 24.0,
     "rate_hz": 50.0,
@@ -45,7 +44,7 @@ REQUESTS: tuple[tuple[str, str, str, Any], ...] = (
         "analyst",
         "post",
         "searches",
-        {"maneuver_ids": [1], "method": "EE", "structure": STRUCTURE, "settings": BAND},
+        {"maneuver_ids": [1], "method": "EE", "structure": STRUCTURE},
     ),
     ("analyst", "post", "designs", DESIGN),
     ("analyst", "post", "quality/assess", {"maneuver_ids": [1]}),
@@ -100,7 +99,7 @@ def test_each_role_does_what_it_may(
     ask_command(tmp_path, database, "migrate")
     for aircraft in ("Falke", "Habicht"):
         (tmp_path / aircraft).mkdir()
-        files = write_record(tmp_path / aircraft, aircraft=aircraft)
+        files = write_record(tmp_path / aircraft, simulate_doublet(), aircraft)
         ask_command(tmp_path, database, "import", str(files[0]), "--mapping", str(files[1]))
     members = {role.title(): role for role in RANKS}
     codes = [invite(tmp_path, database, name, (role, "Falke")) for name, role in members.items()]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from pathlib import Path
 
 import psycopg
 import pytest
-from started import Server, run_command, start_server
+from shipped import Server, ask_command, run_command, serving
 from waiting import wait_until
 
 WRITERS = 4
@@ -46,30 +45,30 @@ class Notes:
         wait_until(lambda: len(self.acknowledged) >= total, f"{total} notes")
 
     def _write(self, writer: int) -> None:
+        client = self._server.connect(headers={"X-Flexsid-Analyst": "Ann"})
         number = 0
         while not self._stop.is_set():
             number += 1
             note = {"subject": "maneuver", "key": "1", "text": f"note {number} of {writer}"}
-            response = self._server.request("POST", "/notes", note, {"X-Flexsid-Analyst": "Ann"})
-            if response.status == 201:
-                self.acknowledged.append((response.body["id"], note["text"]))
+            response = client.request("post", "notes", note)
+            if response.status_code == 201:
+                self.acknowledged.append((response.json()["id"], note["text"]))
             else:
-                self.others.add((response.status, response.body["code"]))
+                self.others.add((response.status_code, response.json()["code"]))
 
 
 @BOTH
 def test_no_note_is_lost_by_a_restore(flown_url: str, tmp_path: Path) -> None:
     copy = tmp_path / "copy.db"
-    with start_server(flown_url) as server:
+    with serving(tmp_path, flown_url) as server:
         notes = Notes(server)
         with notes.writing():
             notes.wait_for(20)
-            assert run_command(flown_url, "backup", str(copy)).returncode == 0
+            ask_command(tmp_path, flown_url, "backup", str(copy))
             notes.wait_for(20)
-            restored = run_command(flown_url, "restore", str(copy), "--json")
-            assert restored.returncode == 0, restored.stderr
+            restored = ask_command(tmp_path, flown_url, "restore", str(copy))
             notes.wait_for(20)
-    before = f"sqlite:///{json.loads(restored.stdout)['before']}"
+    before = f"sqlite:///{restored['before']}"
     previous, present = _read_notes(before), _read_notes(flown_url)
     lost = [one for one in notes.acknowledged if one not in previous | present]
     assert lost == []
@@ -77,7 +76,7 @@ def test_no_note_is_lost_by_a_restore(flown_url: str, tmp_path: Path) -> None:
     assert len(set(ids)) == len(ids), "an id was given twice"
     assert notes.others <= {(503, "database-unavailable")}
     for url in (before, flown_url):
-        checked = run_command(url, "check")
+        checked = run_command(tmp_path, url, "check")
         assert checked.returncode == 0, checked.stdout
 
 

@@ -7,10 +7,11 @@ import socket
 import sqlite3
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
 
 import psycopg
 import pytest
-from started import Server, run_command, start_server
+from shipped import Server, invite, serving, set_password
 from waiting import PATIENCE_S, wait_until
 
 NOTE = {"subject": "maneuver", "key": "1", "text": "noted"}
@@ -46,25 +47,20 @@ def _sending(server: Server, *texts: str) -> Iterator[list[socket.socket]]:
         yield connections
 
 
-def test_half_sent_requests_stop_neither_writes_nor_log_ins(flown_url: str) -> None:
-    invited = run_command(flown_url, "users", "add", "Ann", "analyst", "--json")
-    code = json.loads(invited.stdout)["invitation"].partition("#")[2]
-    account = {"name": "Ann", "password": "correct horse battery"}
-    with start_server(flown_url, FLEXSID_MODE="team") as server:
-        invitation = {"code": code, "password": account["password"]}
-        assert server.request("POST", "/invitations", invitation).status == 204
+def test_half_sent_requests_stop_neither_writes_nor_log_ins(flown_url: str, tmp_path: Path) -> None:
+    code = invite(tmp_path, flown_url, "Ann", ("analyst", "all"))
+    with serving(tmp_path, flown_url, FLEXSID_MODE="team") as server:
+        set_password(server, code)
         with _sending(server, *HALF * 3):
             # Each of them has arrived, as far as it was sent.
-            assert server.request("GET", "/session").status == 200
-            login = server.request("POST", "/session", account)
-            assert login.status == 200
-            cookie = {"Cookie": login.cookie}
-            assert server.request("POST", "/notes", NOTE, cookie).status == 201
-            assert server.request("GET", "/notes?maneuver_id=1", None, cookie).status == 200
+            assert server.connect().request("get", "session").status_code == 200
+            client = server.log_in("Ann")
+            assert client.request("post", "notes", NOTE).status_code == 201
+            assert client.request("get", "notes?maneuver_id=1").status_code == 200
 
 
-def test_requests_that_do_not_arrive_are_refused(flown_url: str) -> None:
-    with start_server(flown_url) as server, _sending(server, *HALF) as connections:
+def test_requests_that_do_not_arrive_are_refused(flown_url: str, tmp_path: Path) -> None:
+    with serving(tmp_path, flown_url) as server, _sending(server, *HALF) as connections:
         responses = [_read_to_end(one) for one in connections]
         for response in responses[:-1]:
             head, _, body = response.partition("\r\n\r\n")
@@ -72,11 +68,11 @@ def test_requests_that_do_not_arrive_are_refused(flown_url: str) -> None:
             assert "connection: close" in head
             assert json.loads(body)["code"] == "request-timeout"
         assert responses[-1] == "", "nothing was begun"
-        assert server.request("GET", "/runs").status == 200
+        assert server.connect().request("get", "runs").status_code == 200
 
 
-def test_headers_without_end_are_refused(flown_url: str) -> None:
-    with start_server(flown_url) as server:
+def test_headers_without_end_are_refused(flown_url: str, tmp_path: Path) -> None:
+    with serving(tmp_path, flown_url) as server:
         for begin in (
             "GET /api/v1/runs HTTP/1.1\r\nHost: localhost\r\nX-Long: ",
             "GET /api/v1/runs?",
@@ -94,16 +90,19 @@ def test_headers_without_end_are_refused(flown_url: str) -> None:
 
 
 @pytest.mark.parametrize("backend", ["sqlite", "postgresql"])
-def test_a_server_that_cannot_write_is_not_ready(flown_url: str, backend: str) -> None:
-    with start_server(flown_url) as server:
+def test_a_server_that_cannot_write_is_not_ready(
+    flown_url: str, backend: str, tmp_path: Path
+) -> None:
+    with serving(tmp_path, flown_url) as server:
+        client = server.connect()
 
         def find_status() -> int:
-            return server.request("GET", "/health/ready").status
+            return client.request("get", "health/ready").status_code
 
         wait_until(lambda: find_status() == 204, "the start of the dispatcher")
         with _locked(flown_url):
-            refused = server.request("GET", "/health/ready")
-            assert (refused.status, refused.body["code"]) == (503, "database-unavailable")
+            refused = client.request("get", "health/ready")
+            assert (refused.status_code, refused.json()["code"]) == (503, "database-unavailable")
         wait_until(lambda: find_status() == 204, "the end of the other transaction")
 
 
