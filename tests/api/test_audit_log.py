@@ -21,7 +21,7 @@ from flexsid.storage.audit_log import read_events
 from flexsid.storage.event_chain import is_chain_intact
 from flexsid.storage.store import Store
 from flexsid.storage.tables import audit_events
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ from flexsid.storage.access import Access, Forbidden, using_access
 from flexsid.storage.channels import read_channels
 from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
-from flexsid.workflow.review.database_backup import (
+from flexsid.workflow.maintenance.database_backup import (
     BackupRequest,
     BackupTask,
     refuse_backup,

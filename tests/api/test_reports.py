@@ -15,7 +15,7 @@ from flexsid.jobs import kinds
 from flexsid.jobs.inline import execute_request
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
-from flexsid.workflow.review.printed_reports import ReportRequest
+from flexsid.workflow.maintenance.printed_reports import ReportRequest
 
 _WHO = {"X-Flexsid-Analyst": "Ann"}
 _PDF = b"%PDF-1.4 stub"

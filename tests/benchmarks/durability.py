@@ -45,9 +45,9 @@ from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.maintenance.database_check import check_database
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review
-from flexsid.workflow.review.database_check import check_database
 
 TRIALS = 200
 _WRITES = 60

@@ -40,6 +40,9 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.uploads import ImportRequest, add_upload
+from flexsid.workflow.maintenance.database_backup import BackupRequest
+from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
@@ -47,9 +50,6 @@ from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
 from flexsid.workflow.modal_data.orthogonality import OrthogonalityComputation, OrthogonalityQuery
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
-from flexsid.workflow.review.database_backup import BackupRequest
-from flexsid.workflow.review.database_check import check_database
-from flexsid.workflow.review.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery

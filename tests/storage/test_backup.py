@@ -29,7 +29,7 @@ from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 
 
 def test_backup_during_writes_is_consistent(

@@ -33,7 +33,7 @@ from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.accounts import accounts
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 from flexsid.workflow.views.dashboard import read_derivative_coverage
 
 NEWEST = max(file.name for file in migrate.find_migrations().glob("versions/*.py"))[:4]

@@ -31,7 +31,7 @@ from flexsid.workflow.importing.maneuver_cutting import (
     find_maneuvers,
     read_flight_history,
 )
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 
 N_SAMPLES = 6000
 RATE_HZ = 50.0

@@ -18,7 +18,7 @@ from flexsid.storage.channels import read_channels
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.storage.tables import aircraft, arrays, channels, maneuvers, predictions, runs
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 from flexsid.workflow.runs import estimation
 
 

@@ -79,7 +79,7 @@ from flexsid.storage.quotas import GIGABYTE, Quotas
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
-from flexsid.workflow.review.database_backup import BackupRequest
+from flexsid.workflow.maintenance.database_backup import BackupRequest
 from flexsid.workflow.review.decision_review import find_clock_error
 
 _log = logging.getLogger(__name__)

@@ -12,7 +12,7 @@ from flexsid.api.context import Context
 from flexsid.jobs.kind import submit
 from flexsid.jobs.kinds import BACKUP
 from flexsid.storage.store import Store
-from flexsid.workflow.review.database_backup import BackupRequest, is_backup_due
+from flexsid.workflow.maintenance.database_backup import BackupRequest, is_backup_due
 
 _log = logging.getLogger(__name__)
 _CHECK_S = 60.0

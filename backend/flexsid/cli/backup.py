@@ -15,7 +15,7 @@ from flexsid.settings import Settings
 from flexsid.storage import backup as copies
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.row_seals import accept_changed_rows
-from flexsid.workflow.review.database_check import check_database
+from flexsid.workflow.maintenance.database_check import check_database
 
 _RETRY_S = 3600.0  # after a backup at intervals that failed
 

@@ -15,7 +15,7 @@ from flexsid.storage.database import Database
 from flexsid.storage.signatures import SignaturePlace, check_key, read_public_key, sign_content
 from flexsid.verification.report import report_verification
 from flexsid.verification.requirements import measure_requirements
-from flexsid.workflow.review.signed_files import check_signed_file
+from flexsid.workflow.maintenance.signed_files import check_signed_file
 
 
 def verify(settings: Settings, arguments: argparse.Namespace) -> int:

@@ -37,6 +37,7 @@ from flexsid.workflow.flutter import closed_loop, flutter_analysis, flutter_mode
 from flexsid.workflow.flutter import predicted_flutter as of_prediction
 from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import remembered_columns, uploads
+from flexsid.workflow.maintenance import database_backup, printed_reports
 from flexsid.workflow.measurements import reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import (
@@ -46,7 +47,6 @@ from flexsid.workflow.modal_data import (
     response_estimation,
 )
 from flexsid.workflow.quality import maneuver_quality
-from flexsid.workflow.review import database_backup, printed_reports
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches

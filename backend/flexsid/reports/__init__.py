@@ -10,7 +10,7 @@ from flexsid.reports.layout import built_in_template, read_template, to_document
 from flexsid.reports.run import run_report
 from flexsid.reports.run_card import run_card
 from flexsid.reports.sortie import sortie_report
-from flexsid.workflow.review.printed_reports import to_pdf
+from flexsid.workflow.maintenance.printed_reports import to_pdf
 
 __all__ = [
     "Report",

@@ -22,8 +22,8 @@ from flexsid.reports.content import (
     Section,
     Words,
 )
+from flexsid.workflow.maintenance.printed_reports import FIGURE_SCRIPT, MADE_AT, complete_document
 from flexsid.workflow.review.notes import render_markdown
-from flexsid.workflow.review.printed_reports import FIGURE_SCRIPT, MADE_AT, complete_document
 
 _NEEDED = frozenset({"title", "style", "body", "script"})
 _SINGLE_PAGE = """@media print {

@@ -14,7 +14,7 @@ from flexsid.errors import UnknownRecord
 from flexsid.jobs.kinds import BACKUP
 from flexsid.records.run import RunState
 from flexsid.storage.job_list import JobItem
-from flexsid.workflow.review.database_backup import BackupRequest, find_backup, refuse_backup
+from flexsid.workflow.maintenance.database_backup import BackupRequest, find_backup, refuse_backup
 
 router = make_router("/backups", tag="jobs")
 _SQLITE = "application/vnd.sqlite3"

@@ -35,7 +35,7 @@ from flexsid.storage.reading import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import split_ids
-from flexsid.workflow.review.printed_reports import (
+from flexsid.workflow.maintenance.printed_reports import (
     PrintedReport,
     ReportRequest,
     complete_document,

@@ -1,0 +1,1 @@
+"""Maintenance of a site: backups, integrity checks, printed reports, signed files."""
