@@ -114,9 +114,22 @@ def _commands() -> str:
     from flexsid.cli.main import build_parser
 
     parser = build_parser()
-    lines = ["# Command line", ""]
+    lines = [
+        "# Command line",
+        "",
+        "Every command has `--database URL`, and `--json` for JSON output; progress is shown on",
+        "standard error.",
+        "",
+        "| command | does |",
+        "| --- | --- |",
+    ]
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
+            lines += [
+                f"| [`flexsid {name}`](#flexsid-{name}) | {_cell(does)} |"
+                for name, does in ((each.dest, each.help or "") for each in action._choices_actions)
+            ]
+            lines.append("")
             for name, command in action.choices.items():
                 usage = command.format_help().replace(command.prog, f"flexsid {name}", 1)
                 lines += [f"## flexsid {name}", "", "```text", usage.rstrip(), "```", ""]
@@ -138,8 +151,14 @@ def _rest() -> str:
         "",
         "The page uses only this interface. Lists return",
         '`{"items": [...], "next": ...}`; errors return `application/problem+json`',
-        "with a stable `code`. The OpenAPI description is at `/api/v1/openapi.json` of a",
-        "running server.",
+        "(RFC 9457) with a stable `code`. The OpenAPI description is at `/api/v1/openapi.json` of",
+        "a running server; `/api/docs` shows it.",
+        "",
+        "    curl -s -X POST http://127.0.0.1:8000/api/v1/runs \\",
+        "      -H 'Content-Type: application/json' \\",
+        """      -d '{"maneuver_id": 1, "method": "OE", "structure": {"modes": [7, 9]}}'""",
+        "",
+        "responds `202 Accepted` with the run and, in `Location`, its job.",
         "",
     ]
     by_tag: dict[str, list[str]] = {}

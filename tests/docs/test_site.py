@@ -15,8 +15,8 @@ from flexsid.cli.main import main
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(
-    str(path.relative_to(DOCS))
-    for path in DOCS.rglob("*.md")
+    str(path.relative_to(ROOT))
+    for path in [ROOT / "README.md", *DOCS.rglob("*.md")]
     if re.search(r"^```python$", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
 
@@ -43,7 +43,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         or "output_error" in html["reference/library.html"]
     )
     assert "/api/v1/runs" in html["reference/rest.html"]
-    assert "flexsid report" in html["reference/commands.html"]
+    assert 'href="#flexsid-report"' in html["reference/commands.html"]
     for name, text in html.items():
         assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?://', text), name
         assert "arithmatex" not in text, f"{name}: an equation was not turned into MathML"
@@ -52,7 +52,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_the_programs_of_a_page_run(page: str, live_url: str, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    text = (DOCS / page).read_text(encoding="utf-8")
+    text = (ROOT / page).read_text(encoding="utf-8")
     program = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
     program = program.replace("http://127.0.0.1:8000", live_url)
     exec(compile(program, page, "exec"), {"__name__": "__main__"})
