@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import html
 import json
 import re
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -50,7 +52,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_kwargs: Any) -> str:
-    """Show every picture in the theme of the page."""
+    """Print the layers, and show every picture in the theme of the page."""
+    markdown = markdown.replace("<!-- layers -->", _layers())
     return _PICTURE.sub(r"![\1](\2.png#only-light)\n![\1](\2-dark.png#only-dark)", markdown)
 
 
@@ -62,6 +65,27 @@ def on_page_content(content: str, **_kwargs: Any) -> str:
         return convert(html.unescape(found[2]).strip(), display=display)
 
     return _EQUATION.sub(mathml, content)
+
+
+@cache
+def _layers() -> str:
+    """Return the layers of the import contract with the docstrings of their packages."""
+    project = tomllib.loads((BACKEND.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    layers = next(each["layers"] for each in contracts if each["id"] == "layers")
+    lines = ["| layer | package | contents |", "| --- | --- | --- |"]
+    for number, layer in enumerate(layers, start=1):
+        for package in re.findall(r"\w+", layer):
+            lines.append(f"| {number} | `{package}` | {_cell(_summary(package))} |")
+    return "\n".join(lines)
+
+
+def _summary(package: str) -> str:
+    """Return the first line of the docstring of a package or module of ``flexsid``."""
+    folder = BACKEND / "flexsid" / package
+    file = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return text.partition("\n")[0].replace("``", "`")
 
 
 def _library() -> str:

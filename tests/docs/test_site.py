@@ -44,6 +44,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     )
     assert "/api/v1/runs" in html["reference/rest.html"]
     assert 'href="#flexsid-report"' in html["reference/commands.html"]
+    assert "<code>figure_table</code>" in html["architecture.html"]  # from the import contract
     for name, text in html.items():
         assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?://', text), name
         assert "arithmatex" not in text, f"{name}: an equation was not turned into MathML"
