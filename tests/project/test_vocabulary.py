@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from vocabulary import ROOT, checked_files, find_words, read_vocabulary
 
 
@@ -15,6 +16,11 @@ def test_replaced_words_do_not_return() -> None:
         for line, word, new in find_words(path.read_text(), vocabulary)
     ]
     assert not found, f"{len(found)} replaced words:\n" + "\n".join(found[:50])
+
+
+@pytest.mark.parametrize("word", ["keep", "say", "owner", "question", "answer", "chosen"])
+def test_plain_english_is_not_replaced(word: str) -> None:
+    assert find_words(f"{word} {word}s", read_vocabulary()) == []
 
 
 def test_a_replaced_word_is_found_in_prose_and_in_names(tmp_path: Path) -> None:
