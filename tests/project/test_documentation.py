@@ -5,11 +5,16 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
+
+import flexsid
 
 ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 README = (ROOT / "README.md").read_text()
 VARIABLES = (ROOT / "docs" / "reference" / "variables.md").read_text()
 
@@ -62,6 +67,39 @@ def test_links_of_the_documents_exist():
         links = re.findall(r"\]\(([^)#:]+)\)", text)
         for target in links + re.findall(r'(?:src|srcset)="([^":]+)"', text):
             assert (document.parent / target).exists(), f"{document.name}: {target}"
+
+
+@pytest.mark.parametrize(
+    ("schema", "files"),
+    [
+        ("github-workflows", ".github/workflows/*.yml"),
+        ("github-issue-forms", ".github/ISSUE_TEMPLATE/[!c]*.yml"),
+        ("github-issue-config", ".github/ISSUE_TEMPLATE/config.yml"),
+        ("citation-file-format", "CITATION.cff"),
+    ],
+)
+def test_files_for_others_hold_to_their_schema(schema, files):
+    found = sorted(map(str, ROOT.glob(files)))
+    assert found
+    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.{schema}"]
+    check = subprocess.run([*command, *found], capture_output=True, text=True, check=False)
+    assert check.returncode == 0, check.stdout + check.stderr
+
+
+def test_the_citation_is_of_this_package():
+    citation = YAML(typ="safe").load(ROOT / "CITATION.cff")
+    assert citation["version"] == flexsid.__version__
+    assert citation["license"] == PROJECT["license"]
+
+
+def test_continuous_integration_starts_at_the_lowest_python():
+    workflow = YAML(typ="safe").load(ROOT / ".github" / "workflows" / "ci.yml")
+    jobs = workflow["jobs"]
+    lowest = PROJECT["requires-python"].removeprefix(">=")
+    pythons = jobs["test"]["strategy"]["matrix"]["python"]
+    assert pythons[0] == lowest
+    assert jobs["lowest"]["container"].startswith(f"python:{lowest}-")
+    assert {"run": ".ci/run"} in jobs["test"]["steps"]
 
 
 def test_continuous_integration_runs_the_command_of_the_readme():
