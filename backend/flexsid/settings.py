@@ -17,6 +17,10 @@ DEFAULT_DATABASE = "sqlite:///var/flexsid.db"
 DEFAULT_PORT = 8000
 LOOPBACK = "127.0.0.1"
 _SHORTEST_SECRET = 32
+_LEAST_LETTERS = 8
+"""Least number of different characters in a secret."""
+_WIDEST_NETWORK = {4: 8, 6: 32}
+"""Least length of the prefix of a network of proxies, by version of the protocol."""
 _BACKUPS_RETAINED = 7
 
 
@@ -129,6 +133,12 @@ def _check_access(settings: Settings) -> None:
             f"FLEXSID_ADDRESS is {settings.address}, but personal mode has no log-in and is served "
             "on the loopback address only; set FLEXSID_MODE to team or organisation"
         )
+    host = urlsplit(settings.url).hostname if settings.url else None
+    if settings.mode is Mode.PERSONAL and host is not None and not _is_loopback(host):
+        raise BadInput(
+            f"FLEXSID_URL is {settings.url}, but personal mode has no log-in: whoever reaches this "
+            "address could use the server; set FLEXSID_MODE to team or organisation"
+        )
     if not ip_address(settings.address).is_loopback and not settings.is_secure:
         raise BadInput(
             f"FLEXSID_ADDRESS is {settings.address}; beyond the loopback address FLEXSID_URL must "
@@ -154,6 +164,11 @@ def _check_access(settings: Settings) -> None:
         raise BadInput(
             f"FLEXSID_PROXY_SECRET is shorter than {_SHORTEST_SECRET} characters; make one by "
             "`openssl rand -hex 32`"
+        )
+    if settings.proxy_secret is not None and len(set(settings.proxy_secret)) < _LEAST_LETTERS:
+        raise BadInput(
+            f"FLEXSID_PROXY_SECRET has fewer than {_LEAST_LETTERS} different characters; make one "
+            "by `openssl rand -hex 32`"
         )
 
 
@@ -200,6 +215,8 @@ def _read_url(text: str | None) -> str | None:
     parts = urlsplit(text)
     if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
         raise BadInput(f"FLEXSID_URL is {text!r}; expected one like https://flexsid.example.org")
+    if parts.username is not None or parts.password is not None:
+        raise BadInput("FLEXSID_URL contains a user or a password, which pages would show")
     return f"{parts.scheme}://{parts.netloc.lower()}"
 
 
@@ -235,11 +252,17 @@ def _read_address(name: str, text: str) -> str:
 
 def _read_network(name: str, text: str) -> str:
     try:
-        return str(ip_network(text))
+        network = ip_network(text)
     except ValueError as error:
         raise BadInput(
             f"{name} has {text!r}; expected an IP address, or a network such as 10.0.0.0/24"
         ) from error
+    if network.prefixlen < _WIDEST_NETWORK[network.version]:
+        raise BadInput(
+            f"{name} has {text!r}: nearly any client could state who it is; expected the addresses "
+            "of proxies, or their network such as 10.0.0.0/24"
+        )
+    return str(network)
 
 
 def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:
