@@ -72,6 +72,7 @@ from flexsid.jobs.kinds import (
 )
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
+from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, FlutterRoots
 from flexsid.records.flutter_summary import SummaryDiagram
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
@@ -575,7 +576,7 @@ class _Search(FigureParameters):
 
 class _Design(FigureParameters):
     design_id: _Id
-    level: int = Field(0, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
+    level: int = Field(DEFAULT_LEVEL, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
 
 
 class _DesignForRun(_Design):

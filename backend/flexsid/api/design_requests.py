@@ -8,6 +8,7 @@ from pydantic import Field
 
 from flexsid.api.requests import Id, Name, Number, Request, Text, Title
 from flexsid.errors import BadInput
+from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band
@@ -177,7 +178,7 @@ class PreflightSimulationRequest(Request):
     """
 
     run_id: Id
-    level: Annotated[int, Field(strict=True, ge=0, le=2)] = 1
+    level: Annotated[int, Field(strict=True, ge=0, le=2)] = DEFAULT_LEVEL
     controller_id: Id | None = None
     turbulence: Turbulence = Turbulence.NONE
     limits: SurfaceLimitsRequest | None = None

@@ -458,7 +458,7 @@ def _add_optimal_design_options(command: argparse.ArgumentParser) -> None:
     option("--deflection-deg", type=float, metavar="DEG", help="default: that of the design")
     option("--rate-deg-s", type=float, metavar="DEG/S", help="default: that of the design")
     option("--load-factor", type=float, metavar="G", help="default: that of the design")
-    option("--level", type=int, choices=(0, 1, 2), default=0, help="amplitude of the design")
+    option("--level", type=int, choices=(0, 1, 2), help="amplitude of the design; default: 1")
     meaning = "relative standard deviation of the derivatives before the flight"
     option("--spread", type=float, default=0.0, metavar="SHARE", help=meaning)
     option("--after-run", action="store_true", help="the data of the run count as flown")

@@ -13,6 +13,7 @@ from flexsid.cli.runs import report_progress
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import OPTIMAL_DESIGN
+from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.settings import Settings
 from flexsid.workflow.excitation.optimal_designs import (
     Objective,
@@ -30,7 +31,7 @@ def optimise_design(settings: Settings, arguments: argparse.Namespace) -> int:
     query = OptimalDesignQuery(
         design_id=arguments.design,
         run_id=arguments.run,
-        level=arguments.level,
+        level=DEFAULT_LEVEL if arguments.level is None else arguments.level,
         objective=Objective(arguments.objective),
         derivatives=parse_list(arguments.derivatives, str, "--derivatives"),
         mode=arguments.mode,

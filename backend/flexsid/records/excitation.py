@@ -8,6 +8,9 @@ from datetime import datetime
 from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.simulation.loop_margins import LoopMargins
 
+DEFAULT_LEVEL = 1
+"""Amplitude of a design: 0 low, 1 medium, 2 high."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExcitationDesign:

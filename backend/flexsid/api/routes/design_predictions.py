@@ -14,6 +14,7 @@ from flexsid.api.serialization import Identity, Json, Reference, RequiredReferen
 from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import AMPLITUDES, INPUT_COMPARISON, OPTIMAL_DESIGN, PREDICTED_ACCURACY
+from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.views import ExpectedMode
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
@@ -42,7 +43,7 @@ class ExpectedSummary:
 
 
 async def _read_query(
-    design_id: Identity, run_id: RequiredReference, level: Level = 0
+    design_id: Identity, run_id: RequiredReference, level: Level = DEFAULT_LEVEL
 ) -> DesignQuery:
     return DesignQuery(design_id=design_id, run_id=run_id, level=level)
 
@@ -53,7 +54,7 @@ async def _read_amplitude_query(
     deflection: Deflection = None,
     rate: Rate = None,
     load_factor: Limit = None,
-    level: Level = 0,
+    level: Level = DEFAULT_LEVEL,
 ) -> AmplitudeQuery:
     return AmplitudeQuery(
         design_id=design_id,
@@ -77,7 +78,7 @@ async def _read_optimal_design_query(
     load_factor: Limit = None,
     spread: Annotated[float, Query(ge=0.0, le=0.5)] = 0.0,
     after_run: bool = False,
-    level: Level = 0,
+    level: Level = DEFAULT_LEVEL,
 ) -> OptimalDesignQuery:
     names = (name.strip() for name in derivatives.split(","))
     return OptimalDesignQuery(

@@ -24,7 +24,7 @@ from flexsid.api.submission import submit_job
 from flexsid.api.uploads import save_files
 from flexsid.importers import sandbox
 from flexsid.jobs.kinds import DESIGN, SIMULATION
-from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
 from flexsid.records.views import TargetModes
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
@@ -182,7 +182,7 @@ def check_design(
     position: Deflection = None,
     rate: Rate = None,
     acceleration: Limit = None,
-    level: Level = 0,
+    level: Level = DEFAULT_LEVEL,
 ) -> Json:
     """Check the orthogonality of the inputs, their peaks, and the response of an actuator.
 
@@ -267,7 +267,7 @@ def export_design(
     store: TheStore,
     design_id: Identity,
     form: Literal["csv", "mat", "h", "json"] = "csv",
-    level: Level = 0,
+    level: Level = DEFAULT_LEVEL,
 ) -> Response:
     """Return one period at the rate of the flight computer, or the definition as JSON."""
     content = excitation_designs.export_design(store.designs.get(design_id), form, level)

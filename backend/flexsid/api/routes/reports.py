@@ -28,6 +28,7 @@ from flexsid.display_units import DisplayUnits, show_in
 from flexsid.errors import UnknownRecord
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import REPORT
+from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.run import RunState
 from flexsid.reports import Report
 from flexsid.storage.job_list import JobItem
@@ -96,7 +97,7 @@ def _report_closed_loop(store: TheStore, query: TheClosedLoopQuery) -> Report:
     return reports.closed_loop_report(store, query)
 
 
-def _report_run_card(store: TheStore, design_id: Identity, level: Level = 1) -> Report:
+def _report_run_card(store: TheStore, design_id: Identity, level: Level = DEFAULT_LEVEL) -> Report:
     return reports.run_card(store, design_id, level)
 
 

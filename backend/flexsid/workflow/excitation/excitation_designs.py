@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.records.excitation import ExcitationDesign
+from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.records.views import DesignedExcitation
 from flexsid.sysid.excitation import designer, export
@@ -296,13 +296,13 @@ def compute_design(order: DesignOrder, report: ReportProgress) -> ExcitationDesi
     )
 
 
-def build_multisine(design: ExcitationDesign, level: int = 0) -> Multisine:
+def build_multisine(design: ExcitationDesign, level: int = DEFAULT_LEVEL) -> Multisine:
     """Return the multisine of a design at one of its three amplitudes, 0 to 2."""
     phases = {name: np.array(own) for name, own in design.phases.items()}
     return designer.build_multisine(design.specification, phases, level)
 
 
-def sample_design(design: ExcitationDesign, level: int = 0) -> DesignedExcitation:
+def sample_design(design: ExcitationDesign, level: int = DEFAULT_LEVEL) -> DesignedExcitation:
     """Sample one period at the flight computer's rate, with the harmonics of every input."""
     multisine, rate = build_multisine(design, level), design.specification.rate_hz
     time_s = np.arange(round(multisine.period_s * rate)) / rate
@@ -319,14 +319,14 @@ def sample_design(design: ExcitationDesign, level: int = 0) -> DesignedExcitatio
 
 
 def check_multisine(
-    design: ExcitationDesign, actuator: ActuatorLimits, level: int = 0
+    design: ExcitationDesign, actuator: ActuatorLimits, level: int = DEFAULT_LEVEL
 ) -> DesignChecks:
     """Check a design at its rate behind an actuator."""
     multisine, rate = build_multisine(design, level), design.specification.rate_hz
     return check_design(multisine, rate, actuator, design.peak_factors)
 
 
-def export_design(design: ExcitationDesign, form: str, level: int = 0) -> bytes:
+def export_design(design: ExcitationDesign, form: str, level: int = DEFAULT_LEVEL) -> bytes:
     """Write a design at its rate as CSV, MAT, C header or JSON recipe."""
     multisine, rate = build_multisine(design, level), design.specification.rate_hz
     if form == "csv":

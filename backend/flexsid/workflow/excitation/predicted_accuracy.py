@@ -10,7 +10,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, list_surface_parts
-from flexsid.records.excitation import ExcitationDesign, ExpectedError
+from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign, ExpectedError
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -83,7 +83,7 @@ class DesignQuery:
 
     design_id: int
     run_id: int
-    level: int = 0
+    level: int = DEFAULT_LEVEL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,6 +9,7 @@ import numpy as np
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
+    DEFAULT_LEVEL,
     ExcitationDesign,
     ExpectedError,
     LoopChecks,
@@ -126,7 +127,7 @@ class SimulationRequest:
 
     design_id: int
     run_id: int
-    level: int = 1
+    level: int = DEFAULT_LEVEL
     controller_id: int | None = None
     turbulence: Turbulence = Turbulence.NONE
     limits: SurfaceLimits | None = None

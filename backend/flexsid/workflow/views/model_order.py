@@ -62,8 +62,8 @@ class OrderQuery:
 
     aircraft_id: int
     airspeed_m_s: float
-    fuel: float
-    altitude_m: float | None = None
+    fuel: float = 0.5
+    altitude_m: float = 0.0
     modal_table_id: int | None = None
     prediction_id: int | None = None
     low_hz: float = BAND_HZ[0]
@@ -176,7 +176,7 @@ def _build_full_model(store: Store, query: OrderQuery) -> _Full:
         aircraft,
         {
             "airspeed": query.airspeed_m_s,
-            "density": compute_standard_density(query.altitude_m or 0.0),
+            "density": compute_standard_density(query.altitude_m),
             "fuel_fraction": query.fuel,
         },
     )
