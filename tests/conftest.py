@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surface
 from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
@@ -269,7 +269,8 @@ def _fly(url: str) -> None:
         maneuver_id=stored.id,
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(),
+        # as many modes as fly
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     execute_run(store, run, RUN, lambda progress: None)
     store.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from starlette.types import Receive, Scope, Send
@@ -35,7 +36,9 @@ async def _send(app: WriteLimit, method: str, path: str) -> None:
 
 
 def _run(scenario: Coroutine[Any, Any, None]) -> None:
-    asyncio.run(scenario)
+    # That of a browser test has a loop already.
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(asyncio.run, scenario).result()
 
 
 async def _pass_time() -> None:

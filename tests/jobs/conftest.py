@@ -53,13 +53,18 @@ def _parameters(item: pytest.Function) -> dict[str, object]:
     return item.callspec.params if hasattr(item, "callspec") else {}
 
 
-@pytest.fixture(scope="session", autouse=True)
-def interpreter(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Run servers, dispatchers and workers by a Python into which the stub kinds are installed."""
-    made = make_interpreter(tmp_path_factory.mktemp("interpreter"), HERE)
+@pytest.fixture(scope="session")
+def interpreter(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A Python into which the stub kinds are installed."""
+    return make_interpreter(tmp_path_factory.mktemp("interpreter"), HERE)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _run_by_interpreter(interpreter: Path) -> Iterator[None]:
+    """Run servers, dispatchers and workers of these tests by it."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "executable", str(made))
-        yield made
+        patch.setattr(sys, "executable", str(interpreter))
+        yield
 
 
 @pytest.fixture(scope="session")

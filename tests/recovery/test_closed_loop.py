@@ -18,7 +18,7 @@ from flexsid.jobs.kinds import RUN
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import analyse_closed_loop
 from flexsid.workflow.flutter.controllers import add_controller
@@ -34,7 +34,7 @@ def flown(store: Store, ratio: float) -> int:
         maneuver_id=maneuver.id or 0,
         method=Method.OE,
         structure=Structure(modes=(7, 9, 11, 12), fixed={}),
-        settings=RunSettings(),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     return execute_run(store, run, RUN, lambda progress: None).id or 0
 

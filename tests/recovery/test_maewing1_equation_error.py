@@ -10,7 +10,7 @@ import pytest
 from file_imports import import_files
 
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.workflow.fits.computation import ComputedRun
@@ -64,7 +64,7 @@ def flown(store: Store) -> Fits:
         maneuver_id=imported.maneuver.id,
         method=Method.EE,
         structure=Structure(modes=(7,), free=FREE, fixed={}),
-        settings=RunSettings(band_hz=(0.45, 18.6)),
+        settings=RunSettings(band_hz=(0.45, 18.6), out_of_band_modes=OutOfBandModes.OMITTED),
     )
     task = prepare(store, request)
     oe = compute_run(prepare(store, replace(request, method=Method.OE)), lambda progress: None)

@@ -20,7 +20,7 @@ from flexsid.jobs.inline import execute_request, execute_run
 from flexsid.jobs.kinds import FLUTTER, RUN
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, OutputQuality, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutputQuality
 from flexsid.reports import (
     Report,
     built_in_template,
@@ -163,7 +163,7 @@ def test_a_campaign_report_has_trends_and_flutter(flown: Store) -> None:
         maneuver_id=maneuver.id or 0,
         method=Method.EE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(),
+        settings=flown.runs.get(1).settings,
     )
     run = execute_run(flown, request, RUN, lambda progress: None)
     missing = {section.title: section.parts for section in campaign_report(flown).sections}

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,9 @@ def request_by_agent(server: Server) -> int:
             called = await agent.call_tool("request_run", {"body": body})
             return json.loads(called.content[0].text)["result"]["id"]  # pyright: ignore
 
-    return asyncio.run(ask())
+    # The thread of a browser test has a loop already.
+    with ThreadPoolExecutor(1) as executor:
+        return executor.submit(asyncio.run, ask()).result()
 
 
 def test_page_rest_command_client_batch_template_and_agent_request_one_run(

@@ -8,7 +8,7 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.stability.poles import NamedPole
@@ -31,7 +31,7 @@ def test_errors_by_interpolation_are_removed(store: Store):
         maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
         method=Method.FRE,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     task = prepare(store, run)
     truth = flown.truth.named()

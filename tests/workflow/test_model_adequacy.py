@@ -14,7 +14,14 @@ from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.maneuver import Flight
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings, Start
+from flexsid.records.run import (
+    AdequacyState,
+    EstimationRun,
+    Method,
+    OutOfBandModes,
+    RunSettings,
+    Start,
+)
 from flexsid.storage.run_summaries import store_summary
 from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
@@ -28,7 +35,7 @@ def estimate(store: Store, method: Method, modes: tuple[int, ...]) -> Estimation
         maneuver_id=1,
         method=method,
         structure=Structure(modes=modes, fixed={}),
-        settings=RunSettings(start=Start.PREDICTION),
+        settings=RunSettings(start=Start.PREDICTION, out_of_band_modes=OutOfBandModes.OMITTED),
     )
     done = execute_run(store, run, RUN, lambda _: None)
     assert done.result is not None
@@ -79,7 +86,7 @@ def fit_near_flutter_in_turbulence(store: Store, method: Method, *, with_command
         maneuver_id=add_maneuver(store, flown, flight.id or 0).id or 0,
         method=method,
         structure=Structure(modes=(7, 9), fixed={}),
-        settings=RunSettings(),
+        settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
     )
     found = compute_run(prepare(store, run), lambda _: None)
     truth = flown.truth.named()

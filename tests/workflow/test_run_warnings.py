@@ -12,7 +12,7 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import compute_run
 from flexsid.workflow.fits.estimation_task import EstimationTask
@@ -34,7 +34,7 @@ def ask(flown_url: str) -> Iterator[Ask]:
                 maneuver_id=1,
                 method=method,
                 structure=Structure(modes=modes, **{"fixed": {}, **structure}),
-                settings=RunSettings(),
+                settings=RunSettings(out_of_band_modes=OutOfBandModes.OMITTED),
             ),
         )
 

@@ -40,7 +40,7 @@ export function SearchResult({ search, group, onGroup }: Props) {
   return (
     <>
       <Alert
-        color={isDecided ? "blue" : "yellow.9"}
+        color={isDecided ? "blue" : "yellow"}
         variant="light"
         role="status"
         data-testid="search-sentence"
