@@ -125,7 +125,7 @@ _LONGEST = (
     *("docs/test_tutorials.py", "recovery/test_skews.py", "e2e/test_compare.py"),
     *("recovery/test_flown_maneuvers.py", "api/test_quality.py", "e2e/test_linked_figures.py"),
     *("recovery/test_out_of_band_modes.py", "api/test_controllers.py", "e2e/test_pictures.py"),
-    *("recovery/test_expected_errors.py", "project/test_compose.py", "e2e/"),
+    *("shipped/", "recovery/test_expected_errors.py", "project/test_compose.py", "e2e/"),
     *("recovery/", "jobs/", "docs/", "client/", "api/test_odd_maneuvers.py"),
 )
 
