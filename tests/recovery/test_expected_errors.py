@@ -36,7 +36,7 @@ def test_expected_errors_are_those_of_the_flight(
             flown[fta] = estimated(store, flight, ratio, (fta, BEFORE, modes), 1, None, turbulence)
         before = flown[fta]
         design = planned(store, fta, peak_deg)
-        query = DesignQuery(design_id=design.id or 0, run_id=before.id or 0)
+        query = DesignQuery(design_id=design.id or 0, run_id=before.id or 0, level=0)
         predicted = predict_accuracy(store, query, lambda progress: None).errors
         after = estimated(store, flight, ratio, (fta, peak_deg, modes), 2, None, turbulence)
         assert after.result is not None
