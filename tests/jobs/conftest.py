@@ -68,9 +68,13 @@ def _run_by_interpreter(interpreter: Path) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dask_cluster.Cluster]:
-    """A Dask scheduler with two workers of one thread each."""
-    made = dask_cluster.Cluster(tmp_path_factory.mktemp("dask"), path=HERE)
+def cluster(
+    interpreter: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dask_cluster.Cluster]:
+    """A Dask scheduler with two workers of one thread each, which run by the interpreter."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "executable", str(interpreter))
+        made = dask_cluster.Cluster(tmp_path_factory.mktemp("dask"), path=HERE)
     yield made
     made.close()
 
