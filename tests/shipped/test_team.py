@@ -17,7 +17,7 @@ import sqlalchemy as sa
 from rigid_record import simulate_doublet, write_record
 from shipped import Client, Server, ask_command, invite, serving, set_password
 
-SECRET = "5b7d" * 16
+SECRET = "0123456789abcdef" * 4
 RANKS = ("viewer", "analyst", "reviewer", "admin")
 STRUCTURE = {"modes": []}
 DESIGN = {
