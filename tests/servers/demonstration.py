@@ -44,7 +44,8 @@ def _cached(suffix: str, fill: Callable[[Path], None]) -> Path:
                 if not outdated.name.startswith(_hash_sources()):
                     outdated.unlink()
             partial = cached.with_suffix(".db.part")
-            partial.unlink(missing_ok=True)
+            for left in cached.parent.glob(f"{partial.name}*"):  # with its log, by a killed process
+                left.unlink()
             fill(partial)
             partial.rename(cached)
     return cached

@@ -120,8 +120,10 @@ def test_each_role_does_what_it_may(
 
 def set_schema(database: str, revision: str) -> None:
     """Let a database be of an earlier schema with the same tables."""
-    with sa.create_engine(database.replace("postgresql:", "postgresql+psycopg:")).begin() as opened:
-        opened.execute(sa.text(f"UPDATE alembic_version SET version_num = '{revision}'"))
+    engine = sa.create_engine(database.replace("postgresql:", "postgresql+psycopg:"))
+    with engine.begin() as connection:
+        connection.execute(sa.text(f"UPDATE alembic_version SET version_num = '{revision}'"))
+    engine.dispose()
 
 
 def check_roles(server: Server, connect: Callable[[str], Client], round_name: str) -> None:
