@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun, Method, RunSettings
+from flexsid.records.run import EstimationRun, Method
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import run_identity
@@ -27,7 +27,7 @@ def flown(flown_url: str):
 def build_run(store: Store, **changes: object) -> EstimationRun:
     first = store.runs.get(1)
     run = EstimationRun(
-        maneuver_id=1, method=Method.EE, structure=first.structure, settings=RunSettings()
+        maneuver_id=1, method=Method.EE, structure=first.structure, settings=first.settings
     )
     return replace(run, **changes)
 
