@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isfinite, nan
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, create_model
+from pydantic import AfterValidator, Field, ValidationInfo, create_model
 
 from flexsid.errors import BadInput
 from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
@@ -77,7 +77,7 @@ from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, Flut
 from flexsid.records.flutter_summary import SummaryDiagram
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
-from flexsid.records.validation import CrossPredictionMatrix, Partition
+from flexsid.records.validation import CrossPredictionMatrix
 from flexsid.records.views import (
     Bode,
     DesignedExcitation,
@@ -87,19 +87,18 @@ from flexsid.records.views import (
     Reconstruction,
     Residuals,
 )
+from flexsid.request_models import Parameters, derive_parameters, parameters_of
 from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.reading import reading_once
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.sysid.model.axes import ModelAxis
-from flexsid.sysid.stability.transfer_function import MOST_ORDER
-from flexsid.text import split_ids, split_names
+from flexsid.text import LARGEST_ID, split_ids, split_names
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
 from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.controllers import describe_loop
-from flexsid.workflow.flutter.flutter_models import FlutterQuery, UnmodelledModes, Variation
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
 from flexsid.workflow.flutter.summary_roots import (
     SummaryQuery,
@@ -139,7 +138,6 @@ from flexsid.workflow.views.maneuver import (
 )
 from flexsid.workflow.views.modal_assurance import compute_assurance
 from flexsid.workflow.views.model_order import (
-    BAND_HZ,
     OrderQuery,
     compute_reduced_responses,
     study_model_order,
@@ -173,18 +171,6 @@ def _read_counts(text: str) -> tuple[int, ...]:
     return tuple(counts[:_MOST_COUNTS])
 
 
-def _read_variables(text: str) -> tuple[LimitedQuantity, ...]:
-    known = [quantity.value for quantity in LimitedQuantity]
-    found = _read_names(text)
-    for name in found:
-        if name not in known:
-            raise BadInput(
-                f"variables: '{name}' is unknown; expected {', '.join(known)}",
-                code="unknown-variable",
-            )
-    return tuple(map(LimitedQuantity, found))
-
-
 def _read_condition(text: str | None) -> tuple[float, ...]:
     found = _read_names(text)
     try:
@@ -208,24 +194,14 @@ _Reference = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
 _Ids = Annotated[str | None, _IDS, Field(description="Ids separated by commas.")]
 _RunIds = Annotated[str, _IDS, Field(description="Ids separated by commas.")]
 _Names = Annotated[str | None, _NAMES, Field(description="Names separated by commas.")]
-_Variables = Annotated[str, AfterValidator(_read_variables)]
 _Derivative = Annotated[str, Field(max_length=64, description="Derivative, e.g. Cm_alpha.")]
 _Fuel = Annotated[float, Field(ge=0.0, le=1.0, description="Fuel fraction.")]
 _Number = Annotated[float | None, Field(allow_inf_nan=False)]
 _Points = Annotated[int, Field(ge=100, le=20_000)]
-_Order = Annotated[
-    int | None, Field(ge=0, le=MOST_ORDER, description="By default that usual for the output.")
-]
 _Text = str | None
 
 
-class FigureParameters(BaseModel):
-    """Parameters of a figure, as in a query of the API; lists are separated by commas there."""
-
-    model_config = ConfigDict(frozen=True, validate_default=True)
-
-
-class TrendParameters(FigureParameters):
+class TrendParameters(Parameters):
     """One derivative of runs and predictions, and the flight condition of its trend."""
 
     run_ids: _RunIds = Field(description="Ids of runs, separated by commas.")
@@ -235,167 +211,21 @@ class TrendParameters(FigureParameters):
     degree: int = Field(1, ge=0, le=3, description="Degree of the weighted polynomial.")
 
 
-class FlutterParameters(FigureParameters):
-    """Runs and conditions of a flutter prediction."""
-
-    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
-    fuel: float | None = Field(
-        None,
-        ge=0.0,
-        le=1.0,
-        description="Fuel fraction; by default that of the fastest test point.",
-    )
-    altitude_m: float | None = Field(
-        None,
-        ge=-1000.0,
-        le=11_000.0,
-        description="Standard altitude; by default the air of the fastest test point.",
-    )
-    next_m_s: float | None = Field(
-        None,
-        ge=0.1,
-        le=1000.0,
-        description="Airspeed of the next test point; by default 3 % above the fastest.",
-    )
-    unmodelled_modes: UnmodelledModes = Field(
-        UnmodelledModes.PREDICTED,
-        description="Modes not modelled by the runs: with predicted dynamics, or residualised.",
-    )
-    variation: Variation = Field(
-        Variation.CONSTANT,
-        description="Derivatives over the envelope: constant, linear over dynamic pressure, or of "
-        "a global model over dynamic pressure and fuel.",
-    )
-
-
-class GlobalModelParameters(FigureParameters):
-    """Runs, variables and prediction of a global aerodynamic model."""
-
-    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
-    variables: _Variables = Field(
-        "dynamic_pressure_pa,fuel_fraction",
-        description="Variables of the envelope, separated by commas: dynamic_pressure_pa, "
-        "fuel_fraction, airspeed_m_s, airspeed_ratio or alpha_rad.",
-    )
-    prediction_id: _Reference = Field(
-        None, description="Prediction that is compared, and the mean where that predicts better."
-    )
-
-
-class PredictedFlutterParameters(FigureParameters):
-    """A prediction, its loading and the airspeeds of its flutter analysis."""
-
-    prediction_id: _Id
-    axis: Literal["longitudinal", "lateral"] | None = Field(
-        None, description="Axis; by default the first of which the prediction has modes."
-    )
-    fuel: float | None = Field(
-        None, ge=0.0, le=1.0, description="Fuel fraction; by default the middle one predicted."
-    )
-    density_kg_m3: float | None = Field(
-        None, ge=0.05, le=2.0, description="Air density; by default standard air at sea level."
-    )
-    from_m_s: float | None = Field(
-        None, ge=0.1, le=1000.0, description="Lowest airspeed; by default k = 1 of the lowest mode."
-    )
-    to_m_s: float | None = Field(
-        None, ge=0.1, le=1000.0, description="Highest airspeed; by default k = 0.1 of that mode."
-    )
-
-
-class SummaryParameters(FigureParameters):
-    """One analysis of a flutter summary, a damping g, and the modes that name its roots."""
-
-    analysis: int = Field(0, ge=0, le=9999, description="Place among the analyses, from 0.")
-    g: float = Field(
-        0.0,
-        ge=0.0,
-        le=1.0,
-        description="Structural damping g at which instabilities are read.",
-    )
-    modal_table_id: _Reference = Field(
-        None, description="Modal table whose modes name the roots; without names by default."
-    )
-    fuel: _Fuel = 0.5
-
-
-class CrossPredictionParameters(FigureParameters):
-    """Runs and maneuvers of a matrix of cross-predictions."""
-
-    run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
-    maneuver_ids: _Ids = Field(
-        None, description="Ids of maneuvers, separated by commas; by default those of the runs."
-    )
-
-
-class CrossValidationParameters(FigureParameters):
-    """A run and the data that are held out from its refits."""
-
-    run_id: _Id
-    partition: Partition = Field(
-        Partition.FOLDS,
-        description="All folds of the frequencies, the first fold, or the last periods.",
-    )
-    folds: int = Field(
-        5, ge=2, le=20, description="Number of folds; of periods, one share in so many is held out."
-    )
-
-
-class OrderParameters(FigureParameters):
-    """Aircraft, flight condition and band of an order study."""
-
-    aircraft_id: _Id
-    airspeed_m_s: float = Field(ge=1.0, le=1000.0)
-    fuel: _Fuel = 0.5
-    altitude_m: float = Field(0.0, ge=-1000.0, le=11_000.0)
-    modal_table_id: _Reference = None
-    prediction_id: _Reference = None
-    low_hz: float = Field(BAND_HZ[0], ge=0.01, le=100.0)
-    high_hz: float = Field(BAND_HZ[1], gt=0.01, le=1000.0)
-
-
-class TransferFunctionParameters(FigureParameters):
-    """Input, output and orders of a transfer function; usual orders by default."""
-
-    maneuver_id: _Id
-    input: str = Field(max_length=64, description="A surface, or its command (wf4s_command).")
-    output: str = Field(max_length=64, description="A sensor or combination.")
-    zeros: _Order = None
-    poles: _Order = None
-    integrators: _Order = None
-    delay: bool = Field(True, description="Whether it has an equivalent delay.")
-    low_hz: float | None = Field(None, ge=0.0, le=100_000.0, description="Begin of the band.")
-    high_hz: float | None = Field(None, gt=0.0, le=100_000.0, description="End of the band.")
-
-
-class ModeSearchParameters(FigureParameters):
-    """Band and highest model order of a search for modes."""
-
-    low_hz: float | None = Field(None, gt=0.0, le=100_000.0)
-    high_hz: float | None = Field(None, gt=0.0, le=100_000.0)
-    order: int = Field(40, ge=4, le=80, description="Highest model order.")
-    poles: Annotated[str, AfterValidator(lambda text: split_ids(text, "poles"))] = Field(
-        "",
-        max_length=2000,
-        description="Poles of the diagram selected by hand; default: automatic.",
-    )
-
-
 _FILTERS: dict[str, Any] = {
     name: (hint, None)
     for name, hint in get_type_hints(ManeuverFilters, include_extras=True).items()
 }
-_Filters: type[FigureParameters] = create_model("_Filters", __base__=FigureParameters, **_FILTERS)
+_Filters: type[Parameters] = create_model("_Filters", __base__=Parameters, **_FILTERS)
 
 
-class _CoverageParameters(FigureParameters):
+class _CoverageParameters(Parameters):
     aircraft_id: _Id
     coefficient: _Text = Field(
         None, max_length=64, description="CZ, Cm, CQ7 ...; by default all coefficients."
     )
 
 
-class _Maneuver(FigureParameters):
+class _Maneuver(Parameters):
     maneuver_id: _Id
 
 
@@ -409,7 +239,7 @@ class _TimeHistory(_Channels):
     points: int = POINTS
 
 
-class _Flight(FigureParameters):
+class _Flight(Parameters):
     flight_id: _Id
 
 
@@ -469,11 +299,12 @@ class _Reconstruction(_Maneuver):
     domain: Domain = "time"
 
 
-class _TransferFunction(TransferFunctionParameters):
+@parameters_of(TransferFunctionQuery)
+class _TransferFunction(Parameters):
     view: View = "bode"
 
 
-class _Run(FigureParameters):
+class _Run(Parameters):
     run_id: _Id
 
 
@@ -485,7 +316,7 @@ class _FitParameters(_Block):
     outputs: _Names = Field(None, alias="output")
 
 
-class _Poles(FigureParameters):
+class _Poles(Parameters):
     run_ids: Annotated[str, _RUN_ID] = Field(
         alias="run_id", description="Ids of runs, separated by commas."
     )
@@ -497,7 +328,7 @@ class _TimeCheck(_Run):
     points: _Points = POINTS
 
 
-class _TimeComparison(FigureParameters):
+class _TimeComparison(Parameters):
     run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
     output: _Text = Field(None, max_length=64, description="By default the first of the first run.")
     maneuver_ids: _Ids = Field(
@@ -517,7 +348,8 @@ class _PredictedOutputs(_PredictedResiduals):
     outputs: _Names = None
 
 
-class _HeldOutResiduals(CrossValidationParameters):
+@parameters_of(CrossValidationQuery)
+class _HeldOutResiduals(Parameters):
     maneuver_id: _Reference = Field(None, description="Of a joint run; by default the first.")
 
 
@@ -525,7 +357,7 @@ class _HeldOutFit(_HeldOutResiduals):
     outputs: _Names = None
 
 
-class _Derivatives(FigureParameters):
+class _Derivatives(Parameters):
     run_ids: _RunIds
     prediction_ids: _Ids = None
     coefficient: _Text = Field(
@@ -533,29 +365,27 @@ class _Derivatives(FigureParameters):
     )
 
 
-class _Forest(FigureParameters):
+class _Forest(Parameters):
     run_ids: _RunIds
     name: _Derivative
     prediction_ids: _Ids = None
 
 
-class _RootsParameters(FlutterParameters):
+@parameters_of(FlutterQuery)
+class _RootsParameters(Parameters):
     along: Along = Field(Along.AIRSPEED, description="Variable over which the roots are tracked.")
     prediction_id: _Reference = Field(
         None, description="Prediction whose flutter analysis at this loading is drawn beside."
     )
 
 
-class _ClosedLoop(FlutterParameters):
-    controller_id: _Id
-
-
-class _ControlLoop(FigureParameters):
+class _ControlLoop(Parameters):
     controller_id: _Id
     design_id: _Reference = Field(None, description="Design whose excitation is shown.")
 
 
-class _GlobalSlice(GlobalModelParameters):
+@parameters_of(GlobalModelQuery)
+class _GlobalSlice(Parameters):
     name: _Derivative
     along: LimitedQuantity | None = Field(
         None, description="Variable of the abscissa; by default the first."
@@ -567,14 +397,14 @@ class _GlobalSlice(GlobalModelParameters):
     )
 
 
-class _Search(FigureParameters):
+class _Search(Parameters):
     search_id: _Id
     name: _Text = Field(
         None, alias="group", description="Coefficient (EE) or method; by default the first."
     )
 
 
-class _Design(FigureParameters):
+class _Design(Parameters):
     design_id: _Id
     level: int = Field(DEFAULT_LEVEL, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
 
@@ -583,16 +413,16 @@ class _DesignForRun(_Design):
     run_id: _Id
 
 
-class _Frozen(FigureParameters):
+class _Frozen(Parameters):
     figure_id: _Id
 
 
-class _StreamParameters(FigureParameters):
+class _StreamParameters(Parameters):
     stream_id: _Id
 
 
-class _SummaryFigure(SummaryParameters):
-    summary_id: _Id
+@parameters_of(SummaryQuery)
+class _SummaryFigure(Parameters):
     prediction_id: _Reference = Field(
         None,
         description="Prediction whose stored flutter analysis at the same air density, airspeeds "
@@ -600,7 +430,7 @@ class _SummaryFigure(SummaryParameters):
     )
 
 
-class _Lattice(FigureParameters):
+class _Lattice(Parameters):
     prediction_id: _Id
     quantity: LatticeQuantity = LatticeQuantity.LAYOUT
     column: str | None = Field(
@@ -611,7 +441,7 @@ class _Lattice(FigureParameters):
     )
 
 
-class _ModalTable(FigureParameters):
+class _ModalTable(Parameters):
     modal_table_id: _Id
 
 
@@ -621,7 +451,8 @@ class _Mac(_ModalTable):
     other_fuel: float | None = Field(None, ge=0.0, le=1.0)
 
 
-class _ModelOrder(OrderParameters):
+@parameters_of(OrderQuery)
+class _ModelOrder(Parameters):
     derivatives: Annotated[str, _NAMES] = Field(
         "CZ_alpha,Cm_alpha,CZ_q,Cm_q",
         max_length=2000,
@@ -629,7 +460,8 @@ class _ModelOrder(OrderParameters):
     )
 
 
-class _ReducedResponses(OrderParameters):
+@parameters_of(OrderQuery)
+class _ReducedResponses(Parameters):
     output: str = Field(max_length=64)
     surface: str = Field(max_length=64)
     counts: Annotated[str, AfterValidator(_read_counts)] = Field(
@@ -637,14 +469,18 @@ class _ReducedResponses(OrderParameters):
     )
 
 
-class _Stabilisation(ModeSearchParameters):
-    responses_id: _Id
-
-
-class _MeasuredResponse(FigureParameters):
+class _MeasuredResponse(Parameters):
     responses_id: _Id
     response_dof: str = Field(max_length=20, description="Degree of freedom, such as 12+z.")
     reference_dof: str = Field(max_length=20, description="Degree of freedom, such as 61+z.")
+
+
+_GlobalModel = derive_parameters(GlobalModelQuery)
+_ClosedLoop = derive_parameters(ClosedLoopQuery)
+_Flutter = derive_parameters(FlutterQuery)
+_PredictedFlutter = derive_parameters(PredictedFlutterQuery)
+_CrossPrediction = derive_parameters(CrossPredictionQuery)
+_ModeSearch = derive_parameters(ModeSearch)
 
 
 @dataclass(frozen=True, slots=True)
@@ -656,7 +492,7 @@ class FigureKind:
     """
 
     name: str
-    parameters: type[FigureParameters]
+    parameters: type[Parameters]
     numbers: Callable[..., Any]
     draw: Callable[..., Spec]
     description: str
@@ -860,7 +696,7 @@ _KINDS = (
     FigureKind("time-comparison", _TimeComparison, compare_in_time, draw_time_comparison,
         "Draw one output of several maneuvers and the responses of models, with their fit in %.",
         drawing=("arrangement",)),
-    FigureKind("cross-prediction", CrossPredictionParameters, _get_cross_predictions,
+    FigureKind("cross-prediction", _CrossPrediction, _get_cross_predictions,
         draw_cross_predictions,
         "Draw R² of the outputs of maneuvers that are predicted by the models of runs."),
     FigureKind("prediction", _PredictedOutputs, read_prediction, draw_fit,
@@ -887,25 +723,25 @@ _KINDS = (
         "Draw frequency and damping of the identified roots with ±2 standard errors."),
     FigureKind("root-locus", _RootsParameters, _get_roots, draw_root_locus,
         "Draw the identified roots in the s-plane."),
-    FigureKind("predicted-v-omega-zeta", PredictedFlutterParameters, _get_predicted_roots,
+    FigureKind("predicted-v-omega-zeta", _PredictedFlutter, _get_predicted_roots,
         draw_v_omega_zeta,
         "Draw frequency and damping of the roots of a prediction, with ±2 standard errors."),
-    FigureKind("predicted-root-locus", PredictedFlutterParameters, _get_predicted_roots,
+    FigureKind("predicted-root-locus", _PredictedFlutter, _get_predicted_roots,
         draw_root_locus,
         "Draw the roots of a prediction in the s-plane."),
     FigureKind("flutter-summary", _SummaryFigure, _get_summary_diagram, draw_flutter_summary,
         "Draw damping g and frequency of the roots of a flutter summary over airspeed (V-g, V-f)."),
-    FigureKind("equivalent-modes", FlutterParameters, _get_flutter, draw_equivalent_modes,
+    FigureKind("equivalent-modes", _Flutter, _get_flutter, draw_equivalent_modes,
         "Draw equivalent frequency and damping of every run over dynamic pressure (Eq. 25)."),
-    FigureKind("flutter-forecast", FlutterParameters, _get_flutter, draw_flutter_forecast,
+    FigureKind("flutter-forecast", _Flutter, _get_flutter, draw_flutter_forecast,
         "Draw the predicted flutter speed by run, and by classical flutter prediction methods."),
-    FigureKind("flutter-map", FlutterParameters, _get_flutter_map, draw_flutter_map,
+    FigureKind("flutter-map", _Flutter, _get_flutter_map, draw_flutter_map,
         "Draw the flutter speed over fuel and altitude."),
     FigureKind("live-history", _StreamParameters, read_live_history, draw_live_history,
         "Draw flutter speed and damping ratios as they were known during a stream."),
     FigureKind("global-slice", _GlobalSlice, _slice_global_model, draw_slice,
         "Draw one derivative of a global model along one variable with ±2 standard errors."),
-    FigureKind("global-coverage", GlobalModelParameters, _compute_coverage, draw_coverage,
+    FigureKind("global-coverage", _GlobalModel, _compute_coverage, draw_coverage,
         "Draw the relative standard error of a global model over the envelope, and its runs."),
     FigureKind("closed-loop-margins", _ClosedLoop, _get_closed_loop, draw_closed_loop_margins,
         "Draw the stability margins of the loop of every surface over airspeed."),
@@ -936,7 +772,7 @@ _KINDS = (
         drawing=("derivatives",)),
     FigureKind("reduced-responses", _ReducedResponses, _reduce_responses, draw_reduced_responses,
         "Draw one frequency response of full and reduced models, and with rigid-body sensors."),
-    FigureKind("stabilisation", _Stabilisation, _get_diagram, draw_stabilisation,
+    FigureKind("stabilisation", _ModeSearch, _get_diagram, draw_stabilisation,
         "Draw the stabilisation diagram: poles by model order, and the mean measured response."),
     FigureKind("measured-response", _MeasuredResponse, read_function, draw_measured_response,
         "Draw a measured frequency response: magnitude, phase, and coherence if estimated."),

@@ -14,10 +14,18 @@ LONGEST_NAME = 200
 LONGEST_NOTE = 10_000
 """Characters of a note, a comment or a description."""
 
+LONGEST_TEXT = 128 * 1024
+"""Characters of a mapping or a deck.
+
+Even with every character escaped in JSON, such a text stays below the limit of a body.
+"""
+
 LONGEST_FIELD = 500
 """Characters of the path of a field in a file."""
 
-_LARGEST_ID = 2**31 - 1  # of an integer column of PostgreSQL
+LARGEST_ID = 2**31 - 1
+"""Largest id: that of an integer column of PostgreSQL."""
+
 _INVISIBLE = (
     "\u2028-\u2029"  # separators of lines and paragraphs
     "\u202a-\u202e\u2066-\u2069"  # embeddings, overrides and isolates of direction
@@ -123,7 +131,7 @@ def split_ids(text: str | None, field: str) -> tuple[int, ...]:
     """Parse ids separated by commas."""
     ids: list[int] = []
     for part in split_names(text) or ():
-        if not (part.isascii() and part.isdigit() and 1 <= int(part[:20]) <= _LARGEST_ID):
+        if not (part.isascii() and part.isdigit() and 1 <= int(part[:20]) <= LARGEST_ID):
             raise BadInput(f"{field}: {part!r} is not an id; give numbers separated by commas")
         ids.append(int(part))
     return tuple(ids)

@@ -24,8 +24,8 @@ from flexsid.errors import BadInput, UnknownRecord
 from flexsid.records.account import AccountRole
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import Access, Forbidden, find_campaigns, set_access
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.accounts.accounts import find_role
 from flexsid.workflow.accounts.sessions import (
     SESSION_HOURS,

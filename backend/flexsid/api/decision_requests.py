@@ -7,8 +7,9 @@ from typing import Annotated
 from pydantic import Field, StringConstraints
 
 from flexsid.api.requests import Id, Line, Lines, Number, Request, Title, Version
-from flexsid.records.decision import LimitedQuantity, ModelProposal, Vote
+from flexsid.records.decision import LimitedQuantity, LinkedComparison, ModelProposal, Vote
 from flexsid.records.note import NoteSubject
+from flexsid.request_models import body_of
 from flexsid.text import LONGEST_NAME, LONGEST_NOTE
 
 # Stored permanently, therefore not blank.
@@ -28,12 +29,9 @@ class ReferenceRequest(Request):
     version: Version
 
 
+@body_of(LinkedComparison)
 class ComparisonRequest(Request):
     """Runs and predictions to compare, for one coefficient or all."""
-
-    run_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=200)]
-    prediction_ids: Ids = ()
-    coefficient: Annotated[str, Field(min_length=1, max_length=16), Line] | None = None
 
 
 class ProposalRequest(Request):

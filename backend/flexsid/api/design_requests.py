@@ -6,15 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flexsid.api.requests import Id, Name, Number, Request, Text, Title
+from flexsid.api.requests import Id, Name, Request, Text, Title
 from flexsid.errors import BadInput
-from flexsid.records.excitation import DEFAULT_LEVEL
+from flexsid.request_models import body_of
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.designer import DesignSpecification
+from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.excitation.harmonic_assignment import Band
 from flexsid.sysid.excitation.targets import Target
 from flexsid.sysid.simulation.recording import SensorErrors
-from flexsid.sysid.simulation.turbulence import DiscreteGust, Turbulence
+from flexsid.sysid.simulation.turbulence import DiscreteGust
 from flexsid.workflow.excitation import excitation_designs
 from flexsid.workflow.excitation.preflight_simulation import SimulationRequest, SurfaceLimits
 from flexsid.workflow.excitation.target_modes import TargetQuery, find_row_targets
@@ -24,13 +24,9 @@ Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=Fal
 Harmonic = Annotated[int, Field(strict=True, ge=1, le=20_000)]
 
 
+@body_of(InputSpecification)
 class InputRequest(Request):
     """One input with its harmonics; relative ``power`` by harmonic, flat if omitted."""
-
-    name: Name
-    harmonics: Annotated[tuple[Harmonic, ...], Field(max_length=500)]
-    relative_peak: Positive = 1.0
-    power: Annotated[tuple[Number, ...], Field(max_length=500)] | None = None
 
 
 class BandRequest(Request):
@@ -140,36 +136,22 @@ class RedesignRequest(Request):
     effort: Effort = "thorough"
 
 
+@body_of(SurfaceLimits)
 class SurfaceLimitsRequest(Request):
     """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos."""
 
-    position: Annotated[Positive, Field(le=1.05, description="[rad]")] | None = None
-    rate: Annotated[Positive, Field(le=50.0, description="[rad/s]")] | None = None
-    acceleration: Annotated[Positive, Field(description="[rad/s2]")] | None = None
-    freeplay: Annotated[float, Field(strict=True, ge=0.0, le=0.2, description="[rad]")] = 0.0
-    delay_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
-
+@body_of(SensorErrors)
 class SensorErrorsRequest(Request):
     """Errors of recorded channels in their SI unit; of all outputs without ``channels``."""
 
-    channels: Annotated[tuple[Name, ...], Field(max_length=200)] = ()
-    quantum: Annotated[float, Field(strict=True, ge=0.0, le=1e5, allow_inf_nan=False)] = 0.0
-    limit: Positive | None = None
-    dropout: Annotated[
-        float, Field(strict=True, ge=0.0, lt=1.0, description="Share of the samples.")
-    ] = 0.0
-    skew_s: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
 
-
+@body_of(DiscreteGust)
 class DiscreteGustRequest(Request):
     """One-minus-cosine gust: peak speed, gradient distance, start in the record."""
 
-    peak_m_s: Annotated[float, Field(strict=True, ge=-50.0, le=50.0)]
-    gradient_m: Annotated[float, Field(strict=True, gt=0.0, le=1000.0)]
-    start_s: Annotated[float, Field(strict=True, ge=0.0, le=1000.0)] = 0.0
 
-
+@body_of(SimulationRequest, without=("design_id",))
 class PreflightSimulationRequest(Request):
     """Run whose model is simulated, amplitude level, controller (none: open loop), imperfections.
 
@@ -177,29 +159,6 @@ class PreflightSimulationRequest(Request):
     errors with a channel the last applies to it.
     """
 
-    run_id: Id
-    level: Annotated[int, Field(strict=True, ge=0, le=2)] = DEFAULT_LEVEL
-    controller_id: Id | None = None
-    turbulence: Turbulence = Turbulence.NONE
-    limits: SurfaceLimitsRequest | None = None
-    own_limits: dict[Name, SurfaceLimitsRequest] = Field(
-        default_factory=dict[str, SurfaceLimitsRequest], max_length=40
-    )
-    sensors: Annotated[tuple[SensorErrorsRequest, ...], Field(max_length=50)] = ()
-    gust: DiscreteGustRequest | None = None
-
     def to_simulation(self, design_id: int) -> SimulationRequest:
         """Return the request of the simulation of a design."""
-        return SimulationRequest(
-            design_id=design_id,
-            run_id=self.run_id,
-            level=self.level,
-            controller_id=self.controller_id,
-            turbulence=self.turbulence,
-            limits=None if self.limits is None else self.limits.make_record(SurfaceLimits),
-            own_limits={
-                name: one.make_record(SurfaceLimits) for name, one in self.own_limits.items()
-            },
-            sensors=tuple(one.make_record(SensorErrors) for one in self.sensors),
-            gust=None if self.gust is None else self.gust.make_record(DiscreteGust),
-        )
+        return self.make_record(SimulationRequest, design_id=design_id)

@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
-from flexsid.api.requests import LONGEST_TEXT, Id, Name, Number, Request, Text, Title
-from flexsid.workflow.modal_data.computed_predictions import PredictionRequest
+from flexsid.api.requests import Number, Request, Text, Title
+from flexsid.request_models import body_of
+from flexsid.workflow.modal_data.computed_predictions import (
+    PlanformPanel,
+    PlanformSurface,
+    PredictionRequest,
+)
 
-Length = Annotated[float, Field(strict=True, ge=0.0, le=1000.0, allow_inf_nan=False)]
-Place = Annotated[float, Field(strict=True, ge=-1000.0, le=1000.0, allow_inf_nan=False)]
-Division = Annotated[int, Field(strict=True, ge=1, le=200)]
 
-
+@body_of(PlanformPanel)
 class PanelRequest(Request):
     """A trapezium of the right half in structural axes (X aft, Y right, Z up). [m]
 
     ``left`` and ``right`` are the leading edges of its chords, left to right as seen from behind.
     """
 
-    left: tuple[Place, Place, Place]
-    left_chord: Length
-    right: tuple[Place, Place, Place]
-    right_chord: Length
-    chordwise: Division = 8
-    spanwise: Division = 10
 
-
+@body_of(PlanformSurface)
 class PlanformSurfaceRequest(Request):
     """A surface of the aircraft by Y of its ends [m] and its hinge as fraction of the chord."""
-
-    name: Name
-    span: tuple[Place, Place]
-    hinge: Annotated[float, Field(strict=True, gt=0.0, lt=1.0)] = 0.75
 
 
 class SaveGlobalPredictionRequest(Request):
@@ -54,6 +46,7 @@ class GlobalModelVersionRequest(Request):
     note: Text = ""
 
 
+@body_of(PredictionRequest)
 class ComputePredictionRequest(Request):
     """A prediction to compute from panels, or from the CAERO1 entries of a Nastran deck.
 
@@ -62,19 +55,6 @@ class ComputePredictionRequest(Request):
     ``reference_k`` is the reduced frequency of the tabulated derivatives: 0, or that of the mode
     that flutters.
     """
-
-    aircraft_id: Id
-    source: Title
-    axis: Literal["longitudinal", "lateral"] = "longitudinal"
-    panels: Annotated[tuple[PanelRequest, ...], Field(max_length=100)] = ()
-    surfaces: Annotated[tuple[PlanformSurfaceRequest, ...], Field(max_length=40)] = ()
-    deck: Annotated[str, Field(max_length=LONGEST_TEXT)] = ""
-    deck_unit: Name = "m"
-    modal_table_id: Id | None = None
-    modes: Annotated[tuple[Id, ...], Field(max_length=30)] = ()
-    mach: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
-    reference_k: Annotated[Number, Field(ge=0.0, le=4.0)] = 0.0
-    highest_k: Annotated[Number, Field(ge=0.1, le=4.0)] = 2.0
 
     def to_request(self) -> PredictionRequest:
         """Return the request of the job."""

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, Field, TypeAdapter
 
-from flexsid.records.maneuver import StepKind
+from flexsid import request_models
+from flexsid.records.maneuver import Correction, Cut, StoredMapping
+from flexsid.records.saved_view import SavedView
+from flexsid.request_models import body_of
 from flexsid.storage.bulk import Action
-from flexsid.storage.repository import LARGEST_ID
-from flexsid.text import LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
+from flexsid.text import (
+    LARGEST_ID,
+    LONGEST_NAME,
+    LONGEST_NOTE,
+    LONGEST_TEXT,
+    check_line,
+    check_lines,
+)
 from flexsid.units import LARGEST
+from flexsid.workflow.importing.uploads import ImportRequest
 
 LARGEST_NUMBER = LARGEST["number"]
 LATEST_S = LARGEST["time"]
@@ -29,8 +39,6 @@ Names = Annotated[tuple[Name, ...], Field(max_length=500)]
 Title = Name
 Author = Annotated[str, Field(max_length=LONGEST_NAME), Line]
 Text = Annotated[str, Field(max_length=LONGEST_NOTE), Lines]
-# Even with every character escaped in JSON, such a text stays below the body limit.
-LONGEST_TEXT = 128 * 1024
 MappingText = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT)]
 # No commas, which separate tags in a query.
 Tag = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\s,](?:[^,]*[^\s,])?$"), Line]
@@ -40,10 +48,8 @@ T = TypeVar("T")
 _build_adapter = lru_cache(TypeAdapter)
 
 
-class Request(BaseModel):
+class Request(request_models.Request):
     """Body of a request; unknown fields are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     def make_record(self, record: type[T], **more: Any) -> T:
         """Return a record of the fields given in the request, and of further values."""
@@ -51,20 +57,14 @@ class Request(BaseModel):
         return _build_adapter(record).validate_python({**given, **more})
 
 
+@body_of(StoredMapping, without=("created_at", "id"))
 class MappingRequest(Request):
     """A mapping to store under a name."""
 
-    name: Title
-    text: MappingText
-    note: Text = ""
 
-
+@body_of(ImportRequest, without=("upload_id",))
 class UploadMappingRequest(Request):
     """A TOML mapping for the files of an upload; ``confirmed``: its guesses are confirmed."""
-
-    mapping: MappingText
-    aircraft_id: Id | None = None
-    confirmed: Annotated[bool, Field(strict=True)] = False
 
 
 class DraftRequest(Request):
@@ -88,26 +88,14 @@ class ChangeRequest(Request):
     tag: Tag | None = None
 
 
+@body_of(SavedView, without=("created_at", "id"))
 class SavedViewRequest(Request):
     """The filters of a page to store under a name."""
 
-    page: Literal["campaign", "runs", "compare", "flutter"]
-    name: Title
-    search: Text
-    author: Author = ""
 
-
+@body_of(Correction)
 class StepRequest(Request):
     """One correction; see ``Correction``."""
-
-    channel: Name
-    kind: StepKind
-    delay_s: Delay = 0.0
-    scale: Number = 1.0
-    bias: Number = 0.0
-    stretches: Annotated[tuple[tuple[Sample, Sample], ...], Field(max_length=1000)] = ()
-    std: Annotated[float, Field(strict=True, ge=0.0, le=LARGEST_NUMBER)] | None = None
-    basis: Annotated[str, Field(max_length=500), Lines] = ""
 
 
 class ConditioningRequest(Request):
@@ -122,12 +110,6 @@ class AssessRequest(Request):
     maneuver_ids: Annotated[tuple[Id, ...], Field(min_length=1, max_length=10_000)] | None = None
 
 
+@body_of(Cut)
 class CutRequest(Request):
     """A window of a flight to cut out as a maneuver. [s]"""
-
-    label: Title
-    start_s: Moment
-    stop_s: Moment
-    fta: Annotated[int, Field(strict=True, ge=0, le=10**9)] | None = None
-    axis: Literal["longitudinal", "lateral", "combined"] | None = None
-    note: Text = ""

@@ -2,89 +2,42 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from flexsid.api.requests import (
-    LARGEST_NUMBER,
     Author,
-    Delay,
     Id,
-    Name,
-    Names,
-    Number,
     Request,
     Text,
     Title,
     Version,
 )
-from flexsid.records.model_structure import HeldBy, Structure
-from flexsid.records.run import (
-    Aerodynamics,
-    EstimationRun,
-    Method,
-    OutOfBandModes,
-    RunSettings,
-    Start,
-)
+from flexsid.records.model_structure import Structure
+from flexsid.records.run import EstimationRun, Limits, Method, RunSettings
+from flexsid.request_models import body_of
 from flexsid.storage.store import Store
-from flexsid.sysid.model.axes import ModelAxis
 from flexsid.workflow.runs.run_templates import apply_run_template
 
-ModeNumber = Annotated[int, Field(strict=True, ge=1, le=9999)]
-Prior = tuple[Number, Annotated[float, Field(strict=True, gt=0.0, le=LARGEST_NUMBER)]]
-Frequency = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
 
-
-class FixedToRequest(Request):
-    """Run or prediction whose value a derivative is fixed to."""
-
-    source: HeldBy
-    id: Id
-
-
+@body_of(Structure)
 class StructureRequest(Request):
     """A model structure; see ``Structure``."""
 
-    modes: Annotated[tuple[ModeNumber, ...], Field(max_length=20)] = ()
-    inputs: Names = ()
-    outputs: Names = ()
-    free: Names | None = None
-    fixed: Annotated[dict[Name, Number] | None, Field(max_length=500)] = None
-    free_delays: Annotated[bool, Field(strict=True)] = False
-    extra_parameters: Names = ()
-    axis: ModelAxis = "longitudinal"
-    absent: Names = ()
-    fixed_to: Annotated[dict[Name, FixedToRequest] | None, Field(max_length=500)] = None
-    delays: Annotated[dict[Name, Delay] | None, Field(max_length=500)] = None
-    instruments: Annotated[dict[Name, Name | None] | None, Field(max_length=500)] = None
-
     def to_record(self) -> Structure:
         """Return the structure to be stored."""
-        return self.make_record(Structure, fixed=self.fixed or {})
+        return self.make_record(Structure)
 
 
+@body_of(RunSettings)
 class SettingsRequest(Request):
     """Settings of the estimation, apart from the model structure."""
 
-    start: Start = Start.BEST
-    band_hz: tuple[Frequency, Frequency] | None = None
-    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 100
-    noise: Literal["diagonal", "full"] = "diagonal"
-    priors: Annotated[dict[Name, Prior] | None, Field(max_length=500)] = None
-    prior_spread: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] | None = None
-    start_run_id: Id | None = None
-    out_of_band_modes: OutOfBandModes = OutOfBandModes.RETAINED
-    aerodynamics: Aerodynamics = Aerodynamics.QUASI_STEADY
-    additional_maneuver_ids: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
 
-
+@body_of(Limits)
 class LimitsRequest(Request):
     """Time and memory limits of a run; it is stopped beyond them."""
-
-    time_s: Annotated[float | None, Field(strict=True, gt=0.0, le=86_400.0)] = None
-    memory_mb: Annotated[int | None, Field(strict=True, ge=64, le=1_000_000)] = None
 
 
 Priority = Annotated[int, Field(strict=True, ge=-100, le=100)]

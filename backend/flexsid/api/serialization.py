@@ -13,7 +13,7 @@ from fastapi import Path, Query, Response
 from fastapi.routing import APIRoute
 
 from flexsid.storage.reading import reading_once
-from flexsid.storage.repository import LARGEST_ID
+from flexsid.text import LARGEST_ID
 
 T = TypeVar("T")
 

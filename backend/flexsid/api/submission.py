@@ -10,6 +10,7 @@ from fastapi import APIRouter, Depends, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import Context, TheContext, TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.serialization import Json
 from flexsid.jobs.kind import Kind, find_job, submit
 from flexsid.storage import job_list
@@ -39,8 +40,8 @@ def add_job_routes(
     path: str,
     kind: Kind[Any, Any],
     name: str,
-    read_query: Callable[..., Any],
     make_title: Callable[[Store, Any], str],
+    *in_path: str,
 ) -> None:
     """Add the routes that request a stored result, and that find the job of an equal request.
 
@@ -54,11 +55,12 @@ def add_job_routes(
         Kind of the job.
     name
         Noun of the result: the routes are ``request_{name}`` and ``get_{name}_job``.
-    read_query
-        Dependency that reads the request from path and query.
     make_title
         Returns the title of the job.
+    *in_path
+        Ids of the request that are in the path; all other fields are in the query.
     """
+    read = query_as(kind.request, *in_path)
 
     def request(context: TheContext, query: Any, analyst: TheAnalyst) -> Json:
         return submit_job(context, kind, query, analyst, make_title(context.store, query))
@@ -67,8 +69,8 @@ def add_job_routes(
         job = find_job(store, kind, query)
         return Json(KnownJob(None if job is None else job_list.get(store, job.id or 0)))
 
-    request.__annotations__["query"] = Annotated[kind.request, Depends(read_query)]
-    find.__annotations__["query"] = Annotated[kind.request, Depends(read_query)]
+    request.__annotations__["query"] = Annotated[kind.request, Depends(read)]
+    find.__annotations__["query"] = Annotated[kind.request, Depends(read)]
     router.add_api_route(
         f"{path}/results",
         request,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
 from flexsid import units
+from flexsid.allowed import Allowed, Axes, LengthUnit, Metre, Name, Share
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import join_frames
@@ -43,25 +45,28 @@ class ResponseOptions:
     frequency responses in columns or arrays, ``time_unit`` of time data.
     """
 
-    name: str
-    response_unit: str | None = None
-    force_unit: str | None = None
-    frequency_unit: str | None = None
-    phase_unit: str | None = None
-    time_unit: str | None = None
-    fuel: float = 0.0
-    length_unit: str | None = None
-    axes: str = "aft right up"
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    name: Name
+    response_unit: Annotated[
+        str | None,
+        Allowed(choices=("m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in", "ft")),
+    ] = None
+    force_unit: Annotated[str | None, Allowed(choices=("N", "lbf"))] = None
+    frequency_unit: Annotated[str | None, Allowed(choices=("Hz", "rad/s"))] = None
+    phase_unit: Annotated[str | None, Allowed(choices=("deg", "rad"))] = None
+    time_unit: Annotated[str | None, Allowed(choices=("s", "ms"))] = None
+    fuel: Share = 0.0
+    length_unit: LengthUnit | None = None
+    axes: Axes = "aft right up"
+    origin: tuple[Metre, Metre, Metre] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AveragingOptions:
     """Estimator of frequency responses, and averages, overlap and window of the spectra."""
 
-    averages: int
+    averages: Annotated[int, Allowed(ge=2, le=100_000)]
     estimator: Estimator = "H1"
-    overlap: float = 0.5
+    overlap: Annotated[float, Allowed(ge=0.0, le=0.95)] = 0.5
     window: Window = "hann"
 
 

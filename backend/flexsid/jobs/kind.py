@@ -12,6 +12,7 @@ from flexsid.errors import Conflict
 from flexsid.jobs.messages import ComputedMessage, FailedMessage, describe_error
 from flexsid.records.job import Job
 from flexsid.records.run import ReportProgress, RunState
+from flexsid.request_models import check_request
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, describe_type, encode
 from flexsid.storage.files import DatabaseUnavailable
@@ -141,8 +142,9 @@ def build_job(
     Raises
     ------
     BadInput, UnknownRecord
-        If the request is invalid, or one of its records does not exist.
+        If a value of the request is not allowed, or one of its records does not exist.
     """
+    check_request(request)
     digest = None
     if kind.identify is not None:
         form = describe_type(kind.result)

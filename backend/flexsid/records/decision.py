@@ -6,6 +6,10 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 from itertools import chain
+from typing import Annotated
+
+from flexsid.allowed import Allowed, Id
+from flexsid.text import check_line
 
 
 class LimitedQuantity(StrEnum):
@@ -34,9 +38,11 @@ class StructureReference:
 class LinkedComparison:
     """Runs and predictions that were compared; ``coefficient`` where only one was."""
 
-    run_ids: tuple[int, ...]
-    prediction_ids: tuple[int, ...] = ()
-    coefficient: str | None = None
+    run_ids: Annotated[tuple[Id, ...], Allowed(min_length=1, max_length=200)]
+    prediction_ids: Annotated[tuple[Id, ...], Allowed(max_length=200)] = ()
+    coefficient: Annotated[str | None, Allowed(min_length=1, max_length=16, check=check_line)] = (
+        None
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

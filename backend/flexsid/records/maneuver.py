@@ -5,6 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import date, datetime
 from enum import StrEnum
+from typing import Annotated
+
+from flexsid.allowed import Allowed, Delay, Moment, Name, Number, Text
+from flexsid.text import LARGEST_ID, LONGEST_TEXT, check_lines
+from flexsid.units import LARGEST
 
 GROUND = "ground"
 """Axis of a record taken on the runway, before or after a flight (mini-GVT)."""
@@ -187,12 +192,12 @@ class Cut:
     ``axis`` of None: longitudinal, and refused where surfaces or gyros contradict that.
     """
 
-    label: str
-    start_s: float
-    stop_s: float
-    fta: int | None = None
-    axis: str | None = None
-    note: str = ""
+    label: Name
+    start_s: Moment
+    stop_s: Moment
+    fta: Annotated[int | None, Allowed(ge=0, le=10**9)] = None
+    axis: Annotated[str | None, Allowed(choices=("longitudinal", "lateral", "combined"))] = None
+    note: Text = ""
 
 
 class StepKind(StrEnum):
@@ -203,6 +208,9 @@ class StepKind(StrEnum):
     REPAIR = "repair"  # samples that a spline replaces
 
 
+Sample = Annotated[int, Allowed(ge=0, le=LARGEST_ID)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Correction:
     """One correction of one channel; fields of other kinds have defaults.
@@ -211,14 +219,14 @@ class Correction:
     ``std`` is the standard error of the delay [s] or of the scale factor [1].
     """
 
-    channel: str
+    channel: Name
     kind: StepKind
-    delay_s: float = 0.0
-    scale: float = 1.0
-    bias: float = 0.0  # SI unit of the channel
-    stretches: tuple[tuple[int, int], ...] = ()
-    std: float | None = None
-    basis: str = ""
+    delay_s: Delay = 0.0
+    scale: Number = 1.0
+    bias: Number = 0.0  # SI unit of the channel
+    stretches: Annotated[tuple[tuple[Sample, Sample], ...], Allowed(max_length=1000)] = ()
+    std: Annotated[float | None, Allowed(ge=0.0, le=LARGEST["number"])] = None
+    basis: Annotated[str, Allowed(max_length=500, check=check_lines)] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,8 +247,8 @@ class ConditioningStep:
 class StoredMapping:
     """A mapping under a name; ``text`` is the TOML as it was written."""
 
-    name: str
-    text: str
-    note: str = ""
+    name: Name
+    text: Annotated[str, Allowed(min_length=1, max_length=LONGEST_TEXT)]
+    note: Text = ""
     created_at: datetime | None = None
     id: int | None = None

@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from typing import Annotated, get_args
+
+from flexsid.allowed import Allowed, Delay, Id, ModeNumber, Name, Names, Number
+from flexsid.sysid.model.axes import ModelAxis
 
 
 class HeldBy(StrEnum):
@@ -19,7 +23,7 @@ class FixedTo:
     """A source by kind and id; a prediction is read at the fuel of the maneuver."""
 
     source: HeldBy
-    id: int
+    id: Id
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,18 +43,26 @@ class Structure:
     behind a channel; a combination stands for its sensors.
     """
 
-    modes: tuple[int, ...] = ()
-    inputs: tuple[str, ...] = ()
-    outputs: tuple[str, ...] = ()
-    free: tuple[str, ...] | None = None
-    fixed: dict[str, float]
+    modes: Annotated[tuple[ModeNumber, ...], Allowed(max_length=20)] = ()
+    inputs: Names = ()
+    outputs: Names = ()
+    free: Names | None = None
+    fixed: Annotated[dict[Name, Number], Allowed(max_length=500)] = field(
+        default_factory=dict[str, float]
+    )
     free_delays: bool = False
-    extra_parameters: tuple[str, ...] = ()
-    axis: str = "longitudinal"
-    absent: tuple[str, ...] = ()
-    fixed_to: dict[str, FixedTo] = field(default_factory=dict[str, FixedTo])
-    delays: dict[str, float] = field(default_factory=dict[str, float])
-    instruments: dict[str, str | None] = field(default_factory=dict[str, str | None])
+    extra_parameters: Names = ()
+    axis: Annotated[str, Allowed(choices=get_args(ModelAxis))] = "longitudinal"
+    absent: Names = ()
+    fixed_to: Annotated[dict[Name, FixedTo], Allowed(max_length=500)] = field(
+        default_factory=dict[str, FixedTo]
+    )
+    delays: Annotated[dict[Name, Delay], Allowed(max_length=500)] = field(
+        default_factory=dict[str, float]
+    )
+    instruments: Annotated[dict[Name, Name | None], Allowed(max_length=500)] = field(
+        default_factory=dict[str, str | None]
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

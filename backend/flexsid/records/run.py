@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from typing import Annotated
 
+from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
 from flexsid.extensions import ESTIMATORS, list_extension_names
 from flexsid.records.model_structure import Structure
+from flexsid.units import LARGEST
 
 
 class ProposalSource(StrEnum):
@@ -122,6 +125,10 @@ class Aerodynamics(StrEnum):
         return self is not Aerodynamics.QUASI_STEADY
 
 
+Prior = tuple[Number, Annotated[float, Allowed(gt=0.0, le=LARGEST["number"])]]
+"""Value and standard deviation."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSettings:
     """Choices of the analyst that are not model structure.
@@ -136,13 +143,15 @@ class RunSettings:
     """
 
     start: Start = Start.BEST
-    band_hz: tuple[float, float] | None = None
-    max_iterations: int = 100
-    noise: str = "diagonal"
-    priors: dict[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
-    prior_spread: float | None = None
-    start_run_id: int | None = None
-    additional_maneuver_ids: tuple[int, ...] = ()
+    band_hz: Band | None = None
+    max_iterations: Iterations = 100
+    noise: Noise = "diagonal"
+    priors: Annotated[dict[Name, Prior], Allowed(max_length=500)] = field(
+        default_factory=dict[str, Prior]
+    )
+    prior_spread: Annotated[float | None, Allowed(gt=0.0, le=100.0)] = None
+    start_run_id: Id | None = None
+    additional_maneuver_ids: Annotated[tuple[Id, ...], Allowed(max_length=100)] = ()
     out_of_band_modes: OutOfBandModes = OutOfBandModes.RETAINED
     aerodynamics: Aerodynamics = Aerodynamics.QUASI_STEADY
 
@@ -419,8 +428,8 @@ class DerivedRun:
 class Limits:
     """Limits of a run; None for those of the server."""
 
-    time_s: float | None = None
-    memory_mb: int | None = None
+    time_s: Annotated[float | None, Allowed(gt=0.0, le=86_400.0)] = None
+    memory_mb: Annotated[int | None, Allowed(ge=64, le=1_000_000)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

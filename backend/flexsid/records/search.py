@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import Annotated
 
+from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, Progress, RunState
 
@@ -24,6 +26,9 @@ class InitialTerms(StrEnum):
     EQUATION_ERROR = "equation error"
 
 
+Threshold = Annotated[float, Allowed(gt=0.0, le=1e6)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettings:
     """Criteria of the selection of terms.
@@ -36,14 +41,14 @@ class SearchSettings:
 
     algorithm: Algorithm = Algorithm.STEPWISE
     initial_terms: InitialTerms = InitialTerms.ALL
-    f_in: float = 20.0
-    f_out: float = 20.0
-    pse_noise: float = 25.0
-    resamplings: int = 30
-    validate_on: tuple[int, ...] = ()
-    band_hz: tuple[float, float] | None = None
-    max_iterations: int = 100
-    noise: str = "diagonal"
+    f_in: Threshold = 20.0
+    f_out: Threshold = 20.0
+    pse_noise: Threshold = 25.0
+    resamplings: Annotated[int, Allowed(ge=0, le=500)] = 30
+    validate_on: Annotated[tuple[Id, ...], Allowed(max_length=100)] = ()
+    band_hz: Band | None = None
+    max_iterations: Iterations = 100
+    noise: Noise = "diagonal"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

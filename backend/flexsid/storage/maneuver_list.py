@@ -16,9 +16,9 @@ from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
 from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery
 from flexsid.storage.paging import Page
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
 from flexsid.storage.tags import read_tags
+from flexsid.text import LARGEST_ID
 
 IdFilter = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]
 NumberFilter = Annotated[float | None, Field(allow_inf_nan=False)]

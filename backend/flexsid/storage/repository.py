@@ -20,9 +20,7 @@ from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.run import Method
 from flexsid.storage.database import Database, NotFinite
 from flexsid.storage.reading import read_once
-
-LARGEST_ID = 2**31 - 1
-"""Largest integer of a column in PostgreSQL."""
+from flexsid.text import LARGEST_ID
 
 
 class Record(Protocol):

@@ -17,7 +17,6 @@ from pydantic import Field, ValidationError
 from flexsid.errors import BadInput
 from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.streams.chapter10_packets import Chapter10Options, open_chapter10
 from flexsid.streams.credentials import Credentials
@@ -26,6 +25,7 @@ from flexsid.streams.mqtt_messages import MqttMessages, MqttOptions
 from flexsid.streams.nats_messages import NatsMessages, NatsOptions
 from flexsid.streams.network_packets import PortOptions, TcpPackets, UdpPackets
 from flexsid.streams.receiver import Options, Receiver, Source
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.live.replay import Replay, pace, read_replay
 
 _PREFIX = "Value error, "  # of pydantic, before the message of a validator

@@ -8,9 +8,9 @@ from typing import Annotated
 from fastapi import Depends
 
 from flexsid.api.context import TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.router import make_router
-from flexsid.api.routes.flutter import TheFlutterQuery
-from flexsid.api.serialization import Json, RequiredReference
+from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CLOSED_LOOP
@@ -57,14 +57,10 @@ class ClosedLoopStability:
     derived_runs: tuple[DerivedRun, ...]
 
 
-async def _read_query(query: TheFlutterQuery, controller_id: RequiredReference) -> ClosedLoopQuery:
-    return ClosedLoopQuery(flutter=query, controller_id=controller_id)
-
-
-TheClosedLoopQuery = Annotated[ClosedLoopQuery, Depends(_read_query)]
+TheClosedLoopQuery = Annotated[ClosedLoopQuery, Depends(query_as(ClosedLoopQuery))]
 
 add_job_routes(
-    *(router, "", CLOSED_LOOP, "closed_loop", _read_query),
+    *(router, "", CLOSED_LOOP, "closed_loop"),
     lambda store, query: count_noun(len(query.flutter.run_ids), "run"),
 )
 

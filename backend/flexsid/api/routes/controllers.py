@@ -18,7 +18,7 @@ from flexsid.errors import BadInput, Conflict
 from flexsid.importers import sandbox
 from flexsid.records.flutter import Controller
 from flexsid.storage.paging import Page
-from flexsid.storage.repository import LARGEST_ID
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.flutter import controllers
 
 router = make_router("/controllers", tag="controllers")

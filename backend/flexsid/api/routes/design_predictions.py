@@ -5,22 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import Depends, Query
+from fastapi import Depends
 
 from flexsid.api.context import TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.router import make_router
-from flexsid.api.routes.designs import Deflection, Level, Limit, Rate
-from flexsid.api.serialization import Identity, Json, Reference, RequiredReference
+from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import AMPLITUDES, INPUT_COMPARISON, OPTIMAL_DESIGN, PREDICTED_ACCURACY
-from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.views import ExpectedMode
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
 from flexsid.workflow.excitation.classic_inputs import InputComparison
 from flexsid.workflow.excitation.optimal_designs import (
-    Objective,
     OptimalDesign,
     OptimalDesignQuery,
 )
@@ -42,77 +40,24 @@ class ExpectedSummary:
     information: dict[str, float]
 
 
-async def _read_query(
-    design_id: Identity, run_id: RequiredReference, level: Level = DEFAULT_LEVEL
-) -> DesignQuery:
-    return DesignQuery(design_id=design_id, run_id=run_id, level=level)
-
-
-async def _read_amplitude_query(
-    design_id: Identity,
-    run_id: RequiredReference,
-    deflection: Deflection = None,
-    rate: Rate = None,
-    load_factor: Limit = None,
-    level: Level = DEFAULT_LEVEL,
-) -> AmplitudeQuery:
-    return AmplitudeQuery(
-        design_id=design_id,
-        run_id=run_id,
-        level=level,
-        deflection=deflection,
-        rate=rate,
-        load_factor=load_factor,
-    )
-
-
-async def _read_optimal_design_query(
-    design_id: Identity,
-    run_id: RequiredReference,
-    objective: Objective,
-    derivatives: Annotated[str, Query(max_length=2000, description="Separated by commas.")] = "",
-    mode: Annotated[str | None, Query(max_length=40, description="Name of a root.")] = None,
-    other_run_id: Reference = None,
-    deflection: Deflection = None,
-    rate: Rate = None,
-    load_factor: Limit = None,
-    spread: Annotated[float, Query(ge=0.0, le=0.5)] = 0.0,
-    after_run: bool = False,
-    level: Level = DEFAULT_LEVEL,
-) -> OptimalDesignQuery:
-    names = (name.strip() for name in derivatives.split(","))
-    return OptimalDesignQuery(
-        design_id=design_id,
-        run_id=run_id,
-        level=level,
-        objective=objective,
-        derivatives=tuple(dict.fromkeys(name for name in names if name)),
-        mode=mode,
-        other_run_id=other_run_id,
-        deflection=deflection,
-        rate=rate,
-        load_factor=load_factor,
-        spread=spread,
-        after_run=after_run,
-    )
-
-
-TheOptimalDesignQuery = Annotated[OptimalDesignQuery, Depends(_read_optimal_design_query)]
-TheDesignQuery = Annotated[DesignQuery, Depends(_read_query)]
-TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(_read_amplitude_query)]
+TheDesignQuery = Annotated[DesignQuery, Depends(query_as(DesignQuery, "design_id"))]
+TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(query_as(AmplitudeQuery, "design_id"))]
+TheOptimalDesignQuery = Annotated[
+    OptimalDesignQuery, Depends(query_as(OptimalDesignQuery, "design_id"))
+]
 
 
 def _get_title(store: Store, query: DesignQuery) -> str:
     return store.designs.get(query.design_id).name
 
 
-for _path, _kind, _name, _read in (
-    ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy", _read_query),
-    ("/classic-inputs", INPUT_COMPARISON, "input_comparison", _read_query),
-    ("/amplitudes", AMPLITUDES, "amplitudes", _read_amplitude_query),
-    ("/optimal-design", OPTIMAL_DESIGN, "optimal_design", _read_optimal_design_query),
+for _path, _kind, _name in (
+    ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy"),
+    ("/classic-inputs", INPUT_COMPARISON, "input_comparison"),
+    ("/amplitudes", AMPLITUDES, "amplitudes"),
+    ("/optimal-design", OPTIMAL_DESIGN, "optimal_design"),
 ):
-    add_job_routes(router, _path, _kind, _name, _read, _get_title)
+    add_job_routes(router, _path, _kind, _name, _get_title, "design_id")
 
 
 @router.get("/expected-errors", response_model=ExpectedErrors)

@@ -17,9 +17,10 @@ from flexsid.api.design_requests import (
     RedesignRequest,
     RescaleRequest,
 )
+from flexsid.api.queries import query_as
 from flexsid.api.requests import Title
 from flexsid.api.router import make_router
-from flexsid.api.serialization import Identity, Json, RequiredReference
+from flexsid.api.serialization import Identity, Json
 from flexsid.api.submission import submit_job
 from flexsid.api.uploads import save_files
 from flexsid.importers import sandbox
@@ -60,24 +61,7 @@ Rate = Annotated[
 ]
 
 
-async def _read_target_query(
-    aircraft_id: RequiredReference,
-    airspeed_m_s: Annotated[
-        float | None,
-        Query(gt=0.0, le=1000.0, description="Without it structural modes in vacuo. [m/s]"),
-    ] = None,
-    fuel_fraction: Annotated[float, Query(ge=0.0, le=1.0)] = 0.5,
-    altitude_m: Annotated[float, Query(ge=-1000.0, le=11_000.0, description="[m]")] = 0.0,
-) -> TargetQuery:
-    return TargetQuery(
-        aircraft_id=aircraft_id,
-        airspeed_m_s=airspeed_m_s,
-        fuel_fraction=fuel_fraction,
-        altitude_m=altitude_m,
-    )
-
-
-TheTargetQuery = Annotated[TargetQuery, Depends(_read_target_query)]
+TheTargetQuery = Annotated[TargetQuery, Depends(query_as(TargetQuery))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,9 +234,9 @@ def simulate_design(
 ) -> Json:
     """Simulate the flight of a design, as a job; stores the maneuver and queues its estimation."""
     design = context.store.designs.get(design_id)
-    if body.controller_id is not None:
-        context.store.controllers.get(body.controller_id)
     request = body.to_simulation(design_id)
+    if request.controller_id is not None:
+        context.store.controllers.get(request.controller_id)
     return submit_job(context, SIMULATION, request, analyst, design.name)
 
 

@@ -21,7 +21,7 @@ from flexsid.figure_table import FIGURES, FigureKind, draw_figure
 from flexsid.figures.bode import draw_bode
 from flexsid.figures.print_format import set_print_format
 from flexsid.figures.spec import empty
-from flexsid.storage.repository import LARGEST_ID
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.live.live_bode import build_live_bode
 
 router = make_router("/figures", tag="figures", responses=FILES)

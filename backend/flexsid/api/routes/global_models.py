@@ -10,6 +10,7 @@ from fastapi import Depends, Query, Response
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.prediction_requests import GlobalModelVersionRequest, SaveGlobalPredictionRequest
+from flexsid.api.queries import query_as
 from flexsid.api.responses import extend_record
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
@@ -21,7 +22,6 @@ from flexsid.api.serialization import (
     drop_none,
 )
 from flexsid.api.submission import add_job_routes
-from flexsid.figure_table import GlobalModelParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.aircraft import DerivativePrediction
@@ -58,17 +58,10 @@ class GlobalModelDetail(ReviewedGlobalModel):
     summary: GlobalModelSummary
 
 
-async def _read_query(
-    parameters: Annotated[GlobalModelParameters, Query()],
-) -> GlobalModelQuery:
-    return GlobalModelQuery(**dict(parameters))
-
-
-TheGlobalModelQuery = Annotated[GlobalModelQuery, Depends(_read_query)]
-
+TheGlobalModelQuery = Annotated[GlobalModelQuery, Depends(query_as(GlobalModelQuery))]
 
 add_job_routes(
-    *(router, "", GLOBAL_MODEL, "global_model", _read_query),
+    *(router, "", GLOBAL_MODEL, "global_model"),
     lambda store, query: count_noun(len(query.run_ids), "run"),
 )
 

@@ -36,10 +36,10 @@ from flexsid.records.run import EstimationRun
 from flexsid.records.views import DefaultChannels
 from flexsid.storage.live_history import list_alarms, list_states
 from flexsid.storage.paging import Items
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.streams.receiver import Receiver
 from flexsid.streams.receivers import is_installed, load_receivers
+from flexsid.text import LARGEST_ID
 from flexsid.workflow.live.packets import compute_packet_size
 from flexsid.workflow.views.channels import select_default_channels
 

@@ -31,12 +31,10 @@ from flexsid.storage import bulk
 from flexsid.storage.list_query import Facets
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
 from flexsid.storage.paging import Page
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.storage.store import Store
 from flexsid.sysid.model.axes import ModelAxis
-from flexsid.text import split_ids
+from flexsid.text import LARGEST_ID, split_ids
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
-from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
 from flexsid.workflow.views.channels import select_default_channels
 
@@ -106,23 +104,10 @@ def get_run_proposal(
     return propose_run(store, (maneuver_id, *further), band, axis)
 
 
-async def _read_reconstruction(
-    maneuver_id: Identity,
-    modes: Annotated[
-        str | None, Query(description="Mode numbers, separated by commas; by default as resolved.")
-    ] = None,
-    axis: Annotated[
-        ModelAxis | None,
-        Query(description="Half of a combined maneuver; by default the longitudinal one."),
-    ] = None,
-) -> ReconstructionQuery:
-    return ReconstructionQuery(maneuver_id=maneuver_id, modes=split_ids(modes, "modes"), axis=axis)
-
-
 # The figure of the reconstruction has its result.
 add_job_routes(
     *(router, "/{maneuver_id}/reconstruction", RECONSTRUCTION, "reconstruction"),
-    *(_read_reconstruction, lambda store, query: store.maneuvers.get(query.maneuver_id).label),
+    *(lambda store, query: store.maneuvers.get(query.maneuver_id).label, "maneuver_id"),
 )
 
 

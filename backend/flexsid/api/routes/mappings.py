@@ -28,12 +28,13 @@ def get_mapping(store: TheStore, mapping_id: Identity) -> StoredMapping:
 @router.post("", response_model=StoredMapping, status_code=201)
 def add_mapping(store: TheStore, body: MappingRequest) -> Json:
     """Store a mapping under a name; a mapping of the same name is replaced."""
-    parse_mapping(body.text)
+    mapping = body.make_record(StoredMapping)
+    parse_mapping(mapping.text)
     with store.transaction():
-        for same in store.mappings.find(name=body.name):
+        for same in store.mappings.find(name=mapping.name):
             assert same.id is not None
             store.mappings.delete(same.id)
-        stored = store.mappings.add(StoredMapping(name=body.name, text=body.text, note=body.note))
+        stored = store.mappings.add(mapping)
     return Json(stored, 201, {"Location": f"/api/v1/mappings/{stored.id}"})
 
 

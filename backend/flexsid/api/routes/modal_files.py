@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import Query
-from pydantic import Field, StrictBool
+from fastapi import Depends
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import Id, Line, Request, Title
+from flexsid.api.queries import query_as
+from flexsid.api.requests import Id, Request, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
-from flexsid.figure_table import SummaryParameters
 from flexsid.importers.modal_data import (
     MassOptions,
     ModalDataOptions,
@@ -22,9 +21,9 @@ from flexsid.importers.modal_data import (
 )
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.flutter_summary import FlutterSummary, SummaryRoots
-from flexsid.records.modal_data import ModalKind, ModalTable
+from flexsid.records.modal_data import ModalTable
+from flexsid.request_models import body_of
 from flexsid.storage.paging import Page
-from flexsid.storage.repository import LARGEST_ID
 from flexsid.workflow.aircraft.aircraft_definition import set_mass_table
 from flexsid.workflow.flutter.flutter_summary import add_warning, save_flutter_summary
 from flexsid.workflow.flutter.summary_roots import SummaryQuery, read_summary_roots
@@ -33,37 +32,19 @@ from flexsid.workflow.modal_data.modal_import import store_modal_data
 
 router = make_router(tag="modal-data", route_class=JsonRoute)
 
-_Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
-_Node = Annotated[int, Field(strict=True, ge=0, le=LARGEST_ID)]
-_Metre = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 
-
+@body_of(ModalDataOptions)
 class ModalDataRequest(Request):
     """Units, axes and fuel fractions of uploaded modal data; see ``ModalDataOptions``."""
 
     aircraft_id: Id
-    name: Title
-    kind: ModalKind = ModalKind.FEM
-    length_unit: Literal["m", "mm", "in", "ft"] | None = None
-    mass_unit: Literal["kg", "t", "lb", "slug", "slinch"] | None = None
-    generalized_mass: Literal["file", "unit", "unknown"] | None = None
-    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
-    origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
-    fuel: Annotated[dict[Title, _Fraction], Field(max_length=200)] = Field(default_factory=dict)
-    analyses: Annotated[dict[Title, Title], Field(max_length=200)] = Field(default_factory=dict)
-    rigid_modes: StrictBool = False
-    points: Annotated[dict[Title, _Node], Field(max_length=1000)] = Field(default_factory=dict)
 
 
+@body_of(MassOptions)
 class MassRequest(Request):
     """Units, axes and fuel fractions of mass properties of uploaded printouts (GPWG)."""
 
     aircraft_id: Id
-    length_unit: Literal["m", "mm", "in", "ft"]
-    mass_unit: Literal["kg", "t", "lb", "slug", "slinch"]
-    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
-    origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
-    fuel: Annotated[dict[Title, _Fraction], Field(max_length=200)] = Field(default_factory=dict)
 
 
 class FlutterSummaryRequest(Request):
@@ -124,7 +105,7 @@ def get_flutter_summary(store: TheStore, summary_id: Identity) -> FlutterSummary
 
 @router.get("/flutter-summaries/{summary_id}/roots")
 def get_summary_roots(
-    store: TheStore, summary_id: Identity, parameters: Annotated[SummaryParameters, Query()]
+    store: TheStore, query: Annotated[SummaryQuery, Depends(query_as(SummaryQuery, "summary_id"))]
 ) -> SummaryRoots:
     """Return the roots of one analysis, and where they become unstable at a damping g."""
-    return read_summary_roots(store, SummaryQuery(summary_id=summary_id, **dict(parameters)))
+    return read_summary_roots(store, query)

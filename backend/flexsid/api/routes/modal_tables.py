@@ -13,6 +13,7 @@ from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.requests import Id, Request, Text, Title
 from flexsid.api.responses import (
     ModalTableDetail,
@@ -29,7 +30,6 @@ from flexsid.api.serialization import (
     drop_none,
 )
 from flexsid.errors import BadInput
-from flexsid.figure_table import OrderParameters
 from flexsid.figures.shape_picture import draw_shape_picture
 from flexsid.importers.modal_files import FORMS, write_archive, write_modes
 from flexsid.records.modal_data import (
@@ -66,13 +66,7 @@ Form = Literal["uff", "uff-single", "csv", "mat", "op4", "op4-binary"]
 Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 
 
-async def _read_order_query(
-    parameters: Annotated[OrderParameters, Query()],
-) -> model_order.OrderQuery:
-    return model_order.OrderQuery(**dict(parameters))
-
-
-TheOrderQuery = Annotated[model_order.OrderQuery, Depends(_read_order_query)]
+TheOrderQuery = Annotated[model_order.OrderQuery, Depends(query_as(model_order.OrderQuery))]
 
 
 class CorrectionRequest(Request):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query
@@ -29,8 +30,9 @@ def list_saved_views(
 @router.post("", status_code=201)
 def add_saved_view(store: TheStore, body: SavedViewRequest, analyst: TheAnalyst) -> SavedView:
     """Store the filters of a page under a name; refused if the name is in use."""
-    author = choose_author(body.author, analyst)
-    return store.saved_views.add(body.make_record(SavedView, author=author))
+    view = body.make_record(SavedView)
+    author = choose_author(view.author, analyst)
+    return store.saved_views.add(replace(view, author=author))
 
 
 @router.delete("/{view_id}", status_code=204)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import Path, status
 from pydantic import Field
@@ -13,16 +13,15 @@ from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Request
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import Frequency, StructureRequest
+from flexsid.api.run_requests import StructureRequest
 from flexsid.api.run_responses import Run, build_run_response
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (
-    Algorithm,
-    InitialTerms,
     SearchSettings,
     StructureSearch,
 )
+from flexsid.request_models import body_of
 from flexsid.storage import queue
 from flexsid.storage.paging import Items
 from flexsid.workflow.structure_determination import searches
@@ -33,19 +32,9 @@ Threshold = Annotated[float, Field(strict=True, gt=0.0, le=1e6, allow_inf_nan=Fa
 Index = Annotated[int, Path(ge=0, le=10_000, description="Index of the candidate, from 0.")]
 
 
+@body_of(SearchSettings)
 class SearchSettingsRequest(Request):
     """Criteria and algorithm of the search; see ``SearchSettings``."""
-
-    algorithm: Algorithm = Algorithm.STEPWISE
-    initial_terms: InitialTerms = InitialTerms.ALL
-    f_in: Threshold = 20.0
-    f_out: Threshold = 20.0
-    pse_noise: Threshold = 25.0
-    resamplings: Annotated[int, Field(strict=True, ge=0, le=500)] = 30
-    validate_on: Annotated[tuple[Id, ...], Field(max_length=100)] = ()
-    band_hz: tuple[Frequency, Frequency] | None = None
-    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1000)] = 100
-    noise: Literal["diagonal", "full"] = "diagonal"
 
 
 class SearchRequest(Request):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Query
+from fastapi import Depends
 
 from flexsid.api.context import TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
-from flexsid.figure_table import TransferFunctionParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import TRANSFER_FUNCTION
 from flexsid.records.transfer_function import TransferFunction
@@ -19,14 +19,10 @@ from flexsid.workflow.measurements.transfer_functions import TransferFunctionQue
 router = make_router(tag="maneuvers")
 
 
-async def _read_query(
-    parameters: Annotated[TransferFunctionParameters, Query()],
-) -> TransferFunctionQuery:
-    return TransferFunctionQuery(**dict(parameters))
-
+TheQuery = Annotated[TransferFunctionQuery, Depends(query_as(TransferFunctionQuery))]
 
 add_job_routes(
-    *(router, "/transfer-functions", TRANSFER_FUNCTION, "transfer_function", _read_query),
+    *(router, "/transfer-functions", TRANSFER_FUNCTION, "transfer_function"),
     lambda store, query: (
         f"{query.output} over {query.input}, {store.maneuvers.get(query.maneuver_id).label}"
     ),
@@ -34,9 +30,7 @@ add_job_routes(
 
 
 @router.get("/transfer-functions", response_model=TransferFunction)
-def get_transfer_function(
-    store: TheStore, query: Annotated[TransferFunctionQuery, Depends(_read_query)]
-) -> Json:
+def get_transfer_function(store: TheStore, query: TheQuery) -> Json:
     """Return the stored transfer function of an output over an input, with standard errors.
 
     By default the orders are those usual for the output: a short period for pitch rate and pitch

@@ -74,7 +74,8 @@ def save_upload_draft(store: TheStore, upload_id: UploadId, body: DraftRequest) 
 def check_upload(store: TheStore, upload_id: UploadId, body: UploadMappingRequest) -> Json:
     """Check a mapping against the files; nothing is stored."""
     sources = uploads.open_upload(store, upload_id)
-    return Json(preview.check_mapping(store, sources, body.mapping))
+    request = body.make_record(uploads.ImportRequest, upload_id=upload_id)
+    return Json(preview.check_mapping(store, sources, request.mapping))
 
 
 @router.post("/{upload_id}/preview", response_model=Figure)

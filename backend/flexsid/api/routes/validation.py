@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Query
+from fastapi import Depends
 
 from flexsid.api.context import TheStore
+from flexsid.api.queries import query_as
 from flexsid.api.router import make_router
-from flexsid.api.serialization import Json, RequiredReference
+from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes
-from flexsid.figure_table import CrossPredictionParameters, CrossValidationParameters
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import AERODYNAMICS, CROSS_PREDICTION, CROSS_VALIDATION, POSTERIOR
 from flexsid.records.validation import (
@@ -28,48 +28,21 @@ from flexsid.workflow.validation.posterior_check import PosteriorQuery
 router = make_router(tag="validation")
 
 
-async def _read_cross_prediction(
-    parameters: Annotated[CrossPredictionParameters, Query()],
-) -> CrossPredictionQuery:
-    return CrossPredictionQuery(**dict(parameters))
-
-
-async def _read_cross_validation(
-    parameters: Annotated[CrossValidationParameters, Query()],
-) -> CrossValidationQuery:
-    return CrossValidationQuery(**dict(parameters))
-
-
-async def _read_aerodynamics(run_id: RequiredReference) -> AerodynamicsQuery:
-    return AerodynamicsQuery(run_id=run_id)
-
-
-async def _read_posterior(run_id: RequiredReference) -> PosteriorQuery:
-    return PosteriorQuery(run_id=run_id)
-
-
-ThePredictionQuery = Annotated[CrossPredictionQuery, Depends(_read_cross_prediction)]
-TheValidationQuery = Annotated[CrossValidationQuery, Depends(_read_cross_validation)]
-TheAerodynamicsQuery = Annotated[AerodynamicsQuery, Depends(_read_aerodynamics)]
-ThePosteriorQuery = Annotated[PosteriorQuery, Depends(_read_posterior)]
-
+ThePredictionQuery = Annotated[CrossPredictionQuery, Depends(query_as(CrossPredictionQuery))]
+TheValidationQuery = Annotated[CrossValidationQuery, Depends(query_as(CrossValidationQuery))]
+TheAerodynamicsQuery = Annotated[AerodynamicsQuery, Depends(query_as(AerodynamicsQuery))]
+ThePosteriorQuery = Annotated[PosteriorQuery, Depends(query_as(PosteriorQuery))]
 
 add_job_routes(
-    *(router, "/cross-predictions", CROSS_PREDICTION, "cross_predictions", _read_cross_prediction),
+    *(router, "/cross-predictions", CROSS_PREDICTION, "cross_predictions"),
     lambda store, query: count_noun(len(query.run_ids), "run"),
 )
-add_job_routes(
-    *(router, "/cross-validations", CROSS_VALIDATION, "cross_validation", _read_cross_validation),
-    lambda store, query: f"run {query.run_id}",
-)
-add_job_routes(
-    *(router, "/aerodynamics-comparisons", AERODYNAMICS, "aerodynamics_comparison"),
-    *(_read_aerodynamics, lambda store, query: f"run {query.run_id}"),
-)
-add_job_routes(
-    *(router, "/posterior-checks", POSTERIOR, "posterior_check"),
-    *(_read_posterior, lambda store, query: f"run {query.run_id}"),
-)
+for _path, _kind, _name in (
+    ("/cross-validations", CROSS_VALIDATION, "cross_validation"),
+    ("/aerodynamics-comparisons", AERODYNAMICS, "aerodynamics_comparison"),
+    ("/posterior-checks", POSTERIOR, "posterior_check"),
+):
+    add_job_routes(router, _path, _kind, _name, lambda store, query: f"run {query.run_id}")
 
 
 @router.get("/cross-predictions", response_model=CrossPredictionMatrix)

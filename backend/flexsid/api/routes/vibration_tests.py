@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import Depends, Query, status
 from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Id, Line, Request, Title
+from flexsid.api.queries import query_as
+from flexsid.api.requests import Id, Request, Title
 from flexsid.api.responses import MeasuredFunction
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.api.submission import add_job_routes, submit_job
 from flexsid.errors import UnknownRecord
-from flexsid.figure_table import ModeSearchParameters
 from flexsid.importers.responses import AveragingOptions, ResponseOptions, extract_responses
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import MODES, ORTHOGONALITY, RESPONSES
@@ -27,12 +26,10 @@ from flexsid.records.modal_data import (
     Orthogonality,
 )
 from flexsid.records.run import RunState
+from flexsid.request_models import body_of
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
-from flexsid.sysid.spectra.averaged_spectra import Window
-from flexsid.sysid.spectra.response_estimators import Estimator
-from flexsid.text import LONGEST_FIELD
 from flexsid.workflow.importing.uploads import find_folder, open_upload
 from flexsid.workflow.modal_data import ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.response_estimation import ResponseEstimation, check_estimation
@@ -47,6 +44,7 @@ _Order = Annotated[int, Field(strict=True, ge=4, le=80)]
 DofName = Annotated[str, Query(max_length=20, description="Node and direction, such as 12+z.")]
 
 
+@body_of(ResponseOptions)
 class ResponsesRequest(Request):
     """Units, axes and fuel fraction of measured frequency responses; see ``ResponseOptions``.
 
@@ -54,27 +52,11 @@ class ResponsesRequest(Request):
     """
 
     aircraft_id: Id
-    name: Title
-    response_unit: (
-        Literal["m/s2", "g", "in/s2", "ft/s2", "m/s", "in/s", "m", "mm", "in", "ft"] | None
-    ) = None
-    force_unit: Literal["N", "lbf"] | None = None
-    frequency_unit: Literal["Hz", "rad/s"] | None = None
-    phase_unit: Literal["deg", "rad"] | None = None
-    time_unit: Literal["s", "ms"] | None = None
-    fuel: _Fraction = 0.0
-    length_unit: Literal["m", "mm", "in", "ft"] | None = None
-    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
-    origin: tuple[_Metre, _Metre, _Metre] = (0.0, 0.0, 0.0)
 
 
+@body_of(AveragingOptions)
 class EstimatedResponsesRequest(ResponsesRequest):
     """Estimator of frequency responses from time data; see ``AveragingOptions``."""
-
-    averages: Annotated[int, Field(strict=True, ge=2, le=100_000)]
-    estimator: Estimator = "H1"
-    overlap: Annotated[float, Field(strict=True, ge=0.0, le=0.95)] = 0.5
-    window: Window = "hann"
 
 
 class IdentifiedModesRequest(Request):
@@ -89,29 +71,15 @@ class IdentifiedModesRequest(Request):
     template_id: Id | None = None
 
 
-_Matrix = Annotated[str, Field(min_length=1, max_length=LONGEST_FIELD), Line]
-
-
+@body_of(orthogonality.OrthogonalityQuery)
 class OrthogonalityRequest(Request):
     """Matrices of the files, and modal tables of the shapes; see ``OrthogonalityQuery``."""
 
-    modal_table_id: Id
-    mass: _Matrix
-    fuel: _Fraction = 0.5
-    other_id: Id | None = None
-    other_fuel: _Fraction | None = None
-    stiffness: _Matrix | None = None
-    length_unit: Literal["m", "mm", "in", "ft"] | None = None
-    axes: Annotated[str, Field(max_length=60), Line] = "aft right up"
 
-
-async def _read_mode_search(
-    responses_id: Identity, parameters: Annotated[ModeSearchParameters, Query()]
-) -> ground_vibration_test.ModeSearch:
-    return ground_vibration_test.ModeSearch(responses_id=responses_id, **dict(parameters))
-
-
-TheModeSearch = Annotated[ground_vibration_test.ModeSearch, Depends(_read_mode_search)]
+TheModeSearch = Annotated[
+    ground_vibration_test.ModeSearch,
+    Depends(query_as(ground_vibration_test.ModeSearch, "responses_id")),
+]
 
 
 @router.post("/uploads/{upload_id}/responses", status_code=201)
@@ -120,13 +88,8 @@ def import_responses(
 ) -> MeasuredResponses:
     """Import the frequency responses of uploaded files."""
     aircraft = store.aircraft.get(body.aircraft_id)
-    options = _make_options(body)
-    raw = extract_responses(open_upload(store, upload_id), options)
+    raw = extract_responses(open_upload(store, upload_id), body.make_record(ResponseOptions))
     return ground_vibration_test.store_responses(store, aircraft, raw)
-
-
-def _make_options(body: ResponsesRequest) -> ResponseOptions:
-    return ResponseOptions(**{one.name: getattr(body, one.name) for one in fields(ResponseOptions)})
 
 
 @router.post(
@@ -144,17 +107,12 @@ def estimate_responses(
     request = ResponseEstimation(
         upload_id=upload_id,
         aircraft_id=body.aircraft_id,
-        options=_make_options(body),
-        averaging=AveragingOptions(
-            averages=body.averages,
-            estimator=body.estimator,
-            overlap=body.overlap,
-            window=body.window,
-        ),
+        options=body.make_record(ResponseOptions),
+        averaging=body.make_record(AveragingOptions),
     )
     check_estimation(context.store, open_upload(context.store, upload_id), request)
     with storing_in_campaign(body.aircraft_id):
-        return submit_job(context, RESPONSES, request, analyst, body.name)
+        return submit_job(context, RESPONSES, request, analyst, request.options.name)
 
 
 @router.get("/measured-responses/{responses_id}/function", response_model=MeasuredFunction)
@@ -182,8 +140,9 @@ def get_measured_responses(store: TheStore, responses_id: Identity) -> MeasuredR
 
 
 add_job_routes(
-    *(router, "/measured-responses/{responses_id}/modes", MODES, "modes", _read_mode_search),
+    *(router, "/measured-responses/{responses_id}/modes", MODES, "modes"),
     lambda store, search: store.measured_responses.get(search.responses_id).name,
+    "responses_id",
 )
 
 
@@ -222,7 +181,7 @@ def request_orthogonality(
     )
     find_folder(context.store, upload_id)
     tables = orthogonality.list_compared_tables(context.store, request.query)
-    title = f"{' and '.join(table.name for table in tables)}, matrix {body.mass}"
+    title = f"{' and '.join(table.name for table in tables)}, matrix {request.query.mass}"
     with storing_in_campaign(tables[0].aircraft_id):
         return submit_job(context, ORTHOGONALITY, request, analyst, title)
 

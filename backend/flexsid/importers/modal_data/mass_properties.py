@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid import units
+from flexsid.allowed import Axes, LengthUnit, MassUnit, Metre
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.nodes import join_frames
-from flexsid.importers.modal_data.options import TO_BODY, parse_axes
+from flexsid.importers.modal_data.options import TO_BODY, FuelOfFile, parse_axes
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.aircraft import MassTable
 
@@ -26,11 +27,11 @@ class MassOptions:
     as of ``ModalDataOptions``.
     """
 
-    length_unit: str
-    mass_unit: str
-    axes: str = "aft right up"
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    fuel: dict[str, float] = field(default_factory=dict)
+    length_unit: LengthUnit
+    mass_unit: MassUnit
+    axes: Axes = "aft right up"
+    origin: tuple[Metre, Metre, Metre] = (0.0, 0.0, 0.0)
+    fuel: FuelOfFile = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

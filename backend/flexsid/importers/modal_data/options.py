@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Axes, LengthUnit, MassUnit, Metre, Name, Share
 from flexsid.errors import BadInput
 from flexsid.records.modal_data import ModalKind
+from flexsid.text import LARGEST_ID
 
 _DIRECTIONS = {
     "aft": (1, 0, 0), "forward": (-1, 0, 0),
@@ -16,6 +19,10 @@ _DIRECTIONS = {
 }  # fmt: skip
 TO_BODY = np.array([-1.0, 1.0, -1.0])
 """Rotation by 180 deg about y from structural axes (x aft, z up) to body axes, also for angles."""
+
+
+Node = Annotated[int, Allowed(ge=0, le=LARGEST_ID)]
+FuelOfFile = Annotated[dict[Name, Share], Allowed(max_length=200)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,17 +37,17 @@ class ModalDataOptions:
     sensor point where it is not the nearest node.
     """
 
-    name: str
+    name: Name
     kind: ModalKind = ModalKind.FEM
-    length_unit: str | None = None
-    mass_unit: str | None = None
-    generalized_mass: str | None = None
-    axes: str = "aft right up"
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    fuel: dict[str, float] = field(default_factory=dict)
-    analyses: dict[str, str] = field(default_factory=dict)
+    length_unit: LengthUnit | None = None
+    mass_unit: MassUnit | None = None
+    generalized_mass: Annotated[str | None, Allowed(choices=("file", "unit", "unknown"))] = None
+    axes: Axes = "aft right up"
+    origin: tuple[Metre, Metre, Metre] = (0.0, 0.0, 0.0)
+    fuel: FuelOfFile = field(default_factory=dict)
+    analyses: Annotated[dict[Name, Name], Allowed(max_length=200)] = field(default_factory=dict)
     rigid_modes: bool = False
-    points: dict[str, int] = field(default_factory=dict)
+    points: Annotated[dict[Name, Node], Allowed(max_length=1000)] = field(default_factory=dict)
 
 
 def parse_axes(text: str) -> np.ndarray:

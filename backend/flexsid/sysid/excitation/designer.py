@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
 
+from flexsid.allowed import Allowed, Name, Number, Positive
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.extrema import evaluate_peak_factor
 from flexsid.sysid.excitation.harmonic_assignment import check_harmonics
@@ -38,6 +40,9 @@ Rows of Table 1 with a phugoid and elastic modes of both axes as targets have 18
 """
 
 
+Harmonic = Annotated[int, Allowed(ge=1, le=20_000)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputSpecification:
     """One input: its harmonics, its peak relative to the design's, and the power of each harmonic.
@@ -45,10 +50,10 @@ class InputSpecification:
     ``power`` is relative; the spectrum is flat by default.
     """
 
-    name: str
-    harmonics: tuple[int, ...]
-    relative_peak: float = 1.0
-    power: tuple[float, ...] | None = None
+    name: Name
+    harmonics: Annotated[tuple[Harmonic, ...], Allowed(max_length=500)]
+    relative_peak: Positive = 1.0
+    power: Annotated[tuple[Number, ...] | None, Allowed(max_length=500)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
 from scipy import fft
 
+from flexsid.allowed import Allowed, Name, Positive
 from flexsid.sysid.model.instruments import Instrument
 
 _SETTLING_S = 2.0  # longer than delay and transient of any filter on board
@@ -57,11 +59,11 @@ class SensorErrors:
     ``skew_s`` a further delay. [s]
     """
 
-    channels: tuple[str, ...] = ()
-    quantum: float = 0.0
-    limit: float | None = None
-    dropout: float = 0.0
-    skew_s: float = 0.0
+    channels: Annotated[tuple[Name, ...], Allowed(max_length=200)] = ()
+    quantum: Annotated[float, Allowed(ge=0.0, le=1e5)] = 0.0
+    limit: Positive | None = None
+    dropout: Annotated[float, Allowed(ge=0.0, lt=1.0, text="Share of the samples.")] = 0.0
+    skew_s: Annotated[float, Allowed(ge=0.0, le=1.0)] = 0.0
 
 
 def apply_sensor_errors(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
 
+from flexsid.allowed import Allowed
 from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
 
@@ -80,9 +82,9 @@ class DiscreteGust:
     Positive upward, or from the right in the lateral-directional axis.
     """
 
-    peak_m_s: float
-    gradient_m: float
-    start_s: float = 0.0
+    peak_m_s: Annotated[float, Allowed(ge=-50.0, le=50.0)]
+    gradient_m: Annotated[float, Allowed(gt=0.0, le=1000.0)]
+    start_s: Annotated[float, Allowed(ge=0.0, le=1000.0)] = 0.0
 
 
 def compute_discrete_gust(

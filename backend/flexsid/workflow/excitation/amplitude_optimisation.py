@@ -20,8 +20,11 @@ from flexsid.workflow.excitation.amplitude_levels import AmplitudeLevel, propose
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.excitation_peaks import find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
+    Deflection,
     DesignQuery,
+    Limit,
     PredictionModel,
+    Rate,
     load_prediction_model,
 )
 from flexsid.workflow.model_structures.run_results import get_result
@@ -38,9 +41,9 @@ class AmplitudeQuery(DesignQuery):
     The rate limits the levels by airspeed only.
     """
 
-    deflection: float | None = None
-    rate: float | None = None
-    load_factor: float | None = None
+    deflection: Deflection | None = None
+    rate: Rate | None = None
+    load_factor: Limit | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Annotated
 
 import numpy as np
 from scipy import linalg, optimize
 
+from flexsid.allowed import Allowed, Id, Name
 from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.job import Job
@@ -30,8 +32,11 @@ from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.excitation_peaks import ExcitationPeaks, find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
+    Deflection,
     DesignQuery,
+    Limit,
     PredictionModel,
+    Rate,
     identify_design_query,
     load_prediction_model,
 )
@@ -69,13 +74,13 @@ class OptimalDesignQuery(DesignQuery):
     """
 
     objective: Objective
-    derivatives: tuple[str, ...] = ()
-    mode: str | None = None
-    other_run_id: int | None = None
-    deflection: float | None = None
-    rate: float | None = None
-    load_factor: float | None = None
-    spread: float = 0.0
+    derivatives: Annotated[tuple[Name, ...], Allowed(max_length=500)] = ()
+    mode: Annotated[str | None, Allowed(max_length=40, text="Name of a root.")] = None
+    other_run_id: Id | None = None
+    deflection: Deflection | None = None
+    rate: Rate | None = None
+    load_factor: Limit | None = None
+    spread: Annotated[float, Allowed(ge=0.0, le=0.5)] = 0.0
     after_run: bool = False
 
 

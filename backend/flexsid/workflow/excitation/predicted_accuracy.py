@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign, ExpectedError
@@ -77,13 +79,20 @@ class ExpectedErrors:
     next: str | None = None
 
 
+Level = Annotated[int, Allowed(ge=0, le=2, text="Amplitude: 0 low, 1 medium, 2 high.")]
+Limit = Annotated[float, Allowed(ge=1e-6, le=1e9)]
+# Larger values are degrees given as radians: limits of 60 deg and 2900 deg/s.
+Deflection = Annotated[float, Allowed(ge=1e-6, le=1.05, text="[rad], at most 1.05 (60 deg).")]
+Rate = Annotated[float, Allowed(ge=1e-6, le=50.0, text="[rad/s], at most 50 (2900 deg/s).")]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DesignQuery:
     """A design at one of its amplitudes, and the output-error run with model and noise."""
 
-    design_id: int
-    run_id: int
-    level: int = DEFAULT_LEVEL
+    design_id: Id
+    run_id: Id
+    level: Level = DEFAULT_LEVEL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

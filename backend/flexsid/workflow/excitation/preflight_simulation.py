@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id, Name, Positive
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
@@ -48,6 +50,7 @@ from flexsid.sysid.simulation.turbulence import (
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, define_outputs
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
 from flexsid.workflow.excitation.predicted_accuracy import (
+    Level,
     PredictionModel,
     collect_errors,
     load_prediction_model,
@@ -109,11 +112,11 @@ class SurfaceLimits:
     [rad], [rad/s], [rad/s2], [rad], [s]; None where there is no limit.
     """
 
-    position: float | None = None
-    rate: float | None = None
-    acceleration: float | None = None
-    freeplay: float = 0.0
-    delay_s: float = 0.0
+    position: Annotated[Positive | None, Allowed(le=1.05, text="[rad]")] = None
+    rate: Annotated[Positive | None, Allowed(le=50.0, text="[rad/s]")] = None
+    acceleration: Annotated[Positive | None, Allowed(text="[rad/s2]")] = None
+    freeplay: Annotated[float, Allowed(ge=0.0, le=0.2, text="[rad]")] = 0.0
+    delay_s: Annotated[float, Allowed(ge=0.0, le=1.0)] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,14 +128,16 @@ class SimulationRequest:
     record.
     """
 
-    design_id: int
-    run_id: int
-    level: int = DEFAULT_LEVEL
-    controller_id: int | None = None
+    design_id: Id
+    run_id: Id
+    level: Level = DEFAULT_LEVEL
+    controller_id: Id | None = None
     turbulence: Turbulence = Turbulence.NONE
     limits: SurfaceLimits | None = None
-    own_limits: dict[str, SurfaceLimits] = field(default_factory=dict[str, SurfaceLimits])
-    sensors: tuple[SensorErrors, ...] = ()
+    own_limits: Annotated[dict[Name, SurfaceLimits], Allowed(max_length=40)] = field(
+        default_factory=dict[str, SurfaceLimits]
+    )
+    sensors: Annotated[tuple[SensorErrors, ...], Allowed(max_length=50)] = ()
     gust: DiscreteGust | None = None
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Altitude, Fuel, Id
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import TargetMode, TargetModes
@@ -53,10 +55,13 @@ class TargetQuery:
     fuel weights. The fuel fraction is half by default.
     """
 
-    aircraft_id: int
-    airspeed_m_s: float | None = None
-    fuel_fraction: float = 0.5
-    altitude_m: float = 0.0
+    aircraft_id: Id
+    airspeed_m_s: Annotated[
+        float | None,
+        Allowed(gt=0.0, le=1000.0, text="Without it structural modes in vacuo. [m/s]"),
+    ] = None
+    fuel_fraction: Fuel = 0.5
+    altitude_m: Altitude = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq
 
+from flexsid.allowed import Id
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.flutter import ClosedLoop, Controller, LoopMargin
@@ -54,7 +55,7 @@ class ClosedLoopQuery:
     """A flutter query and the controller that closes the loop."""
 
     flutter: FlutterQuery
-    controller_id: int
+    controller_id: Id
 
     @property
     def run_ids(self) -> tuple[int, ...]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+from flexsid.allowed import Airspeed, Allowed, Altitude, Fuel, RunIds
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.run import DerivedRun, Progress, ReportProgress
@@ -53,7 +54,6 @@ NEXT = 1.03
 _FUSION_SHARE = 0.6  # of the progress of a prediction
 _BAND = (0.35, 2.0)  # of the fastest flown point: range of the flutter search
 _MOST_RUNS = 100  # in a prediction: minutes where each is fitted again
-_FUEL, _ALTITUDE_M, _NEXT_M_S = (0.0, 1.0), (-1000.0, 11_000.0), (0.1, 1000.0)
 _ALIKE = 0.25  # of the fuel: flutter speeds of FLEX-28 differ by less than 1 % over so much
 _CONTRADICTED = -0.5  # log likelihood a value: residuals of two thirds more power with the modes
 
@@ -86,12 +86,29 @@ class FlutterQuery:
     Derivatives vary over the envelope where a structure has enough runs.
     """
 
-    run_ids: tuple[int, ...]
-    fuel: float | None = None
-    altitude_m: float | None = None
-    next_m_s: float | None = None
-    unmodelled_modes: UnmodelledModes = UnmodelledModes.PREDICTED
-    variation: Variation = Variation.CONSTANT
+    run_ids: RunIds
+    fuel: Annotated[
+        Fuel | None, Allowed(text="Fuel fraction; by default that of the fastest test point.")
+    ] = None
+    altitude_m: Annotated[
+        Altitude | None,
+        Allowed(text="Standard altitude; by default the air of the fastest test point."),
+    ] = None
+    next_m_s: Annotated[
+        Airspeed | None,
+        Allowed(text="Airspeed of the next test point; by default 3 % above the fastest."),
+    ] = None
+    unmodelled_modes: Annotated[
+        UnmodelledModes,
+        Allowed(text="Modes not modelled by the runs: with predicted dynamics, or residualised."),
+    ] = UnmodelledModes.PREDICTED
+    variation: Annotated[
+        Variation,
+        Allowed(
+            text="Derivatives over the envelope: constant, linear over dynamic pressure, or of a "
+            "global model over dynamic pressure and fuel."
+        ),
+    ] = Variation.CONSTANT
 
     def __post_init__(self) -> None:
         """Sort the runs: the same set is the same request."""
@@ -234,7 +251,7 @@ def identify_query(store: Store, query: FlutterQuery) -> tuple[object, ...]:
 
 
 def _check(query: FlutterQuery) -> None:
-    """Check the number of runs, and fuel, altitude and airspeed for wrong units."""
+    """Check the number of runs."""
     if not query.run_ids:
         raise BadInput("no run is selected; select at least one run that succeeded", code="no-run")
     if len(query.run_ids) > _MOST_RUNS:
@@ -243,15 +260,6 @@ def _check(query: FlutterQuery) -> None:
             " fitted again; select one run of each maneuver, or the fastest maneuvers",
             code="too-many-runs",
         )
-    for value, (low, high), what, unit in (
-        (query.fuel, _FUEL, "fuel fraction", "of full tanks (0.5 for 50 %)"),
-        (query.altitude_m, _ALTITUDE_M, "altitude", "m"),
-        (query.next_m_s, _NEXT_M_S, "airspeed of the next point", "m/s"),
-    ):
-        if value is not None and not low <= value <= high:
-            raise BadInput(
-                f"the {what} is {value:g}; expected {low:g} to {high:g} {unit}", code="bad-loading"
-            )
 
 
 def build_loaded_model(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Airspeed, Allowed, Fuel, Id
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
@@ -63,12 +65,27 @@ class PredictedFlutterQuery:
     air at sea level, and airspeeds at which the lowest mode has reduced frequencies from 1 to 0.1.
     """
 
-    prediction_id: int
-    axis: str | None = None
-    fuel: float | None = None
-    density_kg_m3: float | None = None
-    from_m_s: float | None = None
-    to_m_s: float | None = None
+    prediction_id: Id
+    axis: Annotated[
+        str | None,
+        Allowed(
+            choices=("longitudinal", "lateral"),
+            text="Axis; by default the first of which the prediction has modes.",
+        ),
+    ] = None
+    fuel: Annotated[
+        Fuel | None, Allowed(text="Fuel fraction; by default the middle one predicted.")
+    ] = None
+    density_kg_m3: Annotated[
+        float | None,
+        Allowed(ge=0.05, le=2.0, text="Air density; by default standard air at sea level."),
+    ] = None
+    from_m_s: Annotated[
+        Airspeed | None, Allowed(text="Lowest airspeed; by default k = 1 of the lowest mode.")
+    ] = None
+    to_m_s: Annotated[
+        Airspeed | None, Allowed(text="Highest airspeed; by default k = 0.1 of that mode.")
+    ] = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from flexsid.allowed import Allowed, Fuel, Id
 from flexsid.errors import BadInput
 from flexsid.records.flutter_summary import (
     ComparedSweep,
@@ -41,11 +43,17 @@ _SYMMETRIES = {"XZ symmetric": True, "XZ antisymmetric": False}
 class SummaryQuery:
     """An analysis of a flutter summary, a damping g, and the modes that name its roots."""
 
-    summary_id: int
-    analysis: int = 0
-    g: float = 0.0
-    modal_table_id: int | None = None
-    fuel: float = 0.5
+    summary_id: Id
+    analysis: Annotated[int, Allowed(ge=0, le=9999, text="Place among the analyses, from 0.")] = 0
+    g: Annotated[
+        float,
+        Allowed(ge=0.0, le=1.0, text="Structural damping g at which instabilities are read."),
+    ] = 0.0
+    modal_table_id: Annotated[
+        Id | None,
+        Allowed(text="Modal table whose modes name the roots; without names by default."),
+    ] = None
+    fuel: Fuel = 0.5
 
 
 def read_summary_roots(store: Store, query: SummaryQuery) -> SummaryRoots:

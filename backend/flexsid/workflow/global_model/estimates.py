@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id, RunIds
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.decision import LimitedQuantity
@@ -32,12 +34,18 @@ _LEAST_FLIGHTS = 3  # to leave one out; otherwise each maneuver
 class GlobalModelQuery:
     """Runs, the variables of the envelope, and a prediction that may be the mean of the model."""
 
-    run_ids: tuple[int, ...]
-    variables: tuple[LimitedQuantity, ...] = (
-        LimitedQuantity.DYNAMIC_PRESSURE,
-        LimitedQuantity.FUEL,
-    )
-    prediction_id: int | None = None
+    run_ids: RunIds
+    variables: Annotated[
+        tuple[LimitedQuantity, ...],
+        Allowed(
+            text="Variables of the envelope: dynamic_pressure_pa, fuel_fraction, airspeed_m_s, "
+            "airspeed_ratio or alpha_rad."
+        ),
+    ] = (LimitedQuantity.DYNAMIC_PRESSURE, LimitedQuantity.FUEL)
+    prediction_id: Annotated[
+        Id | None,
+        Allowed(text="Prediction that is compared, and the mean where that predicts better."),
+    ] = None
 
     def __post_init__(self) -> None:
         """Sort the runs: the same set is the same request."""

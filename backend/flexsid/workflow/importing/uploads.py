@@ -17,7 +17,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Annotated
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.mapping import MappingFile, parse_mapping
@@ -29,6 +31,7 @@ from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
 from flexsid.storage.quotas import check_recorded_bytes
 from flexsid.storage.store import Store
+from flexsid.text import LONGEST_TEXT
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
 from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, refuse_guesses
 
@@ -60,8 +63,8 @@ class ImportRequest:
     """An upload with its mapping in TOML; ``confirmed``: its guesses are confirmed."""
 
     upload_id: str
-    mapping: str
-    aircraft_id: int | None = None
+    mapping: Annotated[str, Allowed(min_length=1, max_length=LONGEST_TEXT)]
+    aircraft_id: Id | None = None
     confirmed: bool = False
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.maneuver import Maneuver
@@ -57,9 +59,12 @@ class ReconstructionQuery:
     ``axis`` selects the half of a maneuver that excites both axes, by default the longitudinal one.
     """
 
-    maneuver_id: int
-    modes: tuple[int, ...] = ()
-    axis: ModelAxis | None = None
+    maneuver_id: Id
+    modes: Annotated[tuple[Id, ...], Allowed(text="Mode numbers; by default as resolved.")] = ()
+    axis: Annotated[
+        ModelAxis | None,
+        Allowed(text="Half of a combined maneuver; by default the longitudinal one."),
+    ] = None
 
 
 def reconstruct(

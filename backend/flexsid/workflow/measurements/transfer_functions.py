@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput
 from flexsid.records.transfer_function import (
     TransferFunction,
@@ -17,6 +19,7 @@ from flexsid.records.views import Response
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
 from flexsid.sysid.stability.transfer_function import (
+    MOST_ORDER,
     PolynomialRoot,
     TransferFunctionFit,
     TransferFunctionForm,
@@ -43,6 +46,9 @@ _USUAL_ORDERS = {
 _OTHER_ORDERS = (2, 2, 0)  # of accelerometers and others
 
 
+Order = Annotated[int, Allowed(ge=0, le=MOST_ORDER, text="By default that usual for the output.")]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransferFunctionQuery:
     """Maneuver, input and output, and the orders; those usual for the output by default.
@@ -51,15 +57,15 @@ class TransferFunctionQuery:
     default. [Hz]
     """
 
-    maneuver_id: int
-    input: str
-    output: str
-    zeros: int | None = None
-    poles: int | None = None
-    integrators: int | None = None
-    delay: bool = True
-    low_hz: float | None = None
-    high_hz: float | None = None
+    maneuver_id: Id
+    input: Annotated[str, Allowed(max_length=64, text="A surface, or its command (wf4s_command).")]
+    output: Annotated[str, Allowed(max_length=64, text="A sensor or combination.")]
+    zeros: Order | None = None
+    poles: Order | None = None
+    integrators: Order | None = None
+    delay: Annotated[bool, Allowed(text="Whether it has an equivalent delay.")] = True
+    low_hz: Annotated[float | None, Allowed(ge=0.0, le=100_000.0, text="Begin of the band.")] = None
+    high_hz: Annotated[float | None, Allowed(gt=0.0, le=100_000.0, text="End of the band.")] = None
 
     def __post_init__(self) -> None:
         """Refuse half a band.

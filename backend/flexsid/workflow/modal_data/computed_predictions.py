@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id, Name
 from flexsid.errors import BadInput, Conflict
 from flexsid.importers.nastran.aero import read_aero_deck
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, Lattice, UnsteadyPrediction
@@ -34,6 +36,7 @@ from flexsid.sysid.model.derivatives import list_derivative_names, variables
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.text import LONGEST_TEXT
 from flexsid.units import factor
 from flexsid.workflow.aircraft.axes import get_symmetry, require_axis_inputs
 from flexsid.workflow.aircraft.derivative_predictions import select_by_id
@@ -66,6 +69,11 @@ _NOT_PREDICTED = {f"{row}_{column}" for row, column in NOT_PREDICTED}
 _SMALL = 0.05  # of the largest derivative of its row: such an entry has a spread of that size
 
 
+Length = Annotated[float, Allowed(ge=0.0, le=1000.0)]
+Place = Annotated[float, Allowed(ge=-1000.0, le=1000.0)]
+Division = Annotated[int, Allowed(ge=1, le=200)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanformPanel:
     """A trapezium of the right half in structural axes (X aft, Y right, Z up). [m]
@@ -73,21 +81,21 @@ class PlanformPanel:
     ``left`` and ``right`` are leading edges, left to right as seen from behind; divisions are even.
     """
 
-    left: tuple[float, float, float]
-    left_chord: float
-    right: tuple[float, float, float]
-    right_chord: float
-    chordwise: int = 8
-    spanwise: int = 10
+    left: tuple[Place, Place, Place]
+    left_chord: Length
+    right: tuple[Place, Place, Place]
+    right_chord: Length
+    chordwise: Division = 8
+    spanwise: Division = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanformSurface:
     """A surface by Y of its ends [m] and its hinge line as fraction of the chord."""
 
-    name: str
-    span: tuple[float, float]
-    hinge: float = 0.75
+    name: Name
+    span: tuple[Place, Place]
+    hinge: Annotated[float, Allowed(gt=0.0, lt=1.0)] = 0.75
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,18 +109,18 @@ class PredictionRequest:
     average over the band.
     """
 
-    aircraft_id: int
-    source: str
-    axis: str = LONGITUDINAL.axis
-    panels: tuple[PlanformPanel, ...] = ()
-    surfaces: tuple[PlanformSurface, ...] = ()
-    deck: str = ""
-    deck_unit: str = "m"
-    modal_table_id: int | None = None
-    modes: tuple[int, ...] = ()
-    mach: float = 0.0
-    reference_k: float = 0.0
-    highest_k: float = 2.0
+    aircraft_id: Id
+    source: Name
+    axis: Annotated[str, Allowed(choices=("longitudinal", "lateral"))] = LONGITUDINAL.axis
+    panels: Annotated[tuple[PlanformPanel, ...], Allowed(max_length=100)] = ()
+    surfaces: Annotated[tuple[PlanformSurface, ...], Allowed(max_length=40)] = ()
+    deck: Annotated[str, Allowed(max_length=LONGEST_TEXT)] = ""
+    deck_unit: Name = "m"
+    modal_table_id: Id | None = None
+    modes: Annotated[tuple[Id, ...], Allowed(max_length=30)] = ()
+    mach: Annotated[float, Allowed(ge=0.0, le=1.0)] = 0.0
+    reference_k: Annotated[float, Allowed(ge=0.0, le=4.0)] = 0.0
+    highest_k: Annotated[float, Allowed(ge=0.1, le=4.0)] = 2.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
 from flexsid.importers.modal_data.options import TO_BODY
@@ -49,11 +51,17 @@ class ModeSearch:
     the modes are fitted from these alone. By default the selection is automatic.
     """
 
-    responses_id: int
-    low_hz: float | None = None
-    high_hz: float | None = None
-    order: int = 40
-    poles: tuple[int, ...] = ()
+    responses_id: Id
+    low_hz: Annotated[float | None, Allowed(gt=0.0, le=100_000.0)] = None
+    high_hz: Annotated[float | None, Allowed(gt=0.0, le=100_000.0)] = None
+    order: Annotated[int, Allowed(ge=4, le=80, text="Highest model order.")] = 40
+    poles: Annotated[
+        tuple[Id, ...],
+        Allowed(
+            max_length=500,
+            text="Poles of the diagram selected by hand; default: automatic.",
+        ),
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True)

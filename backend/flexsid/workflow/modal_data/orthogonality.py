@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from scipy import sparse
@@ -10,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from flexsid import units
+from flexsid.allowed import Allowed, Axes, Id, LengthUnit, Share
 from flexsid.errors import BadInput
 from flexsid.importers.matrices import SymmetricMatrix, read_symmetric_matrix
 from flexsid.importers.modal_data.nodes import join_frames
@@ -20,6 +22,7 @@ from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import compute_mass_orthogonality
 from flexsid.sysid.modes.reduction import reduce_statically
+from flexsid.text import LONGEST_FIELD, check_line
 from flexsid.workflow.modal_data.modal_tables import (
     TO_STRUCTURE,
     format_title,
@@ -33,6 +36,9 @@ SAME_PLACE = 0.02
 """Largest distance of a measured point from its node, of the extent of the structure."""
 
 
+Matrix = Annotated[str, Allowed(min_length=1, max_length=LONGEST_FIELD, check=check_line)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrthogonalityQuery:
     """Mass matrix of files, and the shapes that are compared over it.
@@ -43,14 +49,14 @@ class OrthogonalityQuery:
     for rotations; ``axes`` as of ``ModalDataOptions``.
     """
 
-    modal_table_id: int
-    mass: str
-    fuel: float = 0.5
-    other_id: int | None = None
-    other_fuel: float | None = None
-    stiffness: str | None = None
-    length_unit: str | None = None
-    axes: str = "aft right up"
+    modal_table_id: Id
+    mass: Matrix
+    fuel: Share = 0.5
+    other_id: Id | None = None
+    other_fuel: Share | None = None
+    stiffness: Matrix | None = None
+    length_unit: LengthUnit | None = None
+    axes: Axes = "aft right up"
 
 
 @dataclass(slots=True, eq=False)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from flexsid.allowed import Id
 from flexsid.records import finite_or_none
 from flexsid.records.run import (
     AdequacyTest,
@@ -70,7 +71,7 @@ _MODELS = (Aerodynamics.QUASI_STEADY, Aerodynamics.SHAPED)
 class AerodynamicsQuery:
     """A run whose data are fitted with both aerodynamic models."""
 
-    run_id: int
+    run_id: Id
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id, RunIds
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.run import EstimationRun, Progress, ReportProgress
 from flexsid.records.validation import CrossPrediction, CrossPredictionMatrix, ValidatedSource
@@ -21,8 +23,10 @@ _MOST_PREDICTIONS = 1000  # a prediction takes about 0.1 s
 class CrossPredictionQuery:
     """Runs and maneuvers of a matrix, sorted by id; without maneuvers, those of the runs."""
 
-    run_ids: tuple[int, ...]
-    maneuver_ids: tuple[int, ...] = ()
+    run_ids: RunIds
+    maneuver_ids: Annotated[
+        tuple[Id, ...], Allowed(text="Ids of maneuvers; by default those of the runs.")
+    ] = ()
 
     def __post_init__(self) -> None:
         """Sort the ids: the same set is the same request."""

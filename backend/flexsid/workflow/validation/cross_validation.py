@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress, Start
 from flexsid.records.validation import (
@@ -36,7 +38,6 @@ from flexsid.workflow.validation.predicted_maneuver import (
     measure_outputs,
 )
 
-_FOLDS = (2, 20)  # fewest and most folds
 _FEWEST_PERIODS = 3  # the first is dropped, one is fitted, one held out
 
 
@@ -44,9 +45,15 @@ _FEWEST_PERIODS = 3  # the first is dropped, one is fitted, one held out
 class CrossValidationQuery:
     """A run and the partition of its data; of periods, one share in ``folds`` is held out."""
 
-    run_id: int
-    partition: Partition = Partition.FOLDS
-    folds: int = 5
+    run_id: Id
+    partition: Annotated[
+        Partition,
+        Allowed(text="All folds of the frequencies, the first fold, or the last periods."),
+    ] = Partition.FOLDS
+    folds: Annotated[
+        int,
+        Allowed(ge=2, le=20, text="Number of folds; of periods, one share in so many is held out."),
+    ] = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,17 +71,11 @@ def identify_cross_validation(store: Store, query: CrossValidationQuery) -> tupl
 
     Raises
     ------
-    BadInput
-        If the number of folds is out of range.
     UnknownRecord
         If the run does not exist.
     Conflict
         If the run has no result, or it was altered.
     """
-    if not _FOLDS[0] <= query.folds <= _FOLDS[1]:
-        raise BadInput(
-            f"{query.folds} folds; expected {_FOLDS[0]} to {_FOLDS[1]}", code="bad-folds"
-        )
     get_result(store.runs.get(query.run_id))
     return list_run_contents(store, (query.run_id,))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from flexsid.allowed import Id
 from flexsid.errors import BadInput
 from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress
 from flexsid.records.validation import PosteriorCheck, PosteriorQuantity
@@ -49,7 +50,7 @@ _STABILITY_SAMPLES = 25  # of each chain, for poles and the flutter speed
 class PosteriorQuery:
     """An output-error run whose posterior is sampled."""
 
-    run_id: int
+    run_id: Id
 
 
 @dataclass(frozen=True, slots=True)

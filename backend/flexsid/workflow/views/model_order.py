@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from flexsid.allowed import Allowed, Altitude, Fuel, Id
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.modal_data import ModalTable, ModelOrder, OrderStep, ReducedResponses
@@ -60,14 +62,14 @@ class OrderQuery:
         If the band is empty.
     """
 
-    aircraft_id: int
-    airspeed_m_s: float
-    fuel: float = 0.5
-    altitude_m: float = 0.0
-    modal_table_id: int | None = None
-    prediction_id: int | None = None
-    low_hz: float = BAND_HZ[0]
-    high_hz: float = BAND_HZ[1]
+    aircraft_id: Id
+    airspeed_m_s: Annotated[float, Allowed(ge=1.0, le=1000.0)]
+    fuel: Fuel = 0.5
+    altitude_m: Altitude = 0.0
+    modal_table_id: Id | None = None
+    prediction_id: Id | None = None
+    low_hz: Annotated[float, Allowed(ge=0.01, le=100.0)] = BAND_HZ[0]
+    high_hz: Annotated[float, Allowed(gt=0.01, le=1000.0)] = BAND_HZ[1]
 
     def __post_init__(self) -> None:
         if self.high_hz <= self.low_hz:
