@@ -32,6 +32,18 @@ class UnreadableFile(BadInput):
     code = "unreadable-file"
 
 
+class ContentTooLarge(UnreadableFile):
+    """Files have more content than is accepted."""
+
+    code = "content-too-large"
+
+
+class StorageFull(FlexsidError):
+    """There is no space for what would be stored."""
+
+    code = "storage-full"
+
+
 class UnknownRecord(FlexsidError):
     """No record has this identity."""
 

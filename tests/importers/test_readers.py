@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from flexsid.errors import BadInput, UnreadableFile
+from flexsid.errors import BadInput, ContentTooLarge, UnreadableFile
 from flexsid.importers.readers import read_file
 from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile
@@ -107,12 +107,12 @@ def test_matlab_7_3_never_reads_outside_its_file(tmp_path: Path) -> None:
 def test_a_small_matlab_file_that_unpacks_to_gigabytes_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexsid.importers.readers.LARGEST_CONTENT", 10_000_000)
+    monkeypatch.setattr("flexsid.importers.sandbox.LARGEST_CONTENT", 10_000_000)
     path = tmp_path / "bomb.mat"
     savemat(path, {"zeros": np.zeros((2000, 2000))}, do_compression=True)
     assert path.stat().st_size < 100_000
-    with pytest.raises(UnreadableFile, match="unpacks to more than"):
-        read(path)
+    with pytest.raises(ContentTooLarge, match=r"bomb\.mat: .* more than 10 MB"):
+        read_all([path])
 
 
 def test_a_cut_off_matlab_file_is_refused(tmp_path: Path) -> None:
@@ -151,11 +151,11 @@ def test_array_with_false_size_is_rejected(tmp_path: Path) -> None:
 
 
 def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("flexsid.importers.readers.LARGEST_CONTENT", 1_000_000)
+    monkeypatch.setattr("flexsid.importers.sandbox.LARGEST_CONTENT", 1_000_000)
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, q=np.zeros(1_000_000))
-    with pytest.raises(UnreadableFile, match="unpacks to"):
-        read(path)
+    with pytest.raises(ContentTooLarge, match=r"bomb\.npz: .* more than 1 MB"):
+        read_all([path])
 
 
 @pytest.mark.parametrize(

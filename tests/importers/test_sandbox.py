@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -14,7 +15,8 @@ from scipy.io import savemat
 from waiting import wait_until
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers import sandbox
+from flexsid.importers import jail, sandbox
+from flexsid.jobs import health
 
 KILLED_PARENT = """
 import os, sys
@@ -54,8 +56,9 @@ def test_time_that_other_programs_use_does_not_count(
 
     def wait_while_stopped(reader: sandbox._ReaderProcess, seconds: float) -> bytes | None:
         if seconds != sandbox._SECONDS_TO_START:  # it reads
-            reader._process.send_signal(signal.SIGSTOP)
-            threading.Timer(1.5, reader._process.send_signal, (signal.SIGCONT,)).start()
+            group = reader._process.pid
+            os.killpg(group, signal.SIGSTOP)
+            threading.Timer(1.5, os.killpg, (group, signal.SIGCONT)).start()
         return wait_for_line(reader, seconds)
 
     monkeypatch.setattr(sandbox._ReaderProcess, "_line", wait_while_stopped)
@@ -100,3 +103,14 @@ def test_a_file_that_crashes_a_library_is_refused_and_the_next_is_read(
     with pytest.raises(UnreadableFile, match=r"flight\.mat: "):
         sandbox.read_all([path])
     assert sandbox.read_all([record]).numbers("q").size == 200_000
+
+
+def test_what_a_platform_lacks_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jail, "find_landlock_version", lambda: 0)
+    monkeypatch.setattr(jail, "_has_filter", lambda: False)
+    files, programs = jail.list_missing()
+    assert "open other files" in files
+    assert "start programs" in programs
+    assert health.check_readers(is_shared=True).state is health.PartState.DEGRADED
+    assert health.check_readers(is_shared=False).state is health.PartState.OK
+    assert files in health.check_readers(is_shared=False).text

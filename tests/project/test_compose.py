@@ -146,7 +146,7 @@ def test_every_service_is_healthy_and_listens_on_loopback_only(
     ) as response:
         health = json.load(response)
     assert {part["name"]: part["state"] for part in health["parts"]} == dict.fromkeys(
-        ("database", "dispatcher", "workers", "clock", "certificate"), "ok"
+        ("database", "dispatcher", "workers", "clock", "readers", "certificate"), "ok"
     )
     assert health["status"] == "ok"
     if Path("/proc/net/tcp6").exists():

@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import sysconfig
-import venv
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx2
 import pytest
 import shipped
 from rigid_record import simulate_doublet, write_record
-from shipped import Client, ask_command, serving
+from shipped import Client, ask_command
+from vendor_package import install_package, serving_by
 from waiting import wait_until
 
 METHOD = "least-squares"
-PROJECT = f"""
-[build-system]
-requires = ["hatchling"]
-build-backend = "hatchling.build"
-[project]
-name = "vendor"
-version = "2.0"
-[project.entry-points."flexsid.estimators"]
-{METHOD} = "vendor:ESTIMATOR"
-"""
+ENTRY = f'[project.entry-points."flexsid.estimators"]\n{METHOD} = "vendor:ESTIMATOR"'
 MODULE = """
 from flexsid.workflow.fits.estimators import Estimator, fit_regressions
 ESTIMATOR = Estimator(title="Least squares", fit=fit_regressions)
@@ -46,31 +33,6 @@ SHOWN = (
 )
 
 
-def install(folder: Path) -> Path:
-    """Install the package beside flexsid in an environment of its own; return its programs."""
-    package = folder / "package"
-    package.mkdir()
-    (package / "pyproject.toml").write_text(PROJECT)
-    (package / "vendor.py").write_text(MODULE)
-    environment = folder / "environment"
-    venv.create(environment, symlinks=True)
-    paths = {"base": str(environment), "platbase": str(environment)}
-    target = Path(sysconfig.get_path("purelib", "venv", paths))
-    shared = sysconfig.get_path("purelib")
-    (target / "shared.pth").write_text(f"import site; site.addsitedir({shared!r})\n")
-    options = ("--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check")
-    pip = (sys.executable, "-m", "pip", "install", "--quiet", *options, "--target", target)
-    subprocess.run([*pip, str(package)], check=True)
-    programs = environment / "bin"
-    program = programs / "flexsid"
-    program.write_text(
-        f"#!{programs / 'python'}\n"
-        "import sys\nfrom flexsid.cli.main import main\nsys.exit(main())\n"
-    )
-    program.chmod(0o755)
-    return program
-
-
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, Path]:
     """Folder and database with two runs, and the command in the environment of the package."""
@@ -79,22 +41,13 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, Path]
     columns = simulate_doublet()
     record, mapping = write_record(folder, columns)
     ask_command(folder, database, "import", str(record), "--mapping", str(mapping))
-    program = install(folder)
+    program = install_package(folder, ENTRY, MODULE)
     with serving_by(program, folder, database) as client:
         for method in (METHOD, "EE"):
             body = {"maneuver_id": 1, "method": method, "structure": {"modes": []}}
             run = client.send("post", "runs", body)
             assert client.wait_for_end(f"runs/{run['id']}")["state"] == "succeeded"
     return folder, database, program
-
-
-@contextmanager
-def serving_by(program: Path, folder: Path, database: str) -> Iterator[Client]:
-    """Serve by the command of an environment."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shipped, "PROGRAM", program)
-        with serving(folder, database) as server:
-            yield server.connect()
 
 
 def list_addresses(client: Client) -> Iterator[str]:

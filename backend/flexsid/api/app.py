@@ -72,7 +72,7 @@ from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSetting
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.jobs.kinds import load_kinds
 from flexsid.reports import read_template
-from flexsid.settings import Settings
+from flexsid.settings import Mode, Settings
 from flexsid.storage.backup import find_file
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.quotas import GIGABYTE, Quotas
@@ -137,6 +137,7 @@ def create_app(
             streams=streams,
             queue_health=QueueHealth(store, lambda: dispatcher.is_starting),
             check_additional_part=check_additional_part,
+            is_shared=settings.mode is not Mode.PERSONAL,
         )
         scheduled = None
         if settings.backup_hours is not None:

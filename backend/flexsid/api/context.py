@@ -29,6 +29,7 @@ class Context:
     streams: LiveStreams
     queue_health: QueueHealth
     check_additional_part: Callable[[], PartHealth | None]
+    is_shared: bool
 
 
 # Asynchronous, so that no thread of the pool is needed.

@@ -24,7 +24,7 @@ class FileFormat:
     read
         Reads the fields of a file; an ``UnreadableFile`` names the location of damage.
     needs, extra
-        Python package that must be installed, and the extra of flexsid that has it.
+        Python module that must be installed, and the extra of flexsid that has it.
     package
         Package that adds the format; empty for those of flexsid.
     """

@@ -18,11 +18,10 @@ from flexsid.importers import csv, dataflash, hdf5, mat, mdf, npz, parquet, ulog
 from flexsid.importers.chapter10 import recording
 from flexsid.importers.file_format import FileFormat
 from flexsid.importers.nastran import bulk, f06, op2, op4, punch
-from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
+from flexsid.importers.source import MOST_FIELDS, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
 
 LARGEST_FILE = 64 * 1024**3  # columns are read one by one; uploads are smaller by far
-_EXPANSION = 8  # most that a large file of samples unpacks to, in its size
 
 
 class _Reader(Protocol):
@@ -52,11 +51,11 @@ _BUILT_IN = (
     _define("MATLAB", mat, ".mat"),
     _define("NumPy archive", npz, ".npz"),
     _define("HDF5", hdf5, ".h5", ".hdf5"),
-    _define("Parquet", parquet, ".parquet", needs="pyarrow", extra="parquet"),
+    _define("Parquet", parquet, ".parquet", needs="pyarrow.parquet", extra="parquet"),
     _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
     _define("IRIG 106 Chapter 10", recording, ".ch10", ".c10"),
     _define("ULog", ulog, ".ulg", needs="pyulog", extra="ulog"),
-    _define("DataFlash", dataflash, ".bin", needs="pymavlink", extra="mavlink"),
+    _define("DataFlash", dataflash, ".bin", needs="pymavlink.DFReader", extra="mavlink"),
     _define("Nastran output", op2, ".op2"),
     _define("Nastran matrix", op4, ".op4"),
     _define("Nastran printout", f06, ".f06"),
@@ -127,18 +126,11 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
             "export it again."
         )
     known: set[str] = set()
-    n_bytes = 0
     try:
         for field in selected.read(path):
-            samples = np.asarray(field.samples)
-            n_bytes += samples.nbytes  # a small file may unpack to any size
-            most = max(LARGEST_CONTENT, _EXPANSION * size)
-            if n_bytes > most:
-                limit = f"{most / 1024**3:.0f} GB"
-                raise UnreadableFile(f"it unpacks to more than {limit}; split the recording.")
             if len(known) > MOST_FIELDS:
                 raise UnreadableFile(f"it holds more than {MOST_FIELDS} arrays.")
-            if samples.dtype.kind in "biufUS":
+            if np.asarray(field.samples).dtype.kind in "biufUS":
                 yield _check_field(field, known)
     except UnreadableFile as error:
         raise UnreadableFile(
@@ -163,8 +155,12 @@ def load_packages(names: Sequence[str]) -> None:
         return  # reported when the files are read
     for name in names:
         selected = formats.get(Path(name).suffix.lower())
-        if selected is not None and selected.needs and importlib.util.find_spec(selected.needs):
+        if selected is not None and selected.needs and _is_installed(selected):
             importlib.import_module(selected.needs)
+
+
+def _is_installed(selected: FileFormat) -> bool:
+    return importlib.util.find_spec(selected.needs.partition(".")[0]) is not None
 
 
 def _find_format(name: str) -> FileFormat:
@@ -175,7 +171,7 @@ def _find_format(name: str) -> FileFormat:
         raise UnreadableFile(
             f"{name}: the suffix '{suffix}' is not supported; expected one of {', '.join(formats)}."
         )
-    if selected.needs and importlib.util.find_spec(selected.needs) is None:
+    if selected.needs and not _is_installed(selected):
         raise UnreadableFile(
             f"{name}: {selected.name} files need a package that is not installed; "
             f"run pip install 'flexsid[{selected.extra}]' on the server.",

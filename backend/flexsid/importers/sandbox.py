@@ -1,8 +1,8 @@
 """Sandbox: read files in a separate process, with limits on memory and time.
 
-A malicious or damaged file may crash or hang a library, or exhaust the memory.
-Only a process can be stopped then. The process is reused for the next file; it returns
-plain data, never objects.
+A malicious or damaged file may crash or hang a library, exhaust the memory, or run code.
+Only a process can be stopped then, and confined (``jail``). The process that starts it is reused;
+it returns plain data, never objects.
 """
 
 from __future__ import annotations
@@ -25,14 +25,16 @@ from typing import Any
 import numpy as np
 
 import flexsid
-from flexsid.errors import UnreadableFile
-from flexsid.importers.reader_process import MANIFEST, MEMORY, SAMPLES
-from flexsid.importers.source import SourceFile, Sources
+from flexsid.errors import ContentTooLarge, StorageFull, UnreadableFile
+from flexsid.importers.reader_process import MANIFEST, MEMORY, NO_JAIL, NO_SPACE, SAMPLES
+from flexsid.importers.source import LARGEST_CONTENT, SourceFile, Sources
 from flexsid.text import check_line, one_line
 
 SECONDS = 10.0
 """Processor time to read files; plus one second for every 10 MB. [s]"""
 
+_ALWAYS_ALLOWED = 16 * 1024**2  # bytes of content; small files may be mostly repetition
+_LARGE_EXPANSION = 8  # most content beyond LARGEST_CONTENT, in the size of the files
 _SECONDS_TO_START = 120.0
 _BYTES_PER_SECOND = 10e6
 # Nothing of the server's: no credentials, no folder from which a library is loaded.
@@ -42,7 +44,11 @@ _ENVIRONMENT: dict[str, str] = dict.fromkeys(
 _WAITING = 30.0  # largest ratio of elapsed to processor time, on a loaded computer
 
 
-def read_all(paths: Sequence[Path], names: Sequence[str] | None = None) -> Sources:
+def read_all(
+    paths: Sequence[Path],
+    names: Sequence[str] | None = None,
+    expansion: int | None = None,
+) -> Sources:
     """Read the files of one import.
 
     Parameters
@@ -51,39 +57,70 @@ def read_all(paths: Sequence[Path], names: Sequence[str] | None = None) -> Sourc
         Paths of the files.
     names
         Names of the files in messages (an upload is stored under temporary names).
+    expansion
+        Most content, in the size of the files; None for those of whoever started this program.
 
     Raises
     ------
+    ContentTooLarge
+        If the content of the files is larger.
     UnreadableFile
         If the content of a file is not what its suffix states; the message names the location.
     """
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        decode(paths, names, Path(folder))
+        decode(paths, names, Path(folder), expansion)
         return load(Path(folder))  # mapped content outlives the directory entry
 
 
-def decode(paths: Sequence[Path], names: Sequence[str] | None, folder: Path) -> None:
-    """Read files and write their content into a folder, for ``load``."""
+def decode(
+    paths: Sequence[Path], names: Sequence[str] | None, folder: Path, expansion: int | None
+) -> None:
+    """Read files and write their content into a folder, for ``load``; raises as ``read_all``."""
     shown_names = (
         [_check_name(path.name) for path in paths] if names is None else [*map(_check_name, names)]
     )
-    request = {
-        "paths": [str(path.absolute()) for path in paths],
-        "names": shown_names,
-        "folder": str(folder),
-    }
     size = sum(path.stat().st_size for path in paths if path.exists())
-    request["seconds"] = SECONDS + size / _BYTES_PER_SECOND
-    reader = _acquire_reader()
+    with TemporaryDirectory(prefix="temporary-", dir=folder) as temporary:
+        request = {
+            "paths": [str(path.absolute()) for path in paths],
+            "names": shown_names,
+            "folder": str(folder.absolute()),
+            "temporary": str(Path(temporary).absolute()),
+            "seconds": SECONDS + size / _BYTES_PER_SECOND,
+            "most_bytes": _limit_content(size, expansion),
+        }
+        reader = _acquire_reader()
+        try:
+            reader.ask(request)
+        except BaseException:
+            reader.stop()
+            raise
+        _release_reader(reader)
+    _check_content(folder, ", ".join(shown_names))
+
+
+def _limit_content(size: int, expansion: int | None) -> int:
+    most = max(LARGEST_CONTENT, _LARGE_EXPANSION * size)
+    return most if expansion is None else min(most, max(_ALWAYS_ALLOWED, expansion * size))
+
+
+def _check_content(folder: Path, names: str) -> None:
+    """Raise the error that the reader reports, or one if its content cannot be mapped."""
     try:
-        response = reader.ask(request)
-    except BaseException:
-        reader.stop()
-        raise
-    _release_reader(reader)
-    if "error" in response:
-        error = response["error"]
-        raise UnreadableFile(error["message"], code=error["code"], **error["context"])
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        error = content.get("error")
+        if error is None:
+            load(folder)
+            return
+        kind = ContentTooLarge if error["code"] == ContentTooLarge.code else UnreadableFile
+        found = kind(str(error["message"]), code=str(error["code"]), **error["context"])
+    except (ValueError, KeyError, TypeError, AttributeError) as damage:
+        raise UnreadableFile(
+            f"{names}: the reader returned no content; the file is damaged, or not of the format "
+            "of its suffix.",
+            code="reader-ended",
+        ) from damage
+    raise found
 
 
 def _check_name(name: str) -> str:
@@ -111,7 +148,7 @@ def load(folder: Path) -> Sources:
                 units={e["path"]: e["unit"] for e in source["fields"] if e["unit"]},
                 clocks={e["path"]: e["clock"] for e in source["fields"] if e["clock"]},
             )
-            for source in content
+            for source in content["files"]
         )
     )
 
@@ -147,33 +184,49 @@ class _ReaderProcess:
             stderr=subprocess.DEVNULL,
             bufsize=0,
             env=_ENVIRONMENT,
+            process_group=0,
         )
         self._received = b""
 
-    def ask(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Send a request and return the response."""
+    def ask(self, request: dict[str, Any]) -> None:
+        """Send a request, and wait until content or error are written.
+
+        Raises
+        ------
+        StorageFull
+            If there is no space for them.
+        UnreadableFile
+            If the process that reads did not write them.
+        """
         seconds: float = request["seconds"]
         names = ", ".join(request["names"])
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(request).encode() + b"\n")
         if self._line(_SECONDS_TO_START) is None:
             raise UnreadableFile(f"{names}: the reader process does not start.", code="no-reader")
-        began = time.monotonic()
         line = self._line(_WAITING * seconds)
-        is_late = time.monotonic() - began >= _WAITING * seconds
-        if line is None and (is_late or self._has_used_its_time()):
+        code = None if line is None else json.loads(line)["exit_code"]
+        if code == 0:
+            return
+        if code == NO_JAIL:
+            raise UnreadableFile(
+                f"{names}: the process that reads files cannot be confined, and reads nothing; ask "
+                "who operates this server.",
+                code="no-reader",
+            )
+        if code == NO_SPACE:
+            raise StorageFull(f"{names}: the disk is full; ask who operates this server.")
+        if code == -signal.SIGXCPU or (code is None and self.is_alive()):
             raise UnreadableFile(
                 f"{names}: reading takes more than {seconds:.0f} s of processor time and was"
                 " stopped; the file is damaged, or not of the format of its suffix.",
                 code="too-slow",
             )
-        if line is None:
-            raise UnreadableFile(
-                f"{names}: the reader process ended without a result (limit {MEMORY // 1024**3} GB "
-                "of memory); the file is damaged, or not of the format of its suffix.",
-                code="reader-ended",
-            )
-        return json.loads(line)
+        raise UnreadableFile(
+            f"{names}: the reader process ended without a result (limit {MEMORY // 1024**3} GB "
+            "of memory); the file is damaged, or not of the format of its suffix.",
+            code="reader-ended",
+        )
 
     def _line(self, seconds: float) -> bytes | None:
         """Wait for one line; None after a timeout or if the process has ended."""
@@ -190,20 +243,14 @@ class _ReaderProcess:
         line, _, self._received = self._received.partition(b"\n")
         return line
 
-    def _has_used_its_time(self) -> bool:
-        """Return whether the system ended the process at its limit of processor time."""
-        try:
-            return self._process.wait(timeout=1.0) == -signal.SIGXCPU
-        except subprocess.TimeoutExpired:
-            return False
-
     def is_alive(self) -> bool:
         """Return whether the process is running."""
         return self._process.poll() is None
 
     def stop(self) -> None:
-        """Kill the process."""
-        self._process.kill()
+        """Kill the process, and the one that reads."""
+        if self.is_alive():
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             assert pipe is not None

@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Any
 
 from flexsid.errors import FlexsidError
+from flexsid.importers import jail
 from flexsid.jobs.leadership import LEASE_TIMEOUT_S
 from flexsid.storage import leases
 from flexsid.storage.leases import Lease
@@ -87,6 +88,16 @@ class QueueHealth:
             )
             state = PartState.DEGRADED
         return PartHealth("certificate", state, text)
+
+
+def check_readers(is_shared: bool) -> PartHealth:
+    """Return whether the processes that read uploaded files are confined, on a shared server."""
+    missing = jail.list_missing()
+    if not missing:
+        return PartHealth("readers", PartState.OK, "Open nothing but the uploaded files.")
+    state = PartState.DEGRADED if is_shared else PartState.OK  # otherwise the files are one's own
+    text = f"An uploaded file that attacks its reader could {'; and '.join(missing)}."
+    return PartHealth("readers", state, text)
 
 
 def _describe_dispatcher(lease: Lease, unchanged_s: float) -> PartHealth:

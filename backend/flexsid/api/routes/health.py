@@ -9,7 +9,7 @@ from flexsid.api.context import Context, TheContext
 from flexsid.api.responses import Health
 from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
-from flexsid.jobs.health import NotReady, PartHealth, PartState
+from flexsid.jobs.health import NotReady, PartHealth, PartState, check_readers
 from flexsid.workflow.review.decision_review import find_clock_error
 
 _LONGEST_WRITE_S = 2.0  # of another transaction; a probe must not occupy a thread for longer
@@ -54,7 +54,7 @@ def get_health(context: TheContext) -> Health:
 
 
 def check_parts(context: Context) -> tuple[PartHealth, ...]:
-    """Return the state of database, dispatcher, workers and clock, and of what only some have."""
+    """Return the state of all parts, also of those that only some servers have."""
     database = context.store.database
     with database.reading() as connection:
         connection.exec_driver_sql("SELECT 1")
@@ -71,5 +71,6 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
             if clock_error is None
             else f"{clock_error[:1].upper()}{clock_error[1:]}.",
         ),
+        check_readers(context.is_shared),
         *(part for part in others if part is not None),
     )

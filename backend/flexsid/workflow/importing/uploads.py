@@ -102,7 +102,7 @@ def add_upload(store: Store, files: Sequence[Path], names: Sequence[str]) -> Upl
     make_private_folder(uploads)
     folder.mkdir(mode=0o700)
     try:
-        sandbox.decode(files, names, folder)
+        sandbox.decode(files, names, folder, None)
         (folder / _UPLOADER).write_text(_name_uploader())  # at the end: the upload is complete
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)

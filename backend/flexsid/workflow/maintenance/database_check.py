@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from flexsid.errors import FlexsidError, UnknownRecord
+from flexsid.importers import jail
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.records.run import RunState
 from flexsid.storage import tables
@@ -57,6 +58,7 @@ def check_database(store: Store) -> list[DatabaseProblem]:
         *_check_decisions(store),
         *_check_audit_log(store),
         *_check_clock(store),
+        *_check_readers(),
     ]
 
 
@@ -273,3 +275,9 @@ def _check_clock(store: Store) -> Iterator[DatabaseProblem]:
     text = find_clock_error(store)
     if text is not None:
         yield DatabaseProblem("clock-behind", "clock", text, is_damage=False)
+
+
+def _check_readers() -> Iterator[DatabaseProblem]:
+    for one in jail.list_missing():
+        text = f"On this computer a file that attacks its reader could {one}."
+        yield DatabaseProblem("reader-not-confined", "computer", text, is_damage=False)
