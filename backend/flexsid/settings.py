@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -22,6 +23,8 @@ _LEAST_LETTERS = 8
 _WIDEST_NETWORK = {4: 8, 6: 32}
 """Least length of the prefix of a network of proxies, by version of the protocol."""
 _BACKUPS_RETAINED = 7
+_EXPANSION = 100
+_ACCOUNT_UPLOAD_GIGABYTES, _UPLOAD_GIGABYTES = 10.0, 50.0
 
 
 class Mode(StrEnum):
@@ -46,7 +49,9 @@ class Settings:
     ``backups_incremental``. The file ``receiver_credentials`` has the
     credentials of brokers of telemetry. An analyst may have ``analyst_jobs`` unfinished jobs, and
     the recordings of a campaign ``campaign_gigabytes`` (None: no limit). Long recordings of whole
-    flights are in chunks at the address ``recordings`` (None: in the database).
+    flights are in chunks at the address ``recordings`` (None: in the database). The content of
+    uploaded files is at most ``expansion`` times as large as they are. Uploads that are not
+    imported take ``account_upload_gigabytes`` of an account, and ``upload_gigabytes`` in all.
     """
 
     database: str = DEFAULT_DATABASE
@@ -68,6 +73,9 @@ class Settings:
     campaign_gigabytes: int | None = None
     receiver_credentials: Path | None = None
     recordings: str | None = None
+    expansion: int = _EXPANSION
+    account_upload_gigabytes: float = _ACCOUNT_UPLOAD_GIGABYTES
+    upload_gigabytes: float = _UPLOAD_GIGABYTES
 
     @property
     def is_secure(self) -> bool:
@@ -121,6 +129,13 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         if (file := environment.get("FLEXSID_CREDENTIALS"))
         else None,
         recordings=environment.get("FLEXSID_RECORDINGS") or None,
+        expansion=_number(environment, "FLEXSID_EXPANSION", "a ratio", 10**6) or _EXPANSION,
+        account_upload_gigabytes=_read_gigabytes(
+            environment, "FLEXSID_ACCOUNT_UPLOAD_GIGABYTES", _ACCOUNT_UPLOAD_GIGABYTES
+        ),
+        upload_gigabytes=_read_gigabytes(
+            environment, "FLEXSID_UPLOAD_GIGABYTES", _UPLOAD_GIGABYTES
+        ),
     )
     _check_access(settings)
     return settings
@@ -263,6 +278,13 @@ def _read_network(name: str, text: str) -> str:
             "of proxies, or their network such as 10.0.0.0/24"
         )
     return str(network)
+
+
+def _read_gigabytes(environment: Mapping[str, str], name: str, default: float) -> float:
+    text = environment.get(name) or str(default)
+    if re.fullmatch(r"[0-9]{1,6}(\.[0-9]{1,3})?", text, re.ASCII) is None or float(text) == 0.0:
+        raise BadInput(f"{name} is {text!r}; expected a number of gigabytes from 0.001 to 999999")
+    return float(text)
 
 
 def _number(environment: Mapping[str, str], name: str, what: str, most: int) -> int | None:

@@ -232,4 +232,7 @@ def _read_quotas(settings: Settings) -> Quotas:
     return Quotas(
         unfinished_jobs=settings.analyst_jobs,
         recorded_bytes=None if most is None else most * GIGABYTE,
+        expansion=settings.expansion,
+        account_upload_bytes=int(settings.account_upload_gigabytes * GIGABYTE),
+        upload_bytes=int(settings.upload_gigabytes * GIGABYTE),
     )

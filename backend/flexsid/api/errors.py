@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, is_dataclass
@@ -18,8 +19,10 @@ from flexsid.errors import (
     BadInput,
     Cancelled,
     Conflict,
+    ContentTooLarge,
     FlexsidError,
     NotIdentifiable,
+    StorageFull,
     UnknownRecord,
 )
 from flexsid.extensions import ExtensionFailed
@@ -27,6 +30,7 @@ from flexsid.jobs.health import NotReady
 from flexsid.storage.access import Forbidden
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import DatabaseTooNew
+from flexsid.storage.quotas import AccountUploadsFull
 from flexsid.workflow.accounts.sessions import NotLoggedIn, TooManyAttempts, WrongPassword
 
 _log = logging.getLogger(__name__)
@@ -39,6 +43,9 @@ _STATUS: tuple[tuple[type[FlexsidError], HTTPStatus], ...] = (
     (UnknownRecord, HTTPStatus.NOT_FOUND),
     (Conflict, HTTPStatus.CONFLICT),
     (Cancelled, HTTPStatus.CONFLICT),
+    (ContentTooLarge, HTTPStatus.REQUEST_ENTITY_TOO_LARGE),
+    (AccountUploadsFull, HTTPStatus.REQUEST_ENTITY_TOO_LARGE),
+    (StorageFull, HTTPStatus.INSUFFICIENT_STORAGE),
     (BadInput, HTTPStatus.UNPROCESSABLE_ENTITY),
     (NotIdentifiable, HTTPStatus.UNPROCESSABLE_ENTITY),
     (DatabaseUnavailable, HTTPStatus.SERVICE_UNAVAILABLE),
@@ -142,7 +149,10 @@ def _find_methods(request: Request) -> list[str]:
     return [method.upper() for method in found]
 
 
-async def _handle_unexpected_error(_request: Request, _error: Exception) -> Response:
+async def _handle_unexpected_error(_request: Request, error: Exception) -> Response:
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        detail = "the disk of the server is full; ask who operates it"
+        return make_problem(507, StorageFull.code, detail)
     # The traceback is logged by the server and not sent.
     return make_problem(500, "internal-error", "internal error; the server log has the details")
 

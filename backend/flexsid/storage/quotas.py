@@ -1,4 +1,4 @@
-"""Quotas of a shared server: unfinished jobs of an analyst, recordings of a campaign."""
+"""Quotas of a shared server: jobs of an analyst, recordings of a campaign, uploads."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
-from flexsid.errors import Conflict
+from flexsid.errors import BadInput, Conflict
 from flexsid.records.run import RunState
 from flexsid.storage.access import using_access
 from flexsid.storage.tables import arrays, channels, flight_channels, flights, jobs, maneuvers
@@ -22,12 +22,17 @@ class Quotas:
     """Most that is accepted from requests; None without a limit.
 
     ``unfinished_jobs`` of an analyst wait or run; the samples of the flights and maneuvers of a
-    campaign have ``recorded_bytes``. Jobs and streams store their results beyond: a quota never
+    campaign have ``recorded_bytes``. The content of uploaded files is at most ``expansion`` times
+    as large as they are; uploads that are not imported take ``account_upload_bytes`` of an account,
+    and ``upload_bytes`` in all. Jobs and streams store their results beyond: a quota never
     loses what was flown or computed.
     """
 
     unfinished_jobs: int | None = None
     recorded_bytes: int | None = None
+    expansion: int | None = None
+    account_upload_bytes: int | None = None
+    upload_bytes: int | None = None
 
 
 class QueueFull(Conflict):
@@ -40,6 +45,12 @@ class CampaignFull(Conflict):
     """The recordings of a campaign would take more than its quota."""
 
     code = "campaign-full"
+
+
+class AccountUploadsFull(BadInput):
+    """The uploads of an account would take more than its quota."""
+
+    code = "uploads-full"
 
 
 def check_unfinished_jobs(connection: Connection, author: str, quotas: Quotas) -> None:

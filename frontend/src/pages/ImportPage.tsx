@@ -56,14 +56,14 @@ function Uploaded({ id }: { id: string }) {
   );
 }
 
-/** Own uploads whose mapping was edited, to go on in any browser. */
+/** Own uploads that are not imported, to go on in any browser. */
 function UnfinishedImports() {
   const drafts = useQuery(draftsQuery);
   const remove = useDeleteUpload();
   return (
     <Section
       title="Unfinished imports"
-      note="Own uploads with an edited mapping, stored for 7 days"
+      note="Own uploads, stored for 7 days"
     >
       <Loaded query={drafts} rows={2}>
         {(found) =>

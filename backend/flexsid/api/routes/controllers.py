@@ -68,7 +68,7 @@ def upload_controller(
         controller = controllers.read_controller(text.decode(errors="replace"), aircraft_id, name)
     else:
         with TemporaryDirectory(prefix="flexsid-") as folder:
-            sources = sandbox.read_all(*save_files(Path(folder), [file]))
+            sources = sandbox.read_all(*save_files(Path(folder), [file]), store.quotas.expansion)
         controller = controllers.read_matrices(
             sources, aircraft_id, name, _split_names(reads, "reads"), _split_names(drives, "drives")
         )

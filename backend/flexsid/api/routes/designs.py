@@ -118,7 +118,7 @@ def import_multisines(
 ) -> Json:
     """Import flown multisines: harmonics, amplitudes and phases are identified from the samples."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
-        sources = sandbox.read_all(*save_files(Path(folder), files))
+        sources = sandbox.read_all(*save_files(Path(folder), files), store.quotas.expansion)
     found = imported_multisines.recognise_inputs(sources, unit)
     stored = imported_multisines.save_designs(store, found, name, rate_hz, separate=separate)
     return Json(Page(items=list(stored)), status.HTTP_201_CREATED)

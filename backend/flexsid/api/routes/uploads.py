@@ -19,7 +19,6 @@ from flexsid.api.submission import KnownJob, submit_job
 from flexsid.api.uploads import save_files
 from flexsid.figures.time_history import draw_time_history
 from flexsid.jobs.kinds import IMPORT
-from flexsid.records.run import RunState
 from flexsid.storage import job_list
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.job_list import JobItem
@@ -45,16 +44,10 @@ def upload_files(
     return Json(_describe_upload(store, upload.id), status.HTTP_201_CREATED, location)
 
 
-@router.get("", response_model=Items[uploads.DraftItem])
+@router.get("", response_model=Items[uploads.UploadItem])
 def list_uploads(store: TheStore) -> Json:
-    """List the own uploads whose mapping was edited and that are not imported, newest first."""
-    drafts = uploads.list_drafts(store)
-    jobs = {one.id: job_list.find_newest(store, IMPORT.name, upload_id=one.id) for one in drafts}
-    return Json(Items(items=[one for one in drafts if not _is_imported(jobs[one.id])]))
-
-
-def _is_imported(job: JobItem | None) -> bool:
-    return job is not None and job.state is RunState.SUCCEEDED
+    """List the own uploads that are not imported, most recently edited first."""
+    return Json(Items(items=uploads.list_uploads(store)))
 
 
 @router.get("/{upload_id}", response_model=UploadDetail)

@@ -19,26 +19,30 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
+import sqlalchemy as sa
+
 from flexsid.allowed import Allowed, Id
-from flexsid.errors import UnknownRecord
+from flexsid.errors import FlexsidError, StorageFull, UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.mapping import MappingFile, parse_mapping
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.job import Job
-from flexsid.records.run import Progress, ReportProgress
-from flexsid.storage.access import Forbidden, get_access
+from flexsid.records.run import Progress, ReportProgress, RunState
+from flexsid.storage.access import Forbidden, get_access, using_access
 from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
-from flexsid.storage.quotas import check_recorded_bytes
+from flexsid.storage.quotas import GIGABYTE, AccountUploadsFull, check_recorded_bytes
 from flexsid.storage.store import Store
+from flexsid.storage.tables import jobs
 from flexsid.text import LONGEST_TEXT
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
 from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, refuse_guesses
+from flexsid.workflow.importing.remembered_columns import IMPORT_KIND
 
 RETENTION_DAYS = 7
 _UPLOADER = "account"
 _DRAFT = "draft.toml"
-_LISTED = 50  # newest drafts
+_LISTED = 50  # newest uploads
 _NAME = re.compile(r"u[0-9a-f]{16}")
 
 
@@ -50,8 +54,8 @@ class Upload:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DraftItem:
-    """An upload whose mapping is being edited."""
+class UploadItem:
+    """An upload, and when its mapping was last edited."""
 
     id: str
     files: tuple[str, ...]
@@ -94,7 +98,17 @@ def locate_uploads(store: Store) -> Path:
 
 
 def add_upload(store: Store, files: Sequence[Path], names: Sequence[str]) -> Upload:
-    """Read files into a new upload; delete old uploads."""
+    """Read files into a new upload; delete old uploads.
+
+    Raises
+    ------
+    AccountUploadsFull
+        If the uploads of the account would take more than its quota.
+    StorageFull
+        If all uploads would take more than theirs.
+    UnreadableFile
+        If a file cannot be read.
+    """
     uploads = locate_uploads(store)
     _delete_old(uploads)
     upload = Upload(id=f"u{secrets.token_hex(8)}")
@@ -102,8 +116,9 @@ def add_upload(store: Store, files: Sequence[Path], names: Sequence[str]) -> Upl
     make_private_folder(uploads)
     folder.mkdir(mode=0o700)
     try:
-        sandbox.decode(files, names, folder, None)
+        sandbox.decode(files, names, folder, store.quotas.expansion)
         (folder / _UPLOADER).write_text(_name_uploader())  # at the end: the upload is complete
+        _check_space(store, upload)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -147,16 +162,21 @@ def read_draft(store: Store, upload_id: str) -> str | None:
     return file.read_text(encoding="utf-8") if file.is_file() else None
 
 
-def list_drafts(store: Store) -> list[DraftItem]:
-    """List the own uploads with a draft of a mapping, most recently changed first."""
+def list_uploads(store: Store) -> list[UploadItem]:
+    """List the own uploads that are not imported, most recently edited first."""
+    imported = _find_imported(store)
     found: list[tuple[float, Path]] = []
-    for file in locate_uploads(store).glob(f"*/{_DRAFT}"):
+    for uploader in locate_uploads(store).glob(f"*/{_UPLOADER}"):
+        folder = uploader.parent
         with suppress(UnknownRecord, FileNotFoundError):  # of another account, or just deleted
-            find_folder(store, file.parent.name)
-            found.append((file.stat().st_mtime, file.parent))
+            find_folder(store, folder.name)
+            draft = folder / _DRAFT
+            edited = (draft if draft.exists() else uploader).stat().st_mtime
+            if folder.name not in imported:
+                found.append((edited, folder))
     newest = sorted(found, reverse=True)[:_LISTED]
     return [
-        DraftItem(
+        UploadItem(
             id=folder.name,
             files=tuple(source.name for source in sandbox.load(folder).items),
             changed_at=datetime.fromtimestamp(changed, UTC),
@@ -254,15 +274,70 @@ def store_import(
     )
 
 
+def _check_space(store: Store, added: Upload) -> None:
+    """Refuse an upload beyond a quota, for which uploads that are imported give way."""
+    error = _find_excess(store, added)
+    if error is None:
+        return
+    for name in _find_imported(store):
+        shutil.rmtree(locate_uploads(store) / name, ignore_errors=True)
+    error = _find_excess(store, added)
+    if error is not None:
+        raise error
+
+
+def _find_excess(store: Store, added: Upload) -> FlexsidError | None:
+    own, all_ = 0, 0
+    for folder in locate_uploads(store).glob("*"):
+        with suppress(FileNotFoundError):  # deleted by another request
+            size = sum(file.stat().st_size for file in folder.iterdir() if file.is_file())
+            all_ += size
+            is_own = (folder / _UPLOADER).read_text() == _name_uploader()
+            own += size if is_own else 0
+    size = sandbox.count_sample_bytes(locate_uploads(store) / added.id)
+    quotas = store.quotas
+    words = "uploads that are not imported"
+    if quotas.account_upload_bytes is not None and own > quotas.account_upload_bytes:
+        return AccountUploadsFull(
+            f"with these files of {size / GIGABYTE:.3g} GB your {words} take"
+            f" {own / GIGABYTE:.3g} GB, and the quota is"
+            f" {quotas.account_upload_bytes / GIGABYTE:.3g} GB; import or delete some of them (page"
+            f" Import, Unfinished imports): they are stored for {RETENTION_DAYS} days"
+        )
+    if quotas.upload_bytes is not None and all_ > quotas.upload_bytes:
+        return StorageFull(
+            f"with these files of {size / GIGABYTE:.3g} GB the {words} of all accounts take"
+            f" {all_ / GIGABYTE:.3g} GB, and the server stores"
+            f" {quotas.upload_bytes / GIGABYTE:.3g} GB; import or delete some of them, or ask who"
+            " operates it"
+        )
+    return None
+
+
+def _find_imported(store: Store) -> set[str]:
+    """Return the ids of uploads that are imported, in whatever campaign, and not again."""
+    query = (
+        sa.select(jobs.c.state, jobs.c.request["upload_id"].as_string())
+        .where(jobs.c.kind == IMPORT_KIND)
+        .order_by(jobs.c.id)  # the newest decides
+    )
+    with using_access(None), store.database.reading() as connection:
+        states = {upload_id: state for state, upload_id in connection.execute(query)}
+    return {one for one, state in states.items() if state == RunState.SUCCEEDED and one}
+
+
 def _drop_arrays(source: SourceFile) -> SourceFile:
     return replace(source, arrays={})
 
 
 def _delete_old(uploads: Path) -> None:
-    for path in uploads.glob(f"*/{_UPLOADER}"):
+    for folder in uploads.glob("*"):
+        uploader = folder / _UPLOADER
         with suppress(FileNotFoundError):  # deleted by another request
-            if time.time() - path.stat().st_mtime > RETENTION_DAYS * 86400:
-                shutil.rmtree(path.parent, ignore_errors=True)
+            # A server that was killed leaves one without uploader.
+            stored_at = (uploader if uploader.exists() else folder).stat().st_mtime
+            if time.time() - stored_at > RETENTION_DAYS * 86400:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _name_uploader() -> str:
