@@ -127,11 +127,22 @@ def split_names(text: str | None) -> tuple[str, ...] | None:
     return tuple(name for name in (part.strip() for part in text.split(",")) if name) or None
 
 
+def read_id(text: str) -> int | None:
+    """Return the id that a text is; None if it is not in the one form of ids.
+
+    Whoever checks an id and whoever reads it then mean the same record: `01`, `+1`, `1.0` and `1_0`
+    are no ids.
+    """
+    found = int(text) if re.fullmatch("[1-9][0-9]{0,19}", text) else None
+    return found if found is not None and found <= LARGEST_ID else None
+
+
 def split_ids(text: str | None, field: str) -> tuple[int, ...]:
     """Parse ids separated by commas."""
     ids: list[int] = []
     for part in split_names(text) or ():
-        if not (part.isascii() and part.isdigit() and 1 <= int(part[:20]) <= LARGEST_ID):
+        found = read_id(part)
+        if found is None:
             raise BadInput(f"{field}: {part!r} is not an id; give numbers separated by commas")
-        ids.append(int(part))
+        ids.append(found)
     return tuple(ids)

@@ -25,7 +25,7 @@ from flexsid.records.account import AccountRole
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import Access, Forbidden, find_campaigns, set_access
 from flexsid.storage.store import Store
-from flexsid.text import LARGEST_ID
+from flexsid.text import read_id
 from flexsid.workflow.accounts.accounts import find_role
 from flexsid.workflow.accounts.sessions import (
     SESSION_HOURS,
@@ -251,12 +251,13 @@ def _find_only(campaigns: set[int], store: Store, writable: frozenset[int] | Non
 
 
 def _read_campaign(store: Store, text: str, readable: frozenset[int] | None) -> int:
-    if not (text.isascii() and text.isdigit() and 0 < int(text[:12]) <= LARGEST_ID):
+    found = read_id(text)
+    if found is None:
         raise BadInput(f"{CAMPAIGN} is {text[:40]!r}; expected the id of an aircraft")
     with store.database.reading() as connection:
-        if not find_campaigns(connection, "aircraft", {int(text)}, readable):
-            raise UnknownRecord(f"there is no aircraft {int(text)}")
-    return int(text)
+        if not find_campaigns(connection, "aircraft", {found}, readable):
+            raise UnknownRecord(f"there is no aircraft {found}")
+    return found
 
 
 async def _read_named(request: Request, route: str) -> dict[str, set[int]]:
@@ -304,9 +305,9 @@ def _walk(value: Any) -> Iterator[tuple[str, Any]]:
 def _read_ids(value: Any) -> Iterator[int]:
     """Yield ids; anything else is refused when the route reads it."""
     for part in value if isinstance(value, list) else str(value).split(","):
-        text = str(part).strip()
-        if text.isascii() and text.isdigit() and 0 < int(text[:12]) <= LARGEST_ID:
-            yield int(text)
+        found = read_id(str(part).strip())
+        if found is not None:
+            yield found
 
 
 def _read_proxy_user(settings: Settings, request: HTTPConnection) -> str | None:

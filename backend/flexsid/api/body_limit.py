@@ -39,7 +39,7 @@ class BodyLimit:
         limit = LARGEST_UPLOAD if is_upload(scope) else LARGEST_BODY
         words = f"the body is larger than {limit // 1024**2} MB, the limit of this route"
         announced = Headers(scope=scope).get("content-length", "0")
-        if not announced.isdigit() or int(announced[:20]) > limit:
+        if not (announced.isascii() and announced.isdigit()) or int(announced[:20]) > limit:
             await make_problem(413, "too-large", words)(scope, receive, send)
             return
         received = 0

@@ -1,11 +1,12 @@
-"""Refusal of unknown and repeated query parameters."""
+"""Refusal of unknown and repeated query parameters, and of integers in a lenient form."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import Any
+from typing import Any, get_args
 
 from fastapi import HTTPException, Request, params
 from fastapi.dependencies.utils import get_flat_params
@@ -25,10 +26,16 @@ _EXTENSIBLE = frozenset({"complete_openid_login"})
 
 # By endpoint, since a route is not hashable; the look-up is slower than many responses.
 _known: dict[Callable[..., Any], tuple[str, ...]] = {}
+_integers: dict[Callable[..., Any], frozenset[str]] = {}
+
+_NO_INTEGER = "Input should be a valid integer, unable to parse string as an integer"
 
 
 async def refuse_unknown_parameters(request: Request) -> None:
     """Refuse query parameters that the route does not have, or that are repeated.
+
+    Integers have one form, that by which the access of an account to a record is checked: the ids
+    `01`, `1.0`, `+1` and `1_0` are refused.
 
     Raises
     ------
@@ -40,6 +47,7 @@ async def refuse_unknown_parameters(request: Request) -> None:
     word = any(str(value).replace("-", "").isalpha() for value in request.path_params.values())
     if word and request.url.path in request.app.openapi()["paths"]:
         raise HTTPException(HTTPStatus.METHOD_NOT_ALLOWED)
+    _check_integers(request)
     if not request.scope["query_string"]:
         return
     for name, value in request.query_params.multi_items():
@@ -70,6 +78,45 @@ async def refuse_unknown_parameters(request: Request) -> None:
             code="repeated-parameter",
             errors=[FieldError(field=name, message=more) for name in repeated],
         )
+
+
+def check_integer(text: str) -> str:
+    """Return the text of an integer.
+
+    Raises
+    ------
+    ValueError
+        If it is not in the one form of integers (see ``flexsid.text.read_id``).
+    """
+    if re.fullmatch("0|-?[1-9][0-9]{0,19}", text) is None:
+        raise ValueError(_NO_INTEGER)
+    return text
+
+
+def _check_integers(request: Request) -> None:
+    integers = _list_integers(request.scope["route"])
+    given = [*request.path_params.items(), *request.query_params.multi_items()]
+    for name, value in given:
+        if name in integers:
+            try:
+                check_integer(str(value))
+            except ValueError as error:
+                found = [FieldError(field=name, message=str(error))]
+                detail = f"{name}: {error}"
+                raise BadInput(detail, code="invalid-request", errors=found) from error
+
+
+def _list_integers(route: APIRoute) -> frozenset[str]:
+    integers = _integers.get(route.endpoint)
+    if integers is None:
+        kinds = {
+            each.alias: each.field_info.annotation for each in get_flat_params(route.dependant)
+        }
+        integers = frozenset(
+            name for name, kind in kinds.items() if kind is int or int in get_args(kind)
+        )
+        _integers[route.endpoint] = integers
+    return integers
 
 
 def _list_parameters(route: APIRoute) -> tuple[str, ...]:

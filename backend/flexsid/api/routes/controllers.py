@@ -7,9 +7,10 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from fastapi import File, Form, Response, UploadFile, status
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from flexsid.api.context import TheStore
+from flexsid.api.parameters import check_integer
 from flexsid.api.requests import LONGEST_TEXT, Id, Request, Text, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
@@ -51,7 +52,7 @@ def create_controller(store: TheStore, body: ControllerRequest) -> Json:
 def upload_controller(
     store: TheStore,
     file: Annotated[UploadFile, File(description="JSON, or MATLAB with A, B, C and D.")],
-    aircraft_id: Annotated[int, Form(ge=1, le=LARGEST_ID)],
+    aircraft_id: Annotated[int, BeforeValidator(check_integer), Form(ge=1, le=LARGEST_ID)],
     name: Annotated[Title, Form()],
     reads: Annotated[
         Text, Form(description="For MATLAB: measured signals, separated by commas.")

@@ -96,7 +96,7 @@ def read_edited_version(in_body: int | None, if_match: str | None) -> int:
     """
     found = None
     if if_match is not None:
-        match = re.fullmatch(r'(?:W/)?"?(\d{1,9})"?', if_match.strip())
+        match = re.fullmatch(r'(?:W/)?"?([0-9]{1,9})"?', if_match.strip())
         if match is None:
             raise BadInput(
                 f'If-Match is {if_match!r}; expected the version that was edited, e.g. "3"',
