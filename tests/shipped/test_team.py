@@ -6,6 +6,8 @@ on a new database and again on one of an earlier schema, which it migrates.
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,9 +15,16 @@ from typing import Any
 
 import httpx2
 import pytest
-import sqlalchemy as sa
 from rigid_record import simulate_doublet, write_record
-from shipped import Client, Server, ask_command, invite, serving, set_password
+from shipped import (
+    Client,
+    Server,
+    ask_command,
+    invite,
+    make_environment,
+    serving,
+    set_password,
+)
 
 SECRET = "0123456789abcdef" * 4
 RANKS = ("viewer", "analyst", "reviewer", "admin")
@@ -119,11 +128,13 @@ def test_each_role_does_what_it_may(
 
 
 def set_schema(database: str, revision: str) -> None:
-    """Let a database be of an earlier schema with the same tables."""
-    engine = sa.create_engine(database.replace("postgresql:", "postgresql+psycopg:"))
-    with engine.begin() as connection:
-        connection.execute(sa.text(f"UPDATE alembic_version SET version_num = '{revision}'"))
-    engine.dispose()
+    """Let a database be of an earlier schema."""
+    subprocess.run(
+        [sys.executable, "-m", "alembic", "downgrade", revision],
+        cwd=Path(__file__).parents[2],
+        env=make_environment(FLEXSID_DATABASE=database),
+        check=True,
+    )
 
 
 def check_roles(server: Server, connect: Callable[[str], Client], round_name: str) -> None:

@@ -430,11 +430,8 @@ def test_records_without_a_campaign_get_that_of_what_they_refer_to(flown_url: st
 
 
 def _upgrade_from(url: str, revision: str) -> None:
-    """Upgrade a database from a schema of the same tables."""
-    engine = make_engine(parse_url(url))
-    with engine.begin() as connection:
-        connection.execute(sa.text(f"UPDATE alembic_version SET version_num = '{revision}'"))
-    engine.dispose()
+    """Upgrade a database again from an earlier schema."""
+    migrate.migrate_to(url, revision)
     migrate.upgrade(url)
 
 

@@ -17,6 +17,7 @@ from flexsid.api.description import add_examples
 from flexsid.api.docs import add_docs
 from flexsid.api.errors import add_error_handlers
 from flexsid.api.live_events import LiveEvents
+from flexsid.api.login_addresses import LoginAddresses
 from flexsid.api.metrics import add_metrics
 from flexsid.api.page import add_page
 from flexsid.api.parameters import DESCRIPTION
@@ -136,6 +137,7 @@ def create_app(
             live=live,
             streams=streams,
             queue_health=QueueHealth(store, lambda: dispatcher.is_starting),
+            login_addresses=LoginAddresses(),
             check_additional_part=check_additional_part,
             is_shared=settings.mode is not Mode.PERSONAL,
         )

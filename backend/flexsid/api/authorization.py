@@ -161,7 +161,7 @@ def set_cookie(settings: Settings, response: Response, secret: str) -> None:
 
 def client_address(settings: Settings, request: HTTPConnection) -> str:
     """Return the address of the client, as stated by a trusted proxy."""
-    peer = _peer(request)
+    peer = peer_address(request)
     if settings.is_proxy(peer):
         # The last entry is that of the trusted proxy; earlier ones are as the client sent them.
         # Some proxies add a header of their own instead of an entry.
@@ -314,7 +314,7 @@ def _read_proxy_user(settings: Settings, request: HTTPConnection) -> str | None:
     """Return the user that a trusted proxy states, with its secret; None otherwise."""
     secret = request.headers.get(PROXY_SECRET, "")
     expected = settings.proxy_secret or ""
-    if not settings.is_proxy(_peer(request)) or not expected:
+    if not settings.is_proxy(peer_address(request)) or not expected:
         return None
     if not hmac.compare_digest(secret.encode(), expected.encode()):
         return None
@@ -322,5 +322,6 @@ def _read_proxy_user(settings: Settings, request: HTTPConnection) -> str | None:
     return unquote(names[0]) if len(names) == 1 and names[0] else None
 
 
-def _peer(request: HTTPConnection) -> str:
+def peer_address(request: HTTPConnection) -> str:
+    """Return the address of the connection: that of the client, or of a proxy."""
     return "" if request.client is None else request.client.host

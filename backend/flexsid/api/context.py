@@ -9,6 +9,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from flexsid.api.live_events import LiveEvents
+from flexsid.api.login_addresses import LoginAddresses
 from flexsid.jobs.dispatcher_process import DispatcherProcess
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.storage.store import Store
@@ -28,6 +29,7 @@ class Context:
     live: LiveEvents
     streams: LiveStreams
     queue_health: QueueHealth
+    login_addresses: LoginAddresses
     check_additional_part: Callable[[], PartHealth | None]
     is_shared: bool
 

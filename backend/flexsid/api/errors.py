@@ -31,7 +31,8 @@ from flexsid.storage.access import Forbidden
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import DatabaseTooNew
 from flexsid.storage.quotas import AccountUploadsFull
-from flexsid.workflow.accounts.sessions import NotLoggedIn, TooManyAttempts, WrongPassword
+from flexsid.workflow.accounts.login_limit import TooManyAttempts
+from flexsid.workflow.accounts.sessions import NotLoggedIn, WrongPassword
 
 _log = logging.getLogger(__name__)
 

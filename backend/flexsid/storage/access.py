@@ -138,7 +138,8 @@ WITHOUT_CAMPAIGN = frozenset(
     {
         *("arrays", "leases", "looks"),  # named by content; of the dispatcher; by analyst
         "row_seals",  # written by triggers
-        *("accounts", "memberships", "login_sessions", "api_tokens", "login_failures"),
+        *("accounts", "memberships", "login_sessions", "api_tokens"),
+        *("login_places", "login_failures"),
     }
 )
 

@@ -26,8 +26,8 @@ _MOST_IDS = 100
 # Named by their content, copied from what is recorded, or not what an account has changed.
 _OMITTED = frozenset(
     {
-        *("arrays", "leases", "looks", "job_events", "login_failures", "audit_events"),
-        "run_summaries",
+        *("arrays", "leases", "looks", "job_events", "login_places", "login_failures"),
+        *("audit_events", "run_summaries"),
     }
 )
 _changes: ContextVar[list[Change] | None] = ContextVar("changes", default=None)

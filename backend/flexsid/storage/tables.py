@@ -741,13 +741,22 @@ api_tokens = table(
     sa.UniqueConstraint("secret_hash"),
 )
 
-# Failed log-ins by name and by address; one row each.
+# Addresses from which accounts have logged in, and SHA-256 of secrets of their browsers.
+login_places = table(
+    "login_places",
+    identity(),
+    refers_to("account_id", "accounts", ondelete="CASCADE"),
+    text("place"),
+    moment("used_at"),
+    sa.UniqueConstraint("place", "account_id"),
+)
+
+# Failed log-ins of names and addresses, by the time at which the last one is forgotten.
 login_failures = sa.Table(
     "login_failures",
     metadata,
     sa.Column("subject", sa.String(200), primary_key=True),
-    integer("failures"),
-    moment("last_at"),
+    moment("forgotten_at"),
 )
 
 audit_events = table(

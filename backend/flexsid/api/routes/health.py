@@ -60,7 +60,11 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
         connection.exec_driver_sql("SELECT 1")
     name = database.url.get_backend_name()
     clock_error = find_clock_error(context.store)
-    others = (context.queue_health.check_certificate(), context.check_additional_part())
+    others = (
+        context.queue_health.check_certificate(),
+        context.login_addresses.check(),
+        context.check_additional_part(),
+    )
     return (
         PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
         *context.queue_health.check(),

@@ -18,7 +18,7 @@ from flexsid.api.authorization import (
     identify,
     set_cookie,
 )
-from flexsid.api.context import TheStore
+from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity as RecordId
@@ -30,6 +30,7 @@ from flexsid.settings import Mode, Settings
 from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
+from flexsid.workflow.accounts.login_limit import KNOWN_DAYS
 
 router = make_router(tag="session", route_class=JsonRoute)
 
@@ -118,15 +119,27 @@ def get_session(request: Request, store: TheStore) -> SessionState:
 
 
 @router.post("/session", response_model=SessionState)
-def log_in(request: Request, store: TheStore, body: LoginRequest) -> Json:
+def log_in(request: Request, context: TheContext, body: LoginRequest) -> Json:
     """Log in; the session is a cookie that scripts of the page cannot read."""
+    store = context.store
     settings = _require_mode(request, Mode.TEAM)
     address = client_address(settings, request)
-    secret = sessions.log_in(store, body.name, body.password, address)
+    browser = request.cookies.get(_browser_cookie(settings), "")
+    secret, browser = sessions.log_in(store, body.name, body.password, address, browser)
     # A session that the browser already had ends: its secret may be known to others.
     _end_session(request, store, settings)
+    context.login_addresses.add(settings, request, body.name)
     response = Json(_describe(settings, sessions.find_session(store, secret)))
     set_cookie(settings, response, secret)
+    response.set_cookie(
+        _browser_cookie(settings),
+        browser,
+        max_age=KNOWN_DAYS * 86400,
+        path="/",
+        secure=settings.is_secure,
+        httponly=True,
+        samesite="strict",
+    )
     return response
 
 
@@ -271,6 +284,11 @@ def _require_provider(request: Request) -> tuple[Settings, OpenIdProvider]:
 
 def _attempt_cookie(settings: Settings) -> str:
     return f"{cookie_name(settings)}-login"
+
+
+def _browser_cookie(settings: Settings) -> str:
+    """Return the name of the cookie by which a browser is recognised; it logs nobody in."""
+    return f"{cookie_name(settings)}-browser"
 
 
 def _return_address(settings: Settings) -> str:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
 
+import sqlalchemy as sa
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
@@ -17,6 +18,7 @@ from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.account import Account, AccountRole, Membership
 from flexsid.storage.store import Store
+from flexsid.storage.tables import login_places
 from flexsid.text import check_line
 
 INVITATION_DAYS = 7
@@ -206,6 +208,8 @@ def end_sessions(store: Store, account: Account) -> None:
 
 def _end_access(store: Store, account: Account) -> None:
     end_sessions(store, account)
+    with store.database.transaction() as connection:
+        connection.execute(sa.delete(login_places).where(login_places.c.account_id == account.id))
     for token in store.api_tokens.find(account_id=account.id):
         store.api_tokens.delete(token.id or 0)
 

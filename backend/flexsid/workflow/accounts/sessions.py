@@ -12,7 +12,7 @@ from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
 from flexsid.records.account import Account, AccountRole, ApiToken, LoginSession
 from flexsid.storage.store import Store
-from flexsid.storage.tables import accounts, login_failures, login_sessions, memberships
+from flexsid.storage.tables import accounts, login_sessions, memberships
 from flexsid.workflow.accounts.accounts import (
     LONGEST_PASSWORD,
     find_account,
@@ -21,12 +21,11 @@ from flexsid.workflow.accounts.accounts import (
     hash_secret,
     list_roles,
 )
+from flexsid.workflow.accounts.login_limit import accept_attempt, begin_attempt
 
 SESSION_HOURS = 12
 LONGEST_TOKEN_DAYS = 366
 TOKEN_PREFIX = "flexsid_"
-_MOST_FAILURES = {"name": 5, "address": 30}
-_LONGEST_WAIT_S = 900.0
 
 
 class NotLoggedIn(FlexsidError):
@@ -41,16 +40,6 @@ class WrongPassword(FlexsidError):
     code = "wrong-password"
 
 
-class TooManyAttempts(FlexsidError):
-    """Too many failed log-ins; ``wait_s`` is the remaining wait. [s]"""
-
-    code = "too-many-attempts"
-
-    def __init__(self, wait_s: int) -> None:
-        super().__init__(f"too many failed log-ins; wait {wait_s} s", wait_s=wait_s)
-        self.wait_s = wait_s
-
-
 @dataclass(frozen=True, slots=True)
 class Identity:
     """Who is logged in, and the role in each campaign (None: in every campaign)."""
@@ -61,34 +50,42 @@ class Identity:
     is_token: bool = False
 
 
-def log_in(store: Store, name: str, password: str, address: str) -> str:
-    """Check a password; return the secret of a new session.
+def log_in(
+    store: Store, name: str, password: str, address: str, browser: str = ""
+) -> tuple[str, str]:
+    """Check a password; return the secrets of a new session and of the browser.
+
+    Parameters
+    ----------
+    store
+        Where accounts and sessions are stored.
+    name, password
+        What the user has entered.
+    address
+        Address of the client.
+    browser
+        Secret that an earlier log-in left in the browser; empty without one.
 
     Raises
     ------
     WrongPassword
         If name or password is wrong.
     TooManyAttempts
-        After repeated failures, of the name or from the address.
+        After repeated failures; see ``login_limit``.
     """
-    subjects = {"name": f"name {name.casefold()[:150]}", "address": f"address {address}"}
-    _refuse_repeated_failures(store, subjects)
     try:
         account = find_account(store, name)
     except UnknownRecord:
         account = None
+    attempt = begin_attempt(store, account, name, address, browser)
     stored = None if account is None else account.password_hash
     # A wrong name takes as long as a wrong password.
     hasher = get_hasher()
     is_right = hasher.verify(password[:LONGEST_PASSWORD], stored or _dummy_hash())
     if account is None or stored is None or not is_right or account.disabled_at is not None:
-        _count_failure(store, subjects)
         raise WrongPassword("name or password is wrong")
-    with store.database.transaction() as connection:
-        connection.execute(
-            sa.delete(login_failures).where(login_failures.c.subject == subjects["name"])
-        )
-    return begin_session(store, account, address)
+    browser = accept_attempt(store, attempt, account)
+    return begin_session(store, account, address), browser
 
 
 def begin_session(store: Store, account: Account, address: str) -> str:
@@ -215,36 +212,3 @@ def _dummy_hash() -> str:
     if not _hashed:
         _hashed.append(get_hasher().hash(secrets.token_urlsafe(16)))
     return _hashed[0]
-
-
-def _refuse_repeated_failures(store: Store, subjects: dict[str, str]) -> None:
-    """Refuse a log-in while a subject waits: 1, 2, 4 ... s after the permitted failures."""
-    query = sa.select(login_failures).where(login_failures.c.subject.in_(subjects.values()))
-    now = datetime.now(UTC)
-    with store.database.reading() as connection:
-        for row in connection.execute(query):
-            beyond = row.failures - _MOST_FAILURES[row.subject.partition(" ")[0]]
-            if beyond < 0:
-                continue
-            wait_s = min(2.0 ** min(beyond, 20), _LONGEST_WAIT_S)
-            left_s = wait_s - (now - row.last_at).total_seconds()
-            if left_s > 0:
-                raise TooManyAttempts(max(1, round(left_s)))
-
-
-def _count_failure(store: Store, subjects: dict[str, str]) -> None:
-    now = datetime.now(UTC)
-    table = login_failures
-    with store.database.transaction() as connection:
-        store.database.lock_writers(connection)
-        outdated = now - timedelta(days=1)
-        connection.execute(sa.delete(table).where(table.c.last_at < outdated))
-        for subject in subjects.values():
-            counted = connection.execute(
-                sa.update(table)
-                .where(table.c.subject == subject)
-                .values(failures=table.c.failures + 1, last_at=now)
-            )
-            if not counted.rowcount:
-                row = {"subject": subject, "failures": 1, "last_at": now}
-                connection.execute(sa.insert(table).values(row))
