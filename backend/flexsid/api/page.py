@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import mimetypes
+import os
 from pathlib import Path
 
-from fastapi import FastAPI
-from fastapi.responses import HTMLResponse
+from fastapi import FastAPI, Response
+from fastapi.responses import FileResponse, HTMLResponse
+from fastapi.staticfiles import StaticFiles
+from starlette.datastructures import Headers
+from starlette.types import Scope
 
 import flexsid
 
 FRONTEND = Path(flexsid.__file__).parent / "frontend_dist"
+_ENCODINGS = {"br": ".br", "gzip": ".gz"}
+"""Suffix of the files that the build has compressed, by encoding, the smallest first."""
 
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>flexsid</title>
@@ -23,9 +30,40 @@ builds it.</p></html>
 def add_page(app: FastAPI, folder: Path = FRONTEND) -> None:
     """Serve the built frontend at ``/`` and at the addresses of its views."""
     if (folder / "index.html").is_file():
+        app.mount("/assets", _Assets(directory=folder / "assets"))
         app.frontend("/", directory=folder, fallback="index.html")
         return
 
     @app.get("/", include_in_schema=False)
     async def show_missing_frontend() -> HTMLResponse:
         return HTMLResponse(_NOT_BUILT)
+
+
+class _Assets(StaticFiles):
+    """Files of the build, each as compressed as the browser accepts."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        accepted = read_encodings(Headers(scope=scope).get("accept-encoding", ""))
+        for encoding, suffix in _ENCODINGS.items():
+            compressed = f"{os.fspath(full_path)}{suffix}"
+            if encoding in accepted and os.path.isfile(compressed):
+                media_type = mimetypes.guess_type(full_path)[0]
+                headers = {"Content-Encoding": encoding, "Vary": "Accept-Encoding"}
+                return FileResponse(compressed, media_type=media_type, headers=headers)
+        return super().file_response(full_path, stat_result, scope, status_code)
+
+
+def read_encodings(header: str) -> set[str]:
+    """Return the encodings that a header ``Accept-Encoding`` accepts by name."""
+    accepted = set[str]()
+    for part in header.lower().split(","):
+        name, _, weight = part.partition(";")
+        if weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000"):
+            accepted.add(name.strip())
+    return accepted
