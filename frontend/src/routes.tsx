@@ -282,6 +282,12 @@ const newAircraft = createRoute({
   component: page(() => import("./pages/NewAircraftPage"), "NewAircraftPage"),
 });
 
+const account = createRoute({
+  getParentRoute: () => root,
+  path: "/account",
+  component: page(() => import("./pages/AccountPage"), "AccountPage"),
+});
+
 const tokens = createRoute({
   getParentRoute: () => root,
   path: "/tokens",
@@ -379,6 +385,7 @@ export const router = createRouter({
     batch,
     aircraft,
     newAircraft,
+    account,
     tokens,
     excitation,
     design,

@@ -12,6 +12,8 @@ from urllib.parse import parse_qs, urlsplit
 
 import httpx2
 import pytest
+from cryptography.hazmat.primitives.asymmetric import rsa
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 from fastapi.testclient import TestClient
 from joserfc import jwt
 from joserfc.jwk import KeySet, OctKey, RSAKey
@@ -209,15 +211,31 @@ def test_a_valid_token_is_read() -> None:
         _make_token(exp=int(time.time()) - 3600),
         _make_token(exp=None),
         _make_token(sub=None),
+        _make_token(azp="another"),
     ],
     ids=[
         *("empty", "not-a-token", "foreign-key", "shared-secret", "damaged", "issuer", "audience"),
         *("audiences", "nonce", "no-nonce", "expired", "no-expiry", "no-subject"),
+        "other-client",
     ],
 )
 def test_forged_replayed_and_expired_tokens_are_refused(token: str) -> None:
     with pytest.raises(LoginRefused):
         verify_id_token(PROVIDER, token, KEYS, NONCE)
+
+
+@pytest.mark.filterwarnings("ignore:Key size should be >= 2048 bits")
+def test_a_short_key_of_the_provider_is_refused() -> None:
+    """The factors of 1,024 bits can be found."""
+    made = rsa.generate_private_key(65537, 1024)
+    private = made.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    short = RSAKey.import_key(private, {"kid": "k"})
+    token = _make_token(short)
+    with pytest.raises(LoginRefused, match="2048"):
+        verify_id_token(PROVIDER, token, KeySet([short]).as_dict(), NONCE)
+    with pytest.raises(LoginRefused):
+        verify_id_token(PROVIDER, token, KeySet([short, KEY]).as_dict(), NONCE)
+    assert verify_id_token(PROVIDER, _make_token(azp="flexsid"), KEYS, NONCE)["sub"] == "42"
 
 
 OPENID = {

@@ -236,7 +236,7 @@ def test_every_table_belongs_to_a_campaign_or_is_listed_without() -> None:
 
 def test_every_id_of_the_interface_is_the_id_of_a_table(app) -> None:
     """An id that authorization does not know would not select a campaign."""
-    known = {*_NAMED, "step_id", "upload_id", "token_id"}
+    known = {*_NAMED, "step_id", "upload_id", "token_id", "session_id"}
     for _, path, operation in _operations(app):
         for part in operation.get("parameters", ()):
             name = part["name"]

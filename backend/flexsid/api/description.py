@@ -284,6 +284,10 @@ _BODIES: dict[str, Any] = {
     },
     "log_in": {"name": "Ann Analyst", "password": "correct horse battery staple"},
     "accept_invitation": {"code": "6mD2...", "password": "correct horse battery staple"},
+    "change_password": {
+        "password": "correct horse battery staple",
+        "new_password": "another correct horse battery",
+    },
     "set_display_units": {"units": "us", "frequency_unit": "rad/s"},
     "create_token": {"name": "nightly batch", "role": "analyst", "days": 90},
     "add_mapping": {"name": "recorder A", "text": _MAPPING},
@@ -300,6 +304,14 @@ _SESSION = {
     "expires_at": "2026-11-23T06:00:00Z",
     "units": "metric",
     "frequency_unit": "Hz",
+}
+_SESSION_ITEM = {
+    "id": 1,
+    "address": "192.0.2.7",
+    "created_at": "2026-11-22T18:00:00Z",
+    "used_at": "2026-11-22T19:30:00Z",
+    "expires_at": "2026-11-23T06:00:00Z",
+    "is_current": True,
 }
 _TOKEN = {
     "id": 1,
@@ -789,6 +801,7 @@ _NOT_RECORDED: dict[str, Any] = {
     "get_session": _SESSION,
     "log_in": _SESSION,
     "list_audit_events": {"items": [_AUDIT_EVENT], "next": None},
+    "list_sessions": {"items": [_SESSION_ITEM]},
     "list_tokens": {"items": [_TOKEN]},
     "create_token": {**_TOKEN, "secret": "flexsid_8Jq0..."},
 }

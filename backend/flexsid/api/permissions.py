@@ -41,6 +41,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("get_health", "get_metrics", "list_nomenclature", "list_units"),
         *("list_catalogue", "set_display_units"),
         *("list_tokens", "create_token", "delete_token"),
+        *("change_password", "list_sessions", "end_all_sessions", "end_other_session"),
     ),
     Permission.VIEWER: (
         *("list_aircraft", "get_aircraft", "list_flights", "get_flight", "list_flight_channels"),

@@ -21,12 +21,14 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; script-src 'self';"
     " style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self';"
-    " object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+    " object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+
+_HSTS = "max-age=31536000"
 
 
 class SecurityMiddleware:
@@ -41,17 +43,20 @@ class SecurityMiddleware:
             await self._app(scope, receive, send)
             return
 
+        settings: Settings = scope["app"].state.settings
+
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
+                if settings.is_secure:
+                    headers.setdefault("Strict-Transport-Security", _HSTS)
                 headers.setdefault(
                     "Cache-Control", _select_caching(scope["path"], message["status"])
                 )
             await send(message)
 
-        settings: Settings = scope["app"].state.settings
         refusal = _check_request(scope["method"], Headers(scope=scope), settings)
         if refusal is None:
             await self._app(scope, receive, send_with_headers)

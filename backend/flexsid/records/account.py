@@ -67,6 +67,7 @@ class LoginSession:
     secret_hash: str
     address: str
     expires_at: datetime
+    used_at: datetime
     created_at: datetime | None = None
     id: int | None = None
 

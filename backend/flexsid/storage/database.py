@@ -233,7 +233,9 @@ class Database:
         self.engine.dispose()
 
     @contextmanager
-    def transaction(self, *, lax: bool = False) -> Iterator[Connection]:
+    def transaction(
+        self, *, lax: bool = False, within_s: float | None = None
+    ) -> Iterator[Connection]:
         """Write all or nothing; a transaction inside another joins it.
 
         Parameters
@@ -241,6 +243,8 @@ class Database:
         lax
             A power failure may revert the data, e.g. beats and progress, which are written
             every few seconds.
+        within_s
+            Longest wait for the lock of a writer; half a minute without it.
         """
         current = self._writing
         if current is not None:
@@ -251,6 +255,8 @@ class Database:
         if self._reading is not None:
             raise RuntimeError("a transaction cannot be nested in a reading")
         engine = self._lax_engine if lax else self._writing_engine
+        if within_s is not None:
+            engine = engine.execution_options(**{_WAITS_MS: round(1000 * within_s)})
         with translate_errors(), engine.begin() as connection:
             self._of_thread.writing, self._of_thread.lax = connection, lax
             try:

@@ -724,6 +724,7 @@ login_sessions = table(
     text("address"),
     moment("expires_at", index=True),
     moment("created_at"),
+    moment("used_at"),
     sa.UniqueConstraint("secret_hash"),
 )
 

@@ -18,6 +18,7 @@ type Received<Name extends keyof Schemas> = Full<Readable<Schemas[Name]>>;
 
 export type Session = Received<"SessionState">;
 export type Role = Session["roles"][number]["role"];
+export type SessionItem = Received<"SessionItem">;
 export type Token = Received<"TokenItem">;
 export type TokenRequest = Schemas["TokenRequest"];
 export const UNIT_SYSTEMS = ["metric", "us", "si"] as const;

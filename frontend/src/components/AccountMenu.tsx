@@ -43,10 +43,13 @@ export function AccountMenu({ session }: { session: Session }) {
           </Menu.Item>
         ))}
         {all.length > 0 && <Menu.Divider />}
+        <Menu.Item component={Link} to="/account">
+          Account
+        </Menu.Item>
         <Menu.Item component={Link} to="/tokens">
           API tokens
         </Menu.Item>
-        {session.mode === "team" && (
+        {(session.mode === "team" || session.has_provider) && (
           <Menu.Item
             data-testid="log-out"
             onClick={() => {

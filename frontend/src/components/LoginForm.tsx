@@ -1,7 +1,8 @@
-import { Alert, Button, Paper, PasswordInput, Stack, Text, TextInput, Title } from "@mantine/core";
+import { Alert, Button, Paper, Stack, Text, TextInput, Title } from "@mantine/core";
 import { useDocumentTitle } from "@mantine/hooks";
 import { useState, type ReactNode, type SubmitEvent } from "react";
 import { useAcceptInvitation, useLogIn } from "../api/commands";
+import { NewPassword, PasswordField } from "./NewPassword";
 import { ProblemAlert } from "./ProblemAlert";
 
 /** Log-in by name and password; in an organisation the proxy has to name the user. */
@@ -38,14 +39,11 @@ export function LoginForm({ byPassword }: { byPassword: boolean }) {
               setName(event.currentTarget.value);
             }}
           />
-          <PasswordInput
+          <PasswordField
             label="Password"
             autoComplete="current-password"
-            required
             value={password}
-            onChange={(event) => {
-              setPassword(event.currentTarget.value);
-            }}
+            onChange={setPassword}
           />
           {logIn.isError && <ProblemAlert error={logIn.error} />}
           <Button type="submit" loading={logIn.isPending} data-testid="log-in">
@@ -76,63 +74,30 @@ export function ProviderLogin() {
   );
 }
 
-const SHORTEST = 12;
-
 /** Sets the password of an invited account; the code is in the fragment of the address. */
 export function InvitationForm() {
-  const [password, setPassword] = useState("");
-  const [again, setAgain] = useState("");
   const accept = useAcceptInvitation();
   const code = window.location.hash.slice(1);
-  const differs = again !== "" && again !== password;
-  const submit = (event: SubmitEvent) => {
-    event.preventDefault();
-    accept.mutate(
-      { code, password },
-      {
-        onSuccess: () => {
-          window.location.assign("/");
-        },
-      },
-    );
-  };
   return (
     <Entrance title="Set your password">
-      <form onSubmit={submit}>
-        <Stack gap="sm">
-          <PasswordInput
-            label="Password"
-            description={`At least ${String(SHORTEST)} characters`}
-            autoComplete="new-password"
-            autoFocus
-            required
-            minLength={SHORTEST}
-            value={password}
-            onChange={(event) => {
-              setPassword(event.currentTarget.value);
-            }}
-          />
-          <PasswordInput
-            label="Repeat password"
-            autoComplete="new-password"
-            required
-            error={differs && "The passwords differ"}
-            value={again}
-            onChange={(event) => {
-              setAgain(event.currentTarget.value);
-            }}
-          />
-          {accept.isError && <ProblemAlert error={accept.error} />}
-          <Button
-            type="submit"
-            loading={accept.isPending}
-            disabled={again !== password}
-            data-testid="set-password"
-          >
-            Set password
-          </Button>
-        </Stack>
-      </form>
+      <NewPassword
+        label="Password"
+        action="Set password"
+        focused
+        pending={accept.isPending}
+        onSubmit={(password) => {
+          accept.mutate(
+            { code, password },
+            {
+              onSuccess: () => {
+                window.location.assign("/");
+              },
+            },
+          );
+        }}
+      >
+        {accept.isError && <ProblemAlert error={accept.error} />}
+      </NewPassword>
     </Entrance>
   );
 }

@@ -55,6 +55,13 @@ class InvitationRequest(requests.Request):
     password: Secret
 
 
+class PasswordRequest(requests.Request):
+    """Present and new password of the account."""
+
+    password: Secret
+    new_password: Secret
+
+
 class TokenRequest(requests.Request):
     """Name, highest role, validity and campaign (all if omitted) of a token."""
 
@@ -94,6 +101,18 @@ class SessionState:
     expires_at: datetime | None = None
     units: UnitSystem | None = None
     frequency_unit: FrequencyUnit | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionItem:
+    """A session of the account; ``is_current`` is the one that asks."""
+
+    id: int
+    address: str
+    created_at: datetime | None
+    used_at: datetime
+    expires_at: datetime
+    is_current: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -213,11 +232,56 @@ def log_out(request: Request, store: TheStore) -> Response:
     """End the session; its cookie is valid no longer."""
     settings: Settings = request.app.state.settings
     _end_session(request, store, settings)
-    response = Response(status_code=204)
-    response.delete_cookie(
-        cookie_name(settings), path="/", secure=settings.is_secure, httponly=True, samesite="lax"
+    return _delete_cookie(settings)
+
+
+@router.put("/session/password", status_code=204)
+def change_password(request: Request, store: TheStore, body: PasswordRequest) -> None:
+    """Change the password of the account, and end its other sessions."""
+    settings = _require_mode(request, Mode.TEAM)
+    sessions.change_password(
+        store,
+        _require_session(request),
+        body.password,
+        body.new_password,
+        client_address(settings, request),
+        request.cookies.get(_browser_cookie(settings), ""),
     )
-    return response
+
+
+@router.get("/sessions")
+def list_sessions(request: Request, store: TheStore) -> Items[SessionItem]:
+    """List the sessions of the account."""
+    identity = _require_account(request)
+    return Items(
+        items=[
+            SessionItem(
+                id=one.id or 0,
+                address=one.address,
+                created_at=one.created_at,
+                used_at=one.used_at,
+                expires_at=one.expires_at,
+                is_current=one.id == identity.session_id,
+            )
+            for one in sessions.list_sessions(store, identity.account)
+        ]
+    )
+
+
+@router.delete("/sessions", status_code=204, response_class=Response)
+def end_all_sessions(request: Request, store: TheStore) -> Response:
+    """End all sessions of the account, this one too; tokens remain valid."""
+    accounts.end_sessions(store, _require_session(request).account)
+    return _delete_cookie(request.app.state.settings)
+
+
+@router.delete("/sessions/{session_id}", status_code=204)
+def end_other_session(request: Request, store: TheStore, session_id: RecordId) -> None:
+    """End a session of the account."""
+    account = _require_session(request).account
+    if not store.login_sessions.find(id=session_id, account_id=account.id):
+        raise UnknownRecord(f"there is no session {session_id}")
+    store.login_sessions.delete(session_id)
 
 
 @router.put("/session/units", status_code=204)
@@ -247,9 +311,7 @@ def create_token(request: Request, store: TheStore, body: TokenRequest) -> Token
 
     It acts as the account with at most the given role, in one campaign or in all.
     """
-    identity = _require_account(request)
-    if identity.is_token:
-        raise Conflict("a token cannot create tokens; log in", code="token-not-allowed")
+    identity = _require_session(request)
     token, secret = sessions.add_token(
         store, identity, body.name, body.role, body.days, body.aircraft_id
     )
@@ -258,9 +320,11 @@ def create_token(request: Request, store: TheStore, body: TokenRequest) -> Token
 
 @router.delete("/tokens/{token_id}", status_code=204)
 def delete_token(request: Request, store: TheStore, token_id: RecordId) -> None:
-    """Delete an API token; it is valid no longer."""
-    own = store.api_tokens.find(id=token_id, account_id=_require_account(request).account.id)
-    if not own:
+    """Delete an API token; it is valid no longer. A token deletes no other one."""
+    identity = _require_account(request)
+    if identity.token_id != token_id:
+        _require_session(request)
+    if not store.api_tokens.find(id=token_id, account_id=identity.account.id):
         raise UnknownRecord(f"there is no token {token_id}")
     store.api_tokens.delete(token_id)
 
@@ -305,6 +369,22 @@ def _require_account(request: Request) -> sessions.Identity:
     if found is None:
         raise Conflict("this server is used in personal mode, without accounts", code="no-log-in")
     return found
+
+
+def _require_session(request: Request) -> sessions.Identity:
+    """Return who is logged in; what protects an account is not changed by a token."""
+    identity = _require_account(request)
+    if identity.token_id is not None:
+        raise Conflict("this needs a log-in; it is not done by a token", code="token-not-allowed")
+    return identity
+
+
+def _delete_cookie(settings: Settings) -> Response:
+    response = Response(status_code=204)
+    response.delete_cookie(
+        cookie_name(settings), path="/", secure=settings.is_secure, httponly=True, samesite="lax"
+    )
+    return response
 
 
 def _end_session(request: Request, store: TheStore, settings: Settings) -> None:

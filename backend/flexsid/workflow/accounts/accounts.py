@@ -147,20 +147,31 @@ def accept_invitation(store: Store, code: str, password: str) -> Account:
     BadInput
         If the code is unknown, used or expired, or the password is too short.
     """
-    if not SHORTEST_PASSWORD <= len(password) <= LONGEST_PASSWORD:
-        raise BadInput(
-            f"the password has {len(password)} characters; expected at least {SHORTEST_PASSWORD}",
-            code="bad-password",
-        )
     # Checked before the hash, which takes 64 MB and noticeable time, and again in the transaction.
-    if make_skeleton(password) == _find_invited(store, code).skeleton:
-        raise BadInput("the password is the name; choose another", code="bad-password")
+    check_new_password(_find_invited(store, code), password)
     password_hash = get_hasher().hash(password)
     with store.transaction():
         invited = _find_invited(store, code)
         return store.accounts.replace(
             replace(invited, password_hash=password_hash, invitation_hash=None, invited_until=None)
         )
+
+
+def check_new_password(account: Account, password: str) -> None:
+    """Check a password to be set.
+
+    Raises
+    ------
+    BadInput
+        If it is too short, or the name of the account.
+    """
+    if not SHORTEST_PASSWORD <= len(password) <= LONGEST_PASSWORD:
+        raise BadInput(
+            f"the password has {len(password)} characters; expected at least {SHORTEST_PASSWORD}",
+            code="bad-password",
+        )
+    if make_skeleton(password) == account.skeleton:
+        raise BadInput("the password is the name; choose another", code="bad-password")
 
 
 def set_display_units(

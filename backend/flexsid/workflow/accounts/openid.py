@@ -15,7 +15,7 @@ from authlib.common.errors import AuthlibBaseError
 from authlib.integrations.httpx_client import OAuth2Client
 from joserfc import jwt
 from joserfc.errors import JoseError
-from joserfc.jwk import KeySet, KeySetSerialization
+from joserfc.jwk import KeySet, KeySetSerialization, RSAKey
 
 from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.records.account import Account, OpenIdProvider
@@ -24,6 +24,8 @@ from flexsid.workflow.accounts.accounts import find_account
 
 _ALGORITHMS = ("RS256", "PS256", "ES256", "ES384", "EdDSA")
 """Signatures by a key pair; with a shared secret, every client could forge tokens."""
+
+_SHORTEST_RSA_BITS = 2048  # NIST SP 800-131A
 
 _SCOPE = "openid profile email"
 _PATIENCE_S = 10.0  # for each response of the provider
@@ -162,13 +164,15 @@ def verify_id_token(
         nonce={"essential": True, "value": nonce},
     )
     try:
-        decoded = jwt.decode(token, KeySet.import_key_set(keys), algorithms=list(_ALGORITHMS))
+        decoded = jwt.decode(token, _import_keys(keys), algorithms=list(_ALGORITHMS))
         registry.validate(decoded.claims)
     except (JoseError, ValueError, KeyError, TypeError) as error:
         raise LoginRefused(f"the token of the provider is not valid: {error}") from error
     claims = decoded.claims
     if claims["aud"] not in (provider.client_id, [provider.client_id]):
         raise LoginRefused("the token of the provider is not for this server alone")
+    if claims.get("azp", provider.client_id) != provider.client_id:
+        raise LoginRefused("the token of the provider was issued to another client")
     return claims
 
 
@@ -187,6 +191,19 @@ def find_user(store: Store, provider: OpenIdProvider, claims: Mapping[str, Any])
     if account.disabled_at is not None:
         raise LoginRefused(f"the account '{account.name}' is disabled")
     return account
+
+
+def _import_keys(keys: KeySetSerialization) -> KeySet:
+    """Return the keys of a provider that are long enough."""
+    imported = KeySet.import_key_set(keys)
+    suitable = [
+        key
+        for key in imported.keys
+        if not isinstance(key, RSAKey) or key.raw_value.key_size >= _SHORTEST_RSA_BITS
+    ]
+    if not suitable:
+        raise ValueError(f"it has no key, or RSA keys below {_SHORTEST_RSA_BITS} bits only")
+    return KeySet(suitable)
 
 
 def _bind(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
@@ -11,10 +12,12 @@ import sqlalchemy as sa
 from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import BadInput, FlexsidError, UnknownRecord
 from flexsid.records.account import Account, AccountRole, ApiToken, LoginSession
+from flexsid.storage.database import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import accounts, login_sessions, memberships
 from flexsid.workflow.accounts.accounts import (
     LONGEST_PASSWORD,
+    check_new_password,
     find_account,
     find_role,
     get_hasher,
@@ -24,8 +27,13 @@ from flexsid.workflow.accounts.accounts import (
 from flexsid.workflow.accounts.login_limit import accept_attempt, begin_attempt
 
 SESSION_HOURS = 12
+IDLE_HOURS = 2
+"""Time without a request after which a session ends; an open page sends requests."""
 LONGEST_TOKEN_DAYS = 366
 TOKEN_PREFIX = "flexsid_"
+_USE_NOTED = timedelta(minutes=5)
+"""Interval at which the use of a session is stored."""
+_USE_WAITS_S = 0.1
 
 
 class NotLoggedIn(FlexsidError):
@@ -47,7 +55,8 @@ class Identity:
     account: Account
     roles: dict[int | None, AccountRole]
     expires_at: datetime | None = None
-    is_token: bool = False
+    session_id: int | None = None
+    token_id: int | None = None
 
 
 def log_in(
@@ -73,6 +82,54 @@ def log_in(
     TooManyAttempts
         After repeated failures; see ``login_limit``.
     """
+    account, browser = _check_password(store, name, password, address, browser)
+    return begin_session(store, account, address), browser
+
+
+def change_password(
+    store: Store, identity: Identity, password: str, new: str, address: str, browser: str = ""
+) -> None:
+    """Change the password of who is logged in, and end all other sessions of the account.
+
+    Parameters
+    ----------
+    store
+        Where accounts and sessions are stored.
+    identity
+        Session in which the password is changed.
+    password
+        Present password.
+    new
+        New password.
+    address, browser
+        Address of the client, and secret that an earlier log-in left in the browser.
+
+    Raises
+    ------
+    BadInput
+        If the new password is too short.
+    WrongPassword
+        If the present password is wrong.
+    TooManyAttempts
+        After repeated failures; see ``login_limit``.
+    """
+    check_new_password(identity.account, new)
+    account, _ = _check_password(store, identity.account.name, password, address, browser)
+    password_hash = get_hasher().hash(new)
+    with store.transaction():
+        present = store.accounts.get(account.id or 0)
+        if present.password_hash != account.password_hash:
+            raise WrongPassword("the password has been changed meanwhile")
+        store.accounts.replace(replace(present, password_hash=password_hash))
+        for session in store.login_sessions.find(account_id=account.id):
+            if session.id != identity.session_id:
+                store.login_sessions.delete(session.id or 0)
+
+
+def _check_password(
+    store: Store, name: str, password: str, address: str, browser: str
+) -> tuple[Account, str]:
+    """Return the account whose name and password are right, and the secret of the browser."""
     try:
         account = find_account(store, name)
     except UnknownRecord:
@@ -84,8 +141,7 @@ def log_in(
     is_right = hasher.verify(password[:LONGEST_PASSWORD], stored or _dummy_hash())
     if account is None or stored is None or not is_right or account.disabled_at is not None:
         raise WrongPassword("name or password is wrong")
-    browser = accept_attempt(store, attempt, account)
-    return begin_session(store, account, address), browser
+    return account, accept_attempt(store, attempt, account)
 
 
 def begin_session(store: Store, account: Account, address: str) -> str:
@@ -93,16 +149,30 @@ def begin_session(store: Store, account: Account, address: str) -> str:
     secret = secrets.token_urlsafe(32)
     now = datetime.now(UTC)
     with store.database.transaction() as connection:
-        connection.execute(sa.delete(login_sessions).where(login_sessions.c.expires_at < now))
+        connection.execute(sa.delete(login_sessions).where(sa.not_(_is_valid(now))))
         store.login_sessions.add(
             LoginSession(
                 account_id=account.id or 0,
                 secret_hash=hash_secret(secret),
                 address=address,
                 expires_at=now + timedelta(hours=SESSION_HOURS),
+                used_at=now,
             )
         )
     return secret
+
+
+def _is_valid(now: datetime) -> sa.ColumnElement[bool]:
+    idle = now - timedelta(hours=IDLE_HOURS)
+    return sa.and_(login_sessions.c.expires_at > now, login_sessions.c.used_at > idle)
+
+
+def list_sessions(store: Store, account: Account) -> list[LoginSession]:
+    """List the sessions of an account that have not ended."""
+    now = datetime.now(UTC)
+    idle = now - timedelta(hours=IDLE_HOURS)
+    found = store.login_sessions.find(account_id=account.id)
+    return [one for one in found if one.expires_at > now and one.used_at > idle]
 
 
 def end_session(store: Store, secret: str) -> None:
@@ -114,15 +184,20 @@ def end_session(store: Store, secret: str) -> None:
 def find_session(store: Store, secret: str) -> Identity | None:
     """Return who a session belongs to; None if it is unknown or has expired."""
     # One statement, as every request asks.
-    columns = (login_sessions.c.expires_at, memberships.c.aircraft_id, memberships.c.role)
+    columns = (
+        *(login_sessions.c.expires_at, login_sessions.c.used_at),
+        *(memberships.c.aircraft_id, memberships.c.role),
+    )
+    now = datetime.now(UTC)
+    session_id = login_sessions.c.id.label("session_id")
     shown = (accounts.c.unit_system, accounts.c.frequency_unit)
     own = memberships.c.account_id == login_sessions.c.account_id
     query = (
-        sa.select(accounts.c.id, accounts.c.name, accounts.c.skeleton, *shown, *columns)
+        sa.select(accounts.c.id, accounts.c.name, accounts.c.skeleton, session_id, *shown, *columns)
         .select_from(login_sessions.join(accounts).outerjoin(memberships, own))
         .where(
             login_sessions.c.secret_hash == hash_secret(secret),
-            login_sessions.c.expires_at > datetime.now(UTC),
+            _is_valid(now),
             accounts.c.disabled_at.is_(None),
         )
     )
@@ -138,7 +213,15 @@ def find_session(store: Store, secret: str) -> Identity | None:
         frequency_unit=FrequencyUnit(rows[0].frequency_unit),
     )
     roles = {row.aircraft_id: AccountRole(row.role) for row in rows if row.role is not None}
-    return Identity(account, roles, rows[0].expires_at)
+    if now - rows[0].used_at > _USE_NOTED:
+        used = sa.update(login_sessions).where(login_sessions.c.id == rows[0].session_id)
+        # Reading waits for no writer; the next request stores it otherwise.
+        with (
+            suppress(DatabaseUnavailable),
+            store.database.transaction(lax=True, within_s=_USE_WAITS_S) as connection,
+        ):
+            connection.execute(used.values(used_at=now))
+    return Identity(account, roles, rows[0].expires_at, session_id=rows[0].session_id)
 
 
 def find_identity(store: Store, name: str) -> Identity | None:
@@ -202,7 +285,7 @@ def find_token(store: Store, secret: str) -> Identity | None:
         own = find_role(roles, token.aircraft_id)
         roles = {} if own is None else {token.aircraft_id: own}
     limited = {key: min(role, token.role, key=lambda one: one.rank) for key, role in roles.items()}
-    return Identity(account, limited, token.expires_at, is_token=True)
+    return Identity(account, limited, token.expires_at, token_id=token.id)
 
 
 _hashed: list[str] = []

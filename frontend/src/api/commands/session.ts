@@ -1,4 +1,4 @@
-/** Log-in, log-out, invitations and API tokens. */
+/** Log-in, log-out, passwords, sessions and API tokens. */
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, body } from "../client";
 import { storeUnits } from "../units";
@@ -32,10 +32,37 @@ export function useSetUnits() {
 export function useLogOut() {
   return useMutation({
     mutationFn: () => body(api.DELETE("/api/v1/session")),
-    // Nothing of the account stays in the memory of the page.
-    onSettled: () => {
-      window.location.assign("/");
-    },
+    onSettled: leave,
+  });
+}
+
+export function useEndAllSessions() {
+  return useMutation({
+    mutationFn: () => body(api.DELETE("/api/v1/sessions")),
+    onSuccess: leave,
+  });
+}
+
+/** Nothing of the account stays in the memory of the page. */
+function leave() {
+  window.location.assign("/");
+}
+
+export function useEndSession() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (id: number) =>
+      body(api.DELETE("/api/v1/sessions/{session_id}", { params: { path: { session_id: id } } })),
+    onSettled: () => cache.invalidateQueries({ queryKey: ["sessions"] }),
+  });
+}
+
+export function useChangePassword() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (request: { password: string; new_password: string }) =>
+      body(api.PUT("/api/v1/session/password", { body: request })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["sessions"] }),
   });
 }
 
