@@ -47,7 +47,8 @@ class Settings:
     database server issues. Every ``backup_hours`` the database is backed up (None: never), and
     ``backups_retained`` of these backups are retained; they share their samples if
     ``backups_incremental``. The file ``receiver_credentials`` has the
-    credentials of brokers of telemetry. An analyst may have ``analyst_jobs`` unfinished jobs, and
+    credentials of brokers of telemetry; other brokers that streams may connect to are ``brokers``
+    (None: any). An analyst may have ``analyst_jobs`` unfinished jobs, and
     the recordings of a campaign ``campaign_gigabytes`` (None: no limit). Long recordings of whole
     flights are in chunks at the address ``recordings`` (None: in the database). The content of
     uploaded files is at most ``expansion`` times as large as they are. Uploads that are not
@@ -72,6 +73,7 @@ class Settings:
     analyst_jobs: int | None = None
     campaign_gigabytes: int | None = None
     receiver_credentials: Path | None = None
+    brokers: tuple[str, ...] | None = None
     recordings: str | None = None
     expansion: int = _EXPANSION
     account_upload_gigabytes: float = _ACCOUNT_UPLOAD_GIGABYTES
@@ -101,13 +103,14 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
     """
     port = _number(environment, "FLEXSID_PORT", "a port number", 65535)
     retained = _number(environment, "FLEXSID_BACKUPS_RETAINED", "a number of backups", 10_000)
+    mode = _read_mode(environment.get("FLEXSID_MODE") or Mode.PERSONAL)
     settings = Settings(
         database=environment.get("FLEXSID_DATABASE") or DEFAULT_DATABASE,
         port=DEFAULT_PORT if port is None else port,
         dask=_read_scheduler(environment.get("FLEXSID_DASK") or None),
         workers=_number(environment, "FLEXSID_WORKERS", "a number of processes", 256),
         report_template=environment.get("FLEXSID_REPORT_TEMPLATE") or None,
-        mode=_read_mode(environment.get("FLEXSID_MODE") or Mode.PERSONAL),
+        mode=mode,
         url=_read_url(environment.get("FLEXSID_URL") or None),
         address=_read_address("FLEXSID_ADDRESS", environment.get("FLEXSID_ADDRESS") or LOOPBACK),
         proxies=tuple(
@@ -128,6 +131,7 @@ def read_settings(environment: Mapping[str, str] = os.environ) -> Settings:
         receiver_credentials=Path(file)
         if (file := environment.get("FLEXSID_CREDENTIALS"))
         else None,
+        brokers=_read_brokers(environment, mode),
         recordings=environment.get("FLEXSID_RECORDINGS") or None,
         expansion=_number(environment, "FLEXSID_EXPANSION", "a ratio", 10**6) or _EXPANSION,
         account_upload_gigabytes=_read_gigabytes(
@@ -233,6 +237,30 @@ def _read_url(text: str | None) -> str | None:
     if parts.username is not None or parts.password is not None:
         raise BadInput("FLEXSID_URL contains a user or a password, which pages would show")
     return f"{parts.scheme}://{parts.netloc.lower()}"
+
+
+def _read_brokers(environment: Mapping[str, str], mode: Mode) -> tuple[str, ...] | None:
+    """Read the brokers of streams; members of a team name only those that are listed."""
+    text = environment.get("FLEXSID_BROKERS")
+    if not text and mode is Mode.PERSONAL:
+        return None
+    brokers = tuple(part.strip() for part in (text or "").split(",") if part.strip())
+    for broker in brokers:
+        if not _is_broker(broker):
+            raise BadInput(
+                f"FLEXSID_BROKERS has {broker.rpartition('@')[2]!r}; expected addresses such as "
+                "nats://broker.example.org:4222, separated by commas, without user and password"
+            )
+    return brokers
+
+
+def _is_broker(text: str) -> bool:
+    try:
+        parts = urlsplit(text)
+        has_more = "@" in text or parts.path.strip("/") or parts.query or parts.port == 0
+    except ValueError:  # of the port, or of an IPv6 address
+        return False
+    return bool(parts.scheme and parts.hostname and not has_more)
 
 
 def _read_scheduler(text: str | None) -> str | None:

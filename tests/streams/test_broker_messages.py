@@ -15,7 +15,7 @@ from brokers import PASSWORD, USER, Broker, MqttBroker, NatsServer
 from flexsid.errors import BadInput
 from flexsid.records.live import Frame, ReceiverSettings, Reception, StreamChannel, StreamHeader
 from flexsid.records.maneuver import Role
-from flexsid.streams.credentials import Credentials, read_credentials
+from flexsid.streams.credentials import BrokerAccess, Credentials, read_credentials
 from flexsid.streams.receivers import find_receiver
 from flexsid.workflow.live.packets import encode_frame
 
@@ -51,7 +51,7 @@ class Received:
     def __init__(self, broker: Broker, password: str = PASSWORD) -> None:
         own = Credentials(server=broker.address, user=USER, password=password)
         settings = ReceiverSettings(name=broker.scheme, options=list_options(broker))
-        receiver, options = find_receiver(settings, {"range": own})
+        receiver, options = find_receiver(settings, BrokerAccess(credentials={"range": own}))
         source = receiver.open(None, options, HEADER)  # type: ignore[arg-type]
         self.items: Any = source.receive(None)
         self.numbers: list[int] = []
@@ -118,7 +118,7 @@ def test_invalid_options_are_refused_without_secrets(kind: type[Broker], tmp_pat
     ):
         settings = ReceiverSettings(name=scheme, options=list_options(broker, **change))
         with pytest.raises(BadInput, match=problem) as refused:
-            find_receiver(settings, known)
+            find_receiver(settings, BrokerAccess(credentials=known))
         assert PASSWORD not in refused.value.message
     settings = ReceiverSettings(name=scheme, options=list_options(broker, credentials=""))
     _, options = find_receiver(settings)

@@ -347,6 +347,18 @@ def test_invalid_streams_are_refused(store, streams):
     assert not store.live_streams.find()
 
 
+def test_streams_of_one_campaign_leave_a_place_to_another(store, streams):
+    other = store.aircraft.add(replace(store.aircraft.get(1), id=None, name="Other"))
+    for _ in range(4):
+        streams.start(describe_stream("push", flight_id=None))
+    of_other = replace(describe_stream("push", flight_id=None), aircraft_id=other.id)
+    with pytest.raises(Conflict, match="4 streams are running"):
+        streams.start(describe_stream("push", flight_id=None))
+    streams.start(of_other)
+    with pytest.raises(Conflict, match="5 streams are running"):
+        streams.start(of_other)
+
+
 def test_receivers_of_other_packages_are_loaded(monkeypatch):
     own = replace(load_receivers()["push"], name="own")
 

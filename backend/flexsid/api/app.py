@@ -129,7 +129,8 @@ def create_app(
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
         streams = LiveStreams(
-            store, live.publish_stream, dispatcher.wake, settings.receiver_credentials
+            *(store, live.publish_stream, dispatcher.wake),
+            *(settings.receiver_credentials, settings.brokers),
         )
         streams.resume()
         app.state.context = Context(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Annotated, ClassVar, Self
 from urllib.parse import urlsplit
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from flexsid.streams.credentials import NamedCredentials
+from flexsid.streams.credentials import NamedCredentials, get_access
 from flexsid.streams.receiver import Options
 
 RETRY_S = 1.0
@@ -44,12 +44,28 @@ class BrokerOptions(Options):
         return complete_address(address, cls.ports)
 
     @model_validator(mode="after")
-    def _check_credentials(self) -> Self:
-        """Refuse credentials of another broker: an analyst names the address."""
+    def _check_server(self, info: ValidationInfo) -> Self:
+        """Refuse credentials of another broker, and brokers that the server does not list.
+
+        An analyst names the address, which may be one that only the server reaches.
+        """
         own = self.credentials.server
-        if own and complete_address(own, self.ports) != self.server:
-            raise ValueError(f"these credentials are for {own} only")
+        if own:
+            if complete_address(own, self.ports) != self.server:
+                raise ValueError(f"these credentials are for {own} only")
+            return self
+        listed = get_access(info).brokers
+        if listed is not None and self.server not in _complete_all(listed, self.ports):
+            raise ValueError(
+                f"this server does not connect to {self.server}, which neither FLEXSID_BROKERS "
+                "nor the credentials named here list"
+            )
         return self
+
+
+def _complete_all(addresses: Collection[str], ports: Mapping[str, int]) -> set[str]:
+    """Return the addresses of these schemes with their ports."""
+    return {complete_address(one, ports) for one in addresses if urlsplit(one).scheme in ports}
 
 
 def complete_address(address: str, ports: Mapping[str, int]) -> str:

@@ -7,7 +7,7 @@ secret.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -58,9 +58,22 @@ def read_credentials(file: Path | None) -> dict[str, Credentials]:
     return {name: Credentials(**table) for name, table in tables.items()}
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrokerAccess:
+    """Credentials by name, and addresses of the other brokers that are allowed (None: any)."""
+
+    credentials: Mapping[str, Credentials] = field(default_factory=dict)
+    brokers: Collection[str] | None = None
+
+
+def get_access(info: ValidationInfo) -> BrokerAccess:
+    """Return what the server allows where options are validated."""
+    return info.context or BrokerAccess()
+
+
 def _look_up(name: Any, info: ValidationInfo) -> Credentials:
     """Replace a name by the credentials that the server has under it."""
-    known: Mapping[str, Credentials] = info.context or {}
+    known = get_access(info).credentials
     if name == "":
         return Credentials()
     if not isinstance(name, str) or name not in known:

@@ -7,7 +7,7 @@ import shutil
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -32,7 +32,7 @@ from flexsid.records.live import (
 from flexsid.storage.access import using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import live_streams
-from flexsid.streams.credentials import read_credentials
+from flexsid.streams.credentials import BrokerAccess, read_credentials
 from flexsid.streams.frame_log import has_sealed, locate_frames
 from flexsid.streams.messages import (
     EndMessage,
@@ -53,6 +53,7 @@ _log = logging.getLogger(__name__)
 _RESTART_S = 1.0
 _STOP_S = 60.0  # for the last estimate, and storing the maneuver
 _MOST_STREAMS = 4  # of one server: each needs up to two cores
+_MOST_WITH_RESERVED = 8  # with the first stream of each further campaign
 _DELAYS = 1200  # frames, one minute
 
 
@@ -92,6 +93,8 @@ class LiveStreams:
         Called on a separate thread after a run was queued.
     credentials
         File with the credentials of brokers (see ``read_credentials``).
+    brokers
+        Addresses of the brokers that streams may connect to without these credentials; None: any.
     """
 
     def __init__(
@@ -100,11 +103,14 @@ class LiveStreams:
         on_change: Callable[[int], None] = lambda stream_id: None,
         on_queued: Callable[[], None] = lambda: None,
         credentials: Path | None = None,
+        brokers: Collection[str] | None = None,
     ) -> None:
         self._store = store
         self._on_change = on_change
         self._on_queued = on_queued
         self._credentials = credentials
+        self._brokers = brokers
+        self._starting = threading.Lock()
         self._holder = get_process_id()
         self._running: dict[int, _Running] = {}
         self._lock = threading.Lock()
@@ -127,17 +133,24 @@ class LiveStreams:
                     f"flight {stream.flight_id} is of another aircraft than run {stream.run_id}",
                     code="different-aircraft",
                 )
-        if len(self._running) >= _MOST_STREAMS:
+        order = self._prepare(replace(stream, holder=self._holder))
+        with self._starting:
+            self._refuse_too_many(stream.aircraft_id)
+            stored = self._store.live_streams.add(order.stream)
+            assert stored.id is not None
+            folder = locate_frames(self._store, stored.id)
+            self._begin(stored.id, replace(order, stream=stored, folder=folder))
+        return stored
+
+    def _refuse_too_many(self, aircraft_id: int) -> None:
+        """Refuse a stream without a place; a campaign without streams has one for longer."""
+        with self._lock:
+            campaigns = [running.order.stream.aircraft_id for running in self._running.values()]
+        if len(campaigns) >= (_MOST_STREAMS if aircraft_id in campaigns else _MOST_WITH_RESERVED):
             raise Conflict(
-                f"{_MOST_STREAMS} streams are running, the most of one server; stop one",
+                f"{len(campaigns)} streams are running, the most of one server; stop one",
                 code="too-many-streams",
             )
-        order = self._prepare(replace(stream, holder=self._holder))
-        stored = self._store.live_streams.add(order.stream)
-        assert stored.id is not None
-        folder = locate_frames(self._store, stored.id)
-        self._begin(stored.id, replace(order, stream=stored, folder=folder))
-        return stored
 
     def resume(self) -> None:
         """Start the streams again that a stopped server was running; returns at once."""
@@ -268,7 +281,8 @@ class LiveStreams:
 
     def _prepare(self, stream: LiveStream) -> StreamOrder:
         credentials = read_credentials(self._credentials)
-        receiver, options = find_receiver(stream.receiver, credentials)
+        access = BrokerAccess(credentials=credentials, brokers=self._brokers)
+        receiver, options = find_receiver(stream.receiver, access)
         run = self._store.runs.get(stream.run_id)
         task = prepare_live_task(self._store, run, stream.next_airspeed_m_s, stream.limits)
         source = receiver.open(self._store, options, task.header)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import importlib.util
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any
@@ -19,7 +19,7 @@ from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.store import Store
 from flexsid.streams.chapter10_packets import Chapter10Options, open_chapter10
-from flexsid.streams.credentials import Credentials
+from flexsid.streams.credentials import BrokerAccess
 from flexsid.streams.mavlink_messages import MavlinkOptions, open_mavlink
 from flexsid.streams.mqtt_messages import MqttMessages, MqttOptions
 from flexsid.streams.nats_messages import NatsMessages, NatsOptions
@@ -28,6 +28,7 @@ from flexsid.streams.receiver import Options, Receiver, Source
 from flexsid.text import LARGEST_ID
 from flexsid.workflow.live.replay import Replay, pace, read_replay
 
+_NO_CREDENTIALS = BrokerAccess()
 _PREFIX = "Value error, "  # of pydantic, before the message of a validator
 
 
@@ -148,7 +149,7 @@ def is_installed(receiver: Receiver) -> bool:
 
 
 def find_receiver(
-    settings: ReceiverSettings, credentials: Mapping[str, Credentials] | None = None
+    settings: ReceiverSettings, access: BrokerAccess = _NO_CREDENTIALS
 ) -> tuple[Receiver, Any]:
     """Return a receiver and its checked options.
 
@@ -156,8 +157,8 @@ def find_receiver(
     ----------
     settings
         Name and options.
-    credentials
-        Those that the server has, by name.
+    access
+        Credentials and brokers of the server.
 
     Raises
     ------
@@ -181,7 +182,7 @@ def find_receiver(
             field="receiver.name",
         )
     try:
-        return receiver, receiver.options.model_validate(settings.options, context=credentials)
+        return receiver, receiver.options.model_validate(settings.options, context=access)
     except ValidationError as error:
         first = error.errors(include_input=False)[0]
         name = ".".join(map(str, first["loc"]))
