@@ -80,6 +80,11 @@ class Settings:
     upload_gigabytes: float = _UPLOAD_GIGABYTES
 
     @property
+    def public_url(self) -> str:
+        """Address of the server in a browser."""
+        return self.url or f"http://{self.address}:{self.port}"
+
+    @property
     def is_secure(self) -> bool:
         """Whether browsers use TLS, so that cookies are sent encrypted only."""
         return self.url is not None and self.url.startswith("https://")

@@ -125,7 +125,10 @@ def create_app(
         if clock_error is not None:
             _log.warning(clock_error)
         live = LiveEvents(store, lambda: health.check_parts(app.state.context))
-        duty = DispatcherSettings(settings.database, load_kinds, settings.dask, settings.workers)
+        duty = DispatcherSettings(
+            *(settings.database, load_kinds, settings.dask, settings.workers),
+            url=settings.public_url,
+        )
         dispatcher = DispatcherProcess(duty, on_change=live.notify)
         dispatcher.start()
         streams = LiveStreams(

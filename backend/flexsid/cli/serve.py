@@ -130,7 +130,7 @@ def _serve_on(
     server = _Server(config)
     server.as_json = as_json
     server.campaign_process = campaign_process
-    server.url = settings.url or f"http://{settings.address}:{settings.port}"
+    server.url = settings.public_url
     server.run(sockets=[port])
     return 0 if server.started else 1
 

@@ -10,6 +10,7 @@ from flexsid.cli.output import print_result
 from flexsid.errors import BadInput, UnknownRecord
 from flexsid.records.account import Account, AccountRole
 from flexsid.settings import Settings
+from flexsid.storage import leases
 from flexsid.storage.campaigns import adopt_records
 from flexsid.storage.store import Store
 from flexsid.workflow.accounts import accounts
@@ -37,11 +38,11 @@ def _add(store: Store, settings: Settings, given: _Arguments) -> tuple[list[str]
         account, code = accounts.add_account(store, given.name)
         if given.role is not None:
             _set_role(store, given, account.name)
-    return _describe_invitation(settings, account, code)
+    return _describe_invitation(store, settings, account, code)
 
 
 def _reset(store: Store, settings: Settings, given: _Arguments) -> tuple[list[str], object]:
-    return _describe_invitation(settings, *accounts.reset_account(store, given.name))
+    return _describe_invitation(store, settings, *accounts.reset_account(store, given.name))
 
 
 def _disable(store: Store, settings: Settings, given: _Arguments) -> tuple[list[str], object]:
@@ -130,9 +131,11 @@ def _find_aircraft(store: Store, name: str) -> int | None:
 
 
 def _describe_invitation(
-    settings: Settings, account: Account, code: str
+    store: Store, settings: Settings, account: Account, code: str
 ) -> tuple[list[str], object]:
-    url = settings.url or f"http://{settings.address}:{settings.port}"
+    # A server that runs knows its address; this command may have other settings.
+    running = (leases.status(store) or {}).get("url")
+    url = settings.url or running or settings.public_url
     # In the fragment, which browsers do not send, so that no log contains it.
     link = f"{url}/invitation#{code}"
     lines = [

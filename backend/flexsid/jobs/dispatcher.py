@@ -71,6 +71,8 @@ class Dispatcher:
         Called on the dispatcher's thread after jobs have changed.
     lease_timeout_s
         Time without renewal after which a server loses the lease. [s]
+    url
+        Address of the server in a browser.
     """
 
     def __init__(
@@ -80,11 +82,13 @@ class Dispatcher:
         workers: Workers[Any],
         on_change: Callable[[], None] = lambda: None,
         lease_timeout_s: float = LEASE_TIMEOUT_S,
+        url: str | None = None,
     ) -> None:
         self._store = store
         self._kinds = kinds
         self._workers = workers
         self._on_change = on_change
+        self._url = url
         self._leadership = Leadership(store, self._status, lease_timeout_s)
         self._idle_s = min(_POLL_S, lease_timeout_s / 4)
         self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
@@ -123,6 +127,7 @@ class Dispatcher:
         valid_until = self._workers.valid_until
         return {
             "server": shorten_process_id(self._leadership.process_id),
+            "url": self._url,
             "location": self._workers.location,
             "workers": self._workers.count,
             "running": sorted(job_id for job_id, _ in self._workers.keys),

@@ -37,12 +37,16 @@ _WAKE = signal.SIGUSR1
 
 @dataclass(frozen=True, slots=True)
 class DispatcherSettings:
-    """Database, kinds of jobs and workers of a dispatcher (see ``make_workers``)."""
+    """Database, kinds of jobs and workers of a dispatcher (see ``make_workers``).
+
+    ``url`` is the address of its server in a browser.
+    """
 
     database: str
     load_kinds: LoadKinds
     dask: str | None = None
     workers: int | None = None
+    url: str | None = None
 
 
 class DispatcherProcess:
@@ -174,7 +178,9 @@ def main(arguments: list[str]) -> None:
     except FlexsidError as error:
         _log.warning("the dispatcher cannot start: %s", error.message)
         sys.exit(1)
-    dispatcher = Dispatcher(store, kinds, workers, on_change=lambda: _notify(connection))
+    dispatcher = Dispatcher(
+        *(store, kinds, workers), on_change=lambda: _notify(connection), url=settings.url
+    )
     configure_interpreter()
     signal.signal(_WAKE, lambda number, frame: dispatcher.wake())
     _notify(connection)

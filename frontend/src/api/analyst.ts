@@ -40,6 +40,12 @@ export function setAnalystName(name: string): void {
 /** The name, also when another tab changes it. */
 export const useAnalyst = (): string => useChanging(analystName);
 
+const signature = (): string =>
+  account === null ? `As ${analystName()}, unverified` : `As ${account}`;
+
+/** Under what name a form is sent. */
+export const useSignature = (): string => useChanging(signature);
+
 function useChanging(read: () => string): string {
   return useSyncExternalStore((changed) => {
     window.addEventListener(CHANGED, changed);

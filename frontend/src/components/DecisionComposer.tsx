@@ -1,7 +1,8 @@
 import { Button, Group, Stack, Text, Textarea } from "@mantine/core";
-import { sameName, useAnalyst } from "../api/analyst";
+import { sameName, useAnalyst, useSignature } from "../api/analyst";
 import { useCommentDecision, useVote, useWithdrawDecision } from "../api/commands";
 import { asProblem } from "../api/problem";
+import { useMay } from "../api/roles";
 import { isOpen, type Decision, type Vote } from "../api/types";
 import { useDraft } from "../lib/useDraft";
 import { NameForm } from "./AnalystMenu";
@@ -24,6 +25,9 @@ interface Props {
 /** Form to comment, vote or withdraw; a text is required. */
 export function DecisionComposer({ decision, revision, derivative }: Props) {
   const name = useAnalyst();
+  const signature = useSignature();
+  const mayWrite = useMay("analyst", decision.aircraft_id);
+  const mayReview = useMay("reviewer", decision.aircraft_id);
   const { draft, setDraft } = useDraft(`flexsid.words.${decision.id}`, { text: "" });
   const { text } = draft;
   const setText = (words: string) => {
@@ -40,9 +44,16 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
       </Stack>
     );
   }
+  if (!mayWrite) {
+    return (
+      <Text size="sm" className="quiet">
+        Comments need the role analyst in this campaign, votes the role reviewer.
+      </Text>
+    );
+  }
   const own = decision.authors.some((author) => sameName(author, name));
   const open = isOpen(decision.state);
-  const mayVote = open && (!own || decision.rules.own_allowed);
+  const mayVote = open && mayReview && (!own || decision.rules.own_allowed);
   const empty = text.trim() === "";
   const busy = comment.isPending || vote.isPending || withdraw.isPending;
   const done = {
@@ -119,8 +130,9 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
         )}
       </Group>
       <Text size="xs" className="quiet">
-        As {name}, unverified.
+        {signature}.{open && !mayReview && " Votes need the role reviewer in this campaign."}
         {open &&
+          mayReview &&
           own &&
           !decision.rules.own_allowed &&
           " Authors cannot vote on their own proposal."}

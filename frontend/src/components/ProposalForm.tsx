@@ -10,7 +10,7 @@ import {
 } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState, type ReactNode } from "react";
-import { useAnalyst } from "../api/analyst";
+import { useAnalyst, useSignature } from "../api/analyst";
 import { freezeFigure } from "../api/commands";
 import { Link } from "@tanstack/react-router";
 import {
@@ -20,6 +20,7 @@ import {
   runsQuery,
   structureVersionsQuery,
 } from "../api/queries";
+import { useMay } from "../api/roles";
 import type { ModelStructure, ProposalRequest } from "../api/types";
 import { useConversion } from "../api/units";
 import { limitsText, typed } from "../lib/limits";
@@ -45,14 +46,21 @@ interface Props {
 /** Form of a proposal and its evidence. */
 export function ProposalForm({ structures, draft, onChange, onSend, ...props }: Props) {
   const name = useAnalyst();
+  const signature = useSignature();
   const [freezing, setFreezing] = useState(false);
   const [failed, setFailed] = useState<unknown>(null);
   const set = (part: Partial<ProposalDraft>) => {
     onChange({ ...draft, ...part });
   };
   const own = structures.find((one) => one.id === draft.structure?.id);
+  const mayPropose = useMay("analyst", own?.aircraft_id);
   const read = proposalOf(draft, []);
-  const fault = "fault" in read ? read.fault : null;
+  const fault =
+    own !== undefined && !mayPropose
+      ? "Proposals need the role analyst in this campaign"
+      : "fault" in read
+        ? read.fault
+        : null;
 
   const send = async () => {
     setFreezing(true);
@@ -163,7 +171,7 @@ export function ProposalForm({ structures, draft, onChange, onSend, ...props }: 
             {props.label}
           </Button>
           <Text size="sm" className="quiet">
-            {fault ?? `As ${name}, unverified`}
+            {fault ?? signature}
           </Text>
         </Group>
       </div>

@@ -4,6 +4,7 @@ import { useState } from "react";
 import { useAnalyst } from "../api/analyst";
 import { useChangeRules } from "../api/commands";
 import { reviewRulesQuery } from "../api/queries";
+import { useMay } from "../api/roles";
 import type { RulesHistory } from "../api/types";
 import { dateTime } from "../lib/format";
 import { Loaded } from "./Loaded";
@@ -29,6 +30,7 @@ export function ReviewRules({ aircraftId }: { aircraftId: number }) {
 function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHistory }) {
   const { current, items } = history;
   const name = useAnalyst();
+  const mayChange = useMay("admin", aircraftId);
   const change = useChangeRules(aircraftId);
   const [quorum, setQuorum] = useState(current.quorum);
   const [own, setOwn] = useState(current.own_allowed);
@@ -46,6 +48,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
           label="Quorum"
           w={90}
           hideControls={false}
+          disabled={!mayChange}
           min={1}
           max={50}
           allowDecimal={false}
@@ -57,6 +60,7 @@ function Rules({ aircraftId, history }: { aircraftId: number; history: RulesHist
         <Switch
           label="Allow votes on own proposals"
           checked={own}
+          disabled={!mayChange}
           onChange={(event) => {
             setOwn(event.currentTarget.checked);
           }}

@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useState, type SubmitEvent } from "react";
 import { useCreateToken, useDeleteToken } from "../api/commands";
 import { aircraftQuery, sessionQuery, tokensQuery } from "../api/queries";
+import { ROLES } from "../api/roles";
 import type { Role, Token } from "../api/types";
 import { DataTable, type Column } from "../components/DataTable";
 import { Empty } from "../components/Empty";
@@ -12,8 +13,6 @@ import { PageHead } from "../components/PageHead";
 import { ProblemAlert } from "../components/ProblemAlert";
 import { Section } from "../components/Section";
 import { dateMinute } from "../lib/format";
-
-const ROLES: readonly Role[] = ["viewer", "analyst", "reviewer", "admin"];
 
 /** API tokens of the account; a personal server has no accounts. */
 export function TokensPage() {

@@ -46,3 +46,5 @@ vi.stubGlobal("matchMedia", (query: string) => ({
   dispatchEvent: () => false,
 }));
 vi.stubGlobal("scrollTo", () => {});
+// Mantine measures text again when fonts are loaded.
+Object.defineProperty(document, "fonts", { value: new EventTarget(), configurable: true });
