@@ -32,6 +32,11 @@ _CODES = {
     12: "acceleration", 13: "excitation force", 15: "pressure",
 }  # fmt: skip
 """Data set 58, records 8 to 11, field 1."""
+_FORCE_LABELS = {
+    **dict.fromkeys(("newton", "newtons", "n"), "N"),
+    **dict.fromkeys(("lb", "lbs", "pound", "pounds"), "lbf"),
+}
+"""Labels of units of force; a force in lb is in lbf."""
 _SAME_RATE = 1e-5  # relative; times of 1,000 samples printed to a thousandth of their interval
 _ENDS = ("response_node", "response_direction", "reference_node", "reference_direction")
 _AXES = {1: "x", 2: "y", 3: "z"}
@@ -368,20 +373,22 @@ def _check_quantities(
                 "correct the unit, or export the functions to a separate file",
                 code="other-quantity",
             )
-    for label in sorted(set(source.arrays["frf/unit"].tolist())):
-        try:
-            known = units.lookup(label)
-        except BadInput:
-            continue  # free text
-        if known.dimension == dimension and not np.isclose(
-            units.factor(label, dimension), units.factor(response_unit, dimension)
-        ):
-            raise BadInput(
-                f"{source.name}: the file gives its responses in {label}, {response_unit} "
-                "was given; correct the unit",
-                code="other-unit",
-                field="response_unit",
-            )
+    for name, kind, unit, option in (
+        ("unit", dimension, response_unit, "response_unit"),
+        ("reference_unit", "force", force_unit, "force_unit"),
+    ):
+        for label in sorted(set(source.arrays.get(f"frf/{name}", np.array([""])).tolist())):
+            stated = _FORCE_LABELS.get(label.lower(), label) if kind == "force" else label
+            if not units.is_known(stated) or units.dimension(stated) != kind:
+                continue  # free text
+            if not np.isclose(units.factor(stated, kind), units.factor(unit, kind)):
+                what = "responses" if name == "unit" else "forces"
+                raise BadInput(
+                    f"{source.name}: the file gives its {what} in {label}, {unit} was given; "
+                    "correct the unit",
+                    code="other-unit",
+                    field=option,
+                )
 
 
 def _matrix(

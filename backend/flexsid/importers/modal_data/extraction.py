@@ -63,12 +63,13 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
     sources = select_analyses(sources, options.analyses)
     results = sources.list_holders("shape/values")
     if not results:
-        raise BadInput(
+        problem = (
             "the files hold frequencies but no mode shapes; import the .op2 or .pch as well"
             if sources.has("mode/radians")
-            else "the files hold no mode shapes",
-            code="no-shapes",
+            else "the files hold no mode shapes"
         )
+        unused = [note.rstrip(".") for note in list_unused_content(sources)]
+        raise BadInput("; ".join([problem, *unused]), code="no-shapes")
     unknown = set(options.fuel) - {source.name for source in sources.items}
     if unknown:
         raise BadInput(

@@ -21,7 +21,7 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.edges import CORNERS, list_edges
 from flexsid.importers.nastran.frames import Point, list_geometry
 from flexsid.importers.nastran.matrix_entries import MatrixEntries, build_matrix, take_entry
-from flexsid.importers.nastran.numbers import read_real
+from flexsid.importers.numbers import read_real
 from flexsid.importers.source import Field
 
 _CARD = re.compile(

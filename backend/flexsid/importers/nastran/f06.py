@@ -17,8 +17,8 @@ from flexsid.importers.nastran.modal_cases import (
     list_cases,
     list_notes,
 )
-from flexsid.importers.nastran.numbers import read_real
 from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
+from flexsid.importers.numbers import read_real
 from flexsid.importers.source import Field
 
 _VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from flexsid.importers.nastran.numbers import read_real
+from flexsid.importers.numbers import read_real
 from flexsid.importers.source import Field
 
 _VALUE = re.compile(r"[-+]?\d*\.\d+(?:[EeDd]?[-+]\d+)?|[-+]?\d+\.?|\*{3,}|NaN|[-+]?Inf\w*", re.I)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexsid.importers.matrices import MatrixTerms
-from flexsid.importers.nastran.numbers import read_real
+from flexsid.importers.numbers import read_real
 
 _SQUARE, _SYMMETRIC = 1, 6
 _FORMS = {2: "rectangular", 9: "rectangular"}

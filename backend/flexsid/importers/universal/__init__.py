@@ -2,7 +2,7 @@
 
 Data sets 15, 18, 55, 58 (text and binary), 82, 151, 164, 781, 2411, 2412, 2414 and 2420 are
 read.
-Numbers are read by pattern rather than by column, as writers do not adhere to the column widths
+Numbers are read as whole tokens rather than by column: writers do not adhere to the column widths
 and omit the blank before negative numbers.
 """
 

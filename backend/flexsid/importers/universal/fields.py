@@ -151,6 +151,9 @@ def _function_fields(found: FoundKind) -> Iterator[Field]:
         for name in best[0].codes:
             yield Field(f"frf/{name}", np.array([function.codes[name] for function in best]))
         yield Field("frf/unit", np.array([function.unit for function in best]))
+        references = np.array([function.reference_unit for function in best])
+        yield Field("frf/reference_unit", references)
+        found.refused += dict.fromkeys(function.note for function in best if function.note)
         others = Counter(f.kind for f in found.functions if not f.is_response)
         found.refused += [
             f"{count} {FUNCTION_TYPES.get(kind, f'functions of type {kind}')}, which are not "

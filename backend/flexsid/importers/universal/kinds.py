@@ -8,12 +8,11 @@ import numpy as np
 
 from flexsid.importers.modal_files import EXACT
 from flexsid.importers.nastran.frames import Point
+from flexsid.importers.numbers import read_integer, split_reals
 from flexsid.importers.universal.blocks import (
     Block,
     Function,
     UnusableDataSet,
-    integers_in,
-    numbers_in,
     read_function,
 )
 
@@ -21,6 +20,8 @@ _BEAMS = {11, 21, 22, 23, 24}
 _MODES = {2: "normal", 3: "complex", 7: "complex"}
 _COMPLEX = {5, 6}
 _ORTHOGONAL = 1e-4
+_NOT_SET = 1e30
+"""Modal mass above which a writer has not set it: some write the largest number of their format."""
 
 
 class Contradiction(Exception):
@@ -61,39 +62,50 @@ class FoundKind:
 
 
 def _nodes_15(found: FoundKind, block: Block) -> None:
-    for line in block.lines:
-        if line.strip():
-            label, cp, cd = (int(line[10 * i : 10 * i + 10]) for i in range(3))
-            _add_node(found, label, cp, line[40:], cd)
+    for index in _filled(block):
+        line = block.lines[index].partition("%")[0]
+        label, cp, cd = (
+            block.convert(index, read_integer, line[10 * i : 10 * i + 10].strip()) for i in range(3)
+        )
+        place = block.convert(index, split_reals, line[40:])
+        block.check_count(index, place, 3)
+        _add_node(found, label, cp, place, cd)
 
 
 def _nodes_2411_781(found: FoundKind, block: Block) -> None:
-    for head, place in zip(block.lines[::2], block.lines[1::2], strict=True):
-        label, system, cd = integers_in(head)[:3]
+    rows = _filled(block)
+    if len(rows) % 2:
+        raise UnusableDataSet("its nodes do not have two records each")
+    for head, place in zip(rows[::2], rows[1::2], strict=True):
+        label, system, cd = _first_three(block.integers(head))
         if block.kind == 2411:
             found.exported[label], system = system, 0
-        _add_node(found, label, system, place, cd)
+        _add_node(found, label, system, block.reals(place, 3), cd)
 
 
-def _add_node(found: FoundKind, label: int, cp: int, place: str, cd: int) -> None:
-    node = (cp, _three(numbers_in(place)), cd)
+def _filled(block: Block, start: int = 0) -> list[int]:
+    """Return the indices of the lines that are not blank."""
+    return [index for index in range(start, len(block.lines)) if block.lines[index].strip()]
+
+
+def _add_node(found: FoundKind, label: int, cp: int, place: list[float], cd: int) -> None:
+    node = (cp, tuple(place), cd)
     if found.grids.setdefault(label, node) != node:
         raise Contradiction(f"node {label} has two different definitions")
 
 
-def _three(numbers: list[float]) -> Point:
+def _first_three(numbers: list[int]) -> list[int]:
     if len(numbers) < 3:
-        raise UnusableDataSet(f"it has {len(numbers)} coordinates at a node, 3 are expected")
-    return tuple(numbers[:3])
+        raise UnusableDataSet(f"a record has {len(numbers)} whole numbers, 3 are expected")
+    return numbers[:3]
 
 
 def _frames_18(found: FoundKind, block: Block) -> None:
     found.has_systems = True
-    lines = block.lines
-    for row in range(0, len(lines) - 3, 4):
-        number, kind, reference = integers_in(lines[row])[:3]
-        numbers = numbers_in(lines[row + 2]) + numbers_in(lines[row + 3])
-        o, x, p = np.array(numbers[:9]).reshape(3, 3)
+    for row in range(0, len(block.lines) - 3, 4):
+        number, kind, reference = _first_three(block.integers(row))
+        numbers = block.reals(row + 2, 6) + block.reals(row + 3, 3)
+        o, x, p = np.array(numbers).reshape(3, 3)
         along, in_plane = x - o, p - o
         normal = np.cross(np.cross(along, in_plane), along)  # z, in the plane of x and p
         _add_frame(found, number, kind + 1, reference, [o, o + normal, x])
@@ -102,16 +114,16 @@ def _frames_18(found: FoundKind, block: Block) -> None:
 def _frames_2420(found: FoundKind, block: Block) -> None:
     """Read data set 2420: matrix rows are unit vectors in the part system, then the origin."""
     found.has_systems = True
-    lines = block.lines[2:]  # of the part: number and name
-    if len(lines) % 6:
+    n_lines = len(block.lines)
+    if (n_lines - 2) % 6:  # two of the part: number and name
         raise UnusableDataSet("its coordinate systems do not have six records each")
-    for row in range(0, len(lines), 6):
-        number, kind = integers_in(lines[row])[:2]
+    for row in range(2, n_lines, 6):
+        number, kind, _ = _first_three(block.integers(row))
         if kind not in (0, 1, 2):
             raise UnusableDataSet(
                 f"coordinate system {number} is of type {kind}; 0, 1 or 2 is expected"
             )
-        matrix = np.array([_three(numbers_in(line)) for line in lines[row + 2 : row + 6]])
+        matrix = np.array([block.reals(index, 3) for index in range(row + 2, row + 6)])
         axes, origin = matrix[:3], matrix[3]
         if not np.allclose(axes @ axes.T, np.eye(3), atol=_ORTHOGONAL) or np.linalg.det(axes) < 0:
             raise UnusableDataSet(
@@ -130,55 +142,62 @@ def _add_frame(
 
 
 def _lines_82(found: FoundKind, block: Block) -> None:
-    count = integers_in(block.lines[0])[1]
-    nodes = [node for line in block.lines[2:] for node in integers_in(line)]
+    count = _first_three(block.integers(0))[1]
+    nodes = [node for index in _filled(block, 2) for node in block.integers(index)]
+    if len(nodes) < count or any(nodes[count:]):
+        raise UnusableDataSet(f"it has {len(nodes)} nodes, its header states {count}")
     found.lines += [0, *nodes[:count]]
 
 
 def _elements_2412(found: FoundKind, block: Block) -> None:
-    lines = block.lines
     row = 0
-    while row < len(lines):
-        head = integers_in(lines[row])
+    while row < len(block.lines):
+        head = block.integers(row)
+        block.check_count(row, head, 6)
         row += 2 if head[1] in _BEAMS else 1
         nodes: list[int] = []
         while len(nodes) < head[5]:
-            nodes += integers_in(lines[row])
+            nodes += block.integers(row)
             row += 1
+        block.check_count(row - 1, nodes, head[5])
         found.elements.append(nodes)
 
 
 def _shape_55(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    mode = (integers_in(lines[6]) + [0] * 4)[3]
-    _append_shape(found, integers_in(lines[5]), mode, numbers_in(lines[7]), lines[8:])
+    counts = (block.integers(6) + [0] * 4)[:4]
+    numbers = block.reals(7)
+    if counts[1] > 0:
+        block.check_count(7, numbers, counts[1])
+    _append_shape(found, block, 5, counts[3], numbers, 8)
 
 
 def _shape_2414(found: FoundKind, block: Block) -> None:
-    lines = block.lines
-    location = integers_in(lines[2])[0]
+    location = block.integers(2)[0]
     if location != 1:
         raise UnusableDataSet("it holds data on elements, data at nodes are expected")
-    kinds = integers_in(lines[8])
-    mode = (integers_in(lines[9]) + [0] * 6)[5]
-    times = (numbers_in(lines[11]) + [0.0] * 6)[:6]
-    eigen = (numbers_in(lines[12]) + [0.0] * 6)[:6]
+    kinds = block.integers(8)
+    mode = (block.integers(9) + [0] * 6)[5]
+    times = (block.reals(11) + [0.0] * 6)[:6]
+    eigen = (block.reals(12) + [0.0] * 6)[:6]
     _, frequency, _, mass, viscous, hysteretic = times
     numbers = [frequency, mass, viscous, hysteretic]
     if _MODES.get(kinds[1]) == "complex" and any(eigen[:2]):
         numbers = eigen
-    for line in lines[3:8]:
+    for index, line in enumerate(block.lines[3:8], start=3):
         if line.startswith(EXACT):
-            exact = [float(part) for part in line.removeprefix(EXACT).split()]
+            exact = block.convert(index, split_reals, line.removeprefix(EXACT))
             if len(exact) == 3 and np.isclose(exact[0], frequency, rtol=1e-4):
                 numbers = [exact[0], exact[2], exact[1], 0.0]
-    _append_shape(found, kinds, mode, numbers, lines[13:])
+    _append_shape(found, block, 8, mode, numbers, 13)
 
 
 def _append_shape(
-    found: FoundKind, kinds: list[int], mode: int, numbers: list[float], lines: list[str]
+    found: FoundKind, block: Block, kinds_at: int, mode: int, numbers: list[float], start: int
 ) -> None:
-    _, analysis, _, _, data_type, count = kinds[:6]
+    """Append a mode whose nodes begin at line ``start``, with as many values as stated."""
+    kinds = block.integers(kinds_at)
+    block.check_count(kinds_at, kinds, 6)
+    _, analysis, _, _, data_type, count = kinds
     if analysis not in _MODES:
         raise UnusableDataSet(
             f"its analysis is of type {analysis}; mode shapes (2, 3, 7) are expected"
@@ -193,18 +212,28 @@ def _append_shape(
     else:
         frequency, mass, viscous, hysteretic = (numbers + [0.0] * 4)[:4]
         damping = viscous or 0.5 * hysteretic
+    if mass > _NOT_SET:
+        mass = 0.0
+        found.refused.append(f"the modal mass of mode {mode} is not set and taken as unknown")
     is_complex = data_type in _COMPLEX
     values: dict[int, list[complex]] = {}
     n_values = count * (2 if is_complex else 1)
-    rows = (line for line in lines if line.strip())
+    rows = iter(_filled(block, start))
     for head in rows:
-        node = integers_in(head)[0]
+        first = block.integers(head)
+        block.check_count(head, first, 1)
+        node = first[0]
         read: list[float] = []
-        while len(read) < n_values and (line := next(rows, None)) is not None:
-            read += numbers_in(line)
-        if len(read) < n_values:
+        while len(read) < n_values and (index := next(rows, None)) is not None:
+            try:
+                read += block.reals(index)
+            except UnusableDataSet as error:
+                raise UnusableDataSet(f"{error}, node {node}") from error
+        if len(read) != n_values:
             raise UnusableDataSet(f"it has {len(read)} values at node {node}, not {n_values}")
-        parts = np.array(read[:n_values])
+        if node in values:
+            raise UnusableDataSet(f"node {node} is repeated")
+        parts = np.array(read)
         shape = parts[::2] + 1j * parts[1::2] if is_complex else parts.astype(complex)
         values[node] = [*map(complex, shape), *[0j] * (6 - count)]
     if not values:
@@ -217,7 +246,9 @@ def _header_151(found: FoundKind, block: Block) -> None:
 
 
 def _units_164(found: FoundKind, block: Block) -> None:
-    factors = [number for line in block.lines[1:] for number in numbers_in(line)]
+    factors = [number for index in _filled(block, 1) for number in block.reals(index)]
+    if not 2 <= len(factors) <= 4:
+        raise UnusableDataSet(f"it has {len(factors)} factors of units, 3 or 4 are expected")
     length, force = factors[:2]
     if not (length > 0 and force > 0):
         raise UnusableDataSet(

@@ -1,0 +1,125 @@
+"""Small files of one difficulty each: read as their producer means them, or refused by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexsid.errors import BadInput, FlexsidError
+from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
+from flexsid.importers.modal_data.extraction import RawModalData
+from flexsid.importers.readers import read_file
+from flexsid.importers.responses import RawResponses, ResponseOptions, extract_responses
+from flexsid.importers.source import SourceFile, Sources
+
+CASES = Path(__file__).parent / "cases"
+
+
+def read(*names: str) -> Sources:
+    sources = []
+    for name in names:
+        found = list(read_file(CASES / name, name))
+        arrays = {field.path: np.asarray(field.samples) for field in found}
+        units = {field.path: field.unit for field in found if field.unit}
+        clocks = {field.path: field.clock for field in found if field.clock}
+        first_row = found[0].first_row if found else 1
+        sources.append(
+            SourceFile(
+                name=name, sha256="", arrays=arrays, units=units, clocks=clocks, first_row=first_row
+            )
+        )
+    return Sources(tuple(sources))
+
+
+def read_modes(*names: str, mass: str = "file", **options) -> RawModalData:
+    given = ModalDataOptions(
+        name="x", length_unit="m", mass_unit="kg", generalized_mass=mass, **options
+    )
+    return extract_modal_data(read(*names), given)
+
+
+def read_responses(name: str, **units: str) -> RawResponses:
+    units = {"response_unit": "m/s2", "force_unit": "N", "length_unit": "m"} | units
+    return extract_responses(read(name), ResponseOptions(name="x", **units))
+
+
+def refuse(what, *names: str) -> str:
+    with pytest.raises(FlexsidError) as refused:
+        what(*names)
+    return refused.value.message
+
+
+FIRST, SECOND = (-1.0, 0.2, -0.5), (-2.0, 0.3, -0.7)  # aft right up to forward right down
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second"),
+    [
+        ("three-digit-exponent-55", (-1.0, 1.23456e-101, -0.5), (-2.0, 1e-120, -0.7)),
+        ("three-digit-exponent-2414", (-1.0, 1e-110, -0.5), SECOND),
+        ("node-comments-55", FIRST, SECOND),
+    ],
+)
+def test_shapes_of_universal_files(name, first, second):
+    modes = read_modes(f"universal-{name}.unv")
+    assert modes.omega[0] == pytest.approx([2.0 * np.pi * 5.0])
+    assert modes.zeta[0] == pytest.approx([0.01])
+    assert modes.shape[0, 0, :, :3].tolist() == [list(first), list(second)]
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("decimal-comma-55", "row 3: '0,00000E+00' is not a number"),
+        ("nan-55", r"data set 2 (kind 55): row 17: 'NaN' is not a number, node 1"),
+        ("infinity-55", "row 17: 'Infinity' is not a number, node 1"),
+        ("stars-55", "row 17: '***********' is not a number, node 1"),
+        ("three-digit-exponent-mass-55", "row 15: '0.17977+309' is too large"),
+        ("node-conflict", "node 1 has two different definitions"),
+    ],
+)
+def test_universal_files_are_refused_with_the_row(name, what):
+    assert what in refuse(read_modes, f"universal-{name}.unv")
+
+
+@pytest.mark.parametrize(
+    "name", ["type-4", "type-0", "58b-big-endian", "58b-extra-line-end", "uneven-padded"]
+)
+def test_responses_of_universal_files(name):
+    found = read_responses(f"universal-frf-{name}.unv")
+    hertz = found.frequency_hz
+    assert hertz.tolist() == pytest.approx([1.0 + 0.1 * k for k in range(hertz.size)])
+    expected = 1.0 / (25.0 - (2.0 * np.pi * hertz) ** 2 + 0.5j * hertz)
+    assert found.values[:, 0, 0] == pytest.approx(expected, rel=1e-4)
+    assert any("type 0" in note for note in found.notes) == (name == "type-0")
+
+
+def test_units_of_responses_that_the_file_states_are_used():
+    hertz = read_responses("universal-frf-rad-per-s.unv").frequency_hz
+    assert hertz[[0, -1]] == pytest.approx([0.159155, 0.95493], rel=1e-5)
+    with pytest.raises(BadInput, match="its forces in lbf, N was given"):
+        read_responses("universal-frf-per-lbf.unv")
+    scaled = read_responses("universal-frf-per-lbf.unv", force_unit="lbf").values
+    plain = read_responses("universal-frf-type-4.unv").values
+    assert scaled == pytest.approx(plain / 4.4482216, rel=1e-6)
+    for name in ("in-g", "displacement"):
+        with pytest.raises(BadInput):
+            read_responses(f"universal-frf-{name}.unv")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("        18    0", "        17    0", "its abscissa is of type 17"),
+        ("NONE                 Hz", "NONE                 orders", "its abscissa is in 'orders'"),
+    ],
+)
+def test_an_abscissa_other_than_frequency_is_refused(tmp_path, old, new, problem):
+    text = (CASES / "universal-frf-type-4.unv").read_text()
+    assert old in text
+    (tmp_path / "a.unv").write_text(text.replace(old, new))
+    found = {one.path: one.samples for one in read_file(tmp_path / "a.unv", "a.unv")}
+    assert problem in str(found["refused"])
+    assert "frf/real" not in found
