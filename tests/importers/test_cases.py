@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -33,16 +34,16 @@ def read(*names: str) -> Sources:
     return Sources(tuple(sources))
 
 
-def read_modes(*names: str, mass: str = "file", **options) -> RawModalData:
-    given = ModalDataOptions(
-        name="x", length_unit="m", mass_unit="kg", generalized_mass=mass, **options
-    )
+def read_modes(*names: str, mass: Literal["file", "unknown"] = "file") -> RawModalData:
+    given = ModalDataOptions(name="x", length_unit="m", mass_unit="kg", generalized_mass=mass)
     return extract_modal_data(read(*names), given)
 
 
-def read_responses(name: str, **units: str) -> RawResponses:
-    units = {"response_unit": "m/s2", "force_unit": "N", "length_unit": "m"} | units
-    return extract_responses(read(name), ResponseOptions(name="x", **units))
+def read_responses(name: str, force_unit: str = "N") -> RawResponses:
+    options = ResponseOptions(
+        name="x", response_unit="m/s2", force_unit=force_unit, length_unit="m"
+    )
+    return extract_responses(read(name), options)
 
 
 def refuse(what, *names: str) -> str:
@@ -65,6 +66,7 @@ FIRST, SECOND = (-1.0, 0.2, -0.5), (-2.0, 0.3, -0.7)  # aft right up to forward 
 def test_shapes_of_universal_files(name, first, second):
     modes = read_modes(f"universal-{name}.unv")
     assert modes.omega[0] == pytest.approx([2.0 * np.pi * 5.0])
+    assert modes.zeta is not None
     assert modes.zeta[0] == pytest.approx([0.01])
     assert modes.shape[0, 0, :, :3].tolist() == [list(first), list(second)]
 
@@ -123,3 +125,109 @@ def test_an_abscissa_other_than_frequency_is_refused(tmp_path, old, new, problem
     found = {one.path: one.samples for one in read_file(tmp_path / "a.unv", "a.unv")}
     assert problem in str(found["refused"])
     assert "frf/real" not in found
+
+
+def test_modes_of_printouts_of_other_programs():
+    modes = read_modes("nastran95-cyclic-frequency.f06", "wing-six-grids.bdf")
+    assert modes.omega[0] / (2.0 * np.pi) == pytest.approx([3.5, 11.25])
+    assert modes.mass is not None
+    assert modes.mass[0] == pytest.approx([1.0, 1.0])
+    modes = read_modes("mystran-modes.f06", "nastran-two-grids.bdf")
+    assert modes.omega[0] / (2.0 * np.pi) == pytest.approx([5.0, 9.0])
+    assert modes.shape[0, :, :, 2].tolist() == [[-0.5, -1.0], [-1.0, -2.0]]
+    assert modes.shape[0, :, :, 4] == pytest.approx(0.1)
+    modes = read_modes("nastran-three-digit-exponent.f06", "nastran-two-grids.bdf")
+    assert modes.shape[0, 0, :, 1].tolist() == [1.234567e-101, -1.234567e-101]
+
+
+@pytest.mark.parametrize(
+    ("names", "what"),
+    [
+        (["nastran-buckling-sol106.f06"], "whose eigenvalues are load factors"),
+        (["nastran-flutter-sol145.f06"], "roots of a flutter analysis"),
+        (["nastran-nan.f06"], "line 13: "),
+        (["nastran-nan.f06"], "'NaN' is not a number"),
+        (["nastran-stars.f06"], "'************' is not a number"),
+    ],
+)
+def test_printouts_are_refused_with_the_reason(names, what):
+    assert what in refuse(read_modes, *names)
+
+
+PRINTED = (CASES / "nastran-three-digit-exponent.f06").read_text()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("EIGENVALUE =  9.869604E+02", "EIGENVALUE =  9.8E+02 (SHIFTED)", "has no eigenvalue"),
+        ("EIGENVALUE =  9.869604E+02", "EIGENVALUE =  NaN", "'NaN' is not a number"),
+        ("5.000000E-01   0.0", "5.000000E-010.0", "5 numbers, 6 are expected"),
+        ("1.234567-101", "1.234567,101", "'1.234567,101' is not a number"),
+        ("1      G      1.0", "1      G1.0 2.0 3.0  ", "9 numbers, 6 are expected"),
+        ("             1      G  ", "           NaN      G  ", "'NaN' is not a whole number"),
+        (
+            "        1         1        9.869604E+02",
+            "        1         1        ",
+            "7 are expected",
+        ),
+    ],
+)
+def test_a_damaged_row_of_a_printout_is_refused(tmp_path, old, new, what):
+    assert old in PRINTED
+    (tmp_path / "a.f06").write_text(PRINTED.replace(old, new, 1))
+    with pytest.raises(FlexsidError) as refused:
+        list(read_file(tmp_path / "a.f06", "a.f06"))
+    assert what in refused.value.message
+    assert "line " in refused.value.message
+
+
+PUNCHED = """$TITLE   = X
+$EIGENVECTOR
+$REAL OUTPUT
+$SUBCASE ID =           1
+$EIGENVALUE =  9.869604E+02  MODE =     1
+         1       G      1.000000E+00      1.234567-101      5.000000E-01
+-CONT-                  0.000000E+00      0.000000E+00      0.000000E+00
+         9       S      3.000000E+00      0.000000E+00      0.000000E+00
+-CONT-                  0.000000E+00      0.000000E+00      0.000000E+00
+"""
+
+
+def test_punched_rows_are_whole(tmp_path):
+    file = tmp_path / "a.pch"
+    file.write_text(PUNCHED)
+    found = {one.path: one.samples for one in read_file(file, "a.pch")}
+    assert found["shape/values"].tolist() == [[[1.0, 1.234567e-101, 0.5, 0.0, 0.0, 0.0]]]
+    for new in ("NaN", "1,5", "***", "1.0 2.0", "1.00000E+005.0"):
+        file.write_text(PUNCHED.replace("5.000000E-01", new))
+        with pytest.raises(FlexsidError, match="line 6"):
+            list(read_file(file, "a.pch"))
+
+
+@pytest.mark.parametrize(
+    "deck",
+    [
+        *("SOL 105\nCEND\n", "SOL 106\nCEND\nBEGIN BULK\nPARAM,BUCKLE,1\n"),
+        *("SOL 200\nCEND\nANALYSIS = BUCK\n", "BEGIN BULK\nEIGB,1,SINV,0.,5.\n"),
+    ],
+)
+def test_a_deck_of_buckling_is_noticed(tmp_path, deck):
+    (tmp_path / "a.pch").write_text(PUNCHED)
+    (tmp_path / "a.bdf").write_text(deck + "GRID,1\nENDDATA\n")
+    with pytest.raises(BadInput, match="load factors of buckling"):
+        read_modes(str(tmp_path / "a.pch"), str(tmp_path / "a.bdf"), mass="unknown")
+    (tmp_path / "a.bdf").write_text("SOL 103\nCEND\nTITLE = BUCKLING\nGRID,1\nENDDATA\n")
+    assert read_modes(str(tmp_path / "a.pch"), str(tmp_path / "a.bdf"), mass="unknown").omega.size
+
+
+def test_parts_of_decks_are_recognised_by_their_suffix():
+    part, deck, fem = (
+        read(name).items[0].arrays
+        for name in (
+            *("nastran-part-mkaero.bdf", "nastran-with-include.bdf", "optistruct-bulk-data.fem"),
+        )
+    )
+    assert part["deck/n_grids"].tolist() == [0]
+    assert deck["grid/id"].size == 6
+    assert fem["grid/id"].size == 2

@@ -174,7 +174,7 @@ def test_modes_of_several_subcases_are_not_mixed(tmp_path):
     assert found["case/1/mode/radians"] == pytest.approx([20.0])
     punched = tmp_path / "wing.pch"
     rows = "$EIGENVECTOR\n$REAL OUTPUT\n$SUBCASE ID = {0}\n$EIGENVALUE = {1} MODE = 1\n"
-    rows += "         1       G     {2:18.6E}{2:18.6E}{2:18.6E}\n-CONT-" + " " * 12
+    rows += "         1       G{2:18.6E}{2:18.6E}{2:18.6E}\n-CONT-" + " " * 12
     rows += "{2:18.6E}{2:18.6E}{2:18.6E}\n"
     punched.write_text("$TITLE = X\n" + rows.format(1, 100.0, 1.0) + rows.format(2, 400.0, 7.0))
     found = read(punch, punched)
@@ -348,8 +348,8 @@ def test_punched_eigenvectors_and_decks_are_read(tmp_path):
     head = "$TITLE   = X\n$EIGENVECTOR\n$REAL OUTPUT\n"
     rows = (
         "$EIGENVALUE =  0.2500000E+04  MODE =     7   {n:20d}\n"
-        "         1       G     {a:18.6E}{b:18.6E}{c:18.6E}       2\n"
-        "-CONT-                 {c:18.6E}{b:18.6E}{a:18.6E}       3\n"
+        "         1       G{a:18.6E}{b:18.6E}{c:18.6E}       2\n"
+        "-CONT-            {c:18.6E}{b:18.6E}{a:18.6E}       3\n"
     )
     file.write_text(head + rows.format(n=1, a=1.0, b=-2.0, c=3.0))
     found = read(punch, file)

@@ -56,6 +56,15 @@ def import_modes(client: Client, *names: str) -> Any:
         (["universal-stars-55.unv"], "is not a number, node 1"),
         (["universal-decimal-comma-55.unv"], "row 3: '0,00000E+00' is not a number"),
         (["universal-three-digit-exponent-mass-55.unv"], "'0.17977+309' is too large"),
+        (["nastran-nan.f06", "nastran-two-grids.bdf"], "'NaN' is not a number"),
+        (
+            ["nastran-buckling-sol106.f06", "nastran-buckling-sol106.bdf"],
+            "whose eigenvalues are load factors",
+        ),
+        (
+            ["nastran-flutter-sol145.f06", "nastran-flutter-sol145.bdf"],
+            "roots of a flutter analysis",
+        ),
     ],
 )
 def test_what_is_no_mode_is_refused_with_the_reason(
@@ -69,6 +78,8 @@ def test_what_is_no_mode_is_refused_with_the_reason(
     [
         (["universal-three-digit-exponent-55.unv"], [5.0]),
         (["universal-node-comments-55.unv"], [5.0]),
+        (["nastran95-cyclic-frequency.f06", "wing-six-grids.bdf"], [3.5, 11.25]),
+        (["mystran-modes.f06", "nastran-two-grids.bdf"], [5.0, 9.0]),
     ],
 )
 def test_modes_are_read(client: Client, names: list[str], hertz: list[float]) -> None:

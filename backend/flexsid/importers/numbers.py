@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 import re
 
-_MANTISSA = r"(?:\d+\.?\d*|\.\d+)"
+_POINTED = r"(?:\d+\.\d*|\.\d+)"
+_MANTISSA = rf"(?:{_POINTED}|\d+)"
 _REAL = re.compile(rf"([-+]?{_MANTISSA})(?:[ED]([-+]?\d+)|([-+]\d+))?", re.ASCII | re.IGNORECASE)
 # Fortran omits the letter before an exponent of three digits. A number that follows without a
 # blank has a sign and a point, so that -101 is an exponent and -101.5 is not.
 _PACKED = re.compile(
-    rf"[-+]?{_MANTISSA}(?:[ED][-+]?\d{{1,3}}|[-+]\d{{3}}(?![\d.]))?", re.ASCII | re.IGNORECASE
+    rf"[-+]?(?:{_POINTED}[-+]\d{{3}}(?![\d.])|{_MANTISSA}(?:[ED][-+]?\d{{1,3}})?)",
+    re.ASCII | re.IGNORECASE,
 )
 _INTEGER = re.compile(r"[-+]?\d+", re.ASCII)
 
@@ -29,7 +31,7 @@ def read_real(text: str) -> float:
     if not text:
         return 0.0
     found = _REAL.fullmatch(text)
-    if found is None or (found[3] and "." not in found[1]):
+    if found is None:
         raise ValueError(f"'{text}' is not a number")
     value = float(f"{found[1]}E{found[2] or found[3] or 0}")
     if not math.isfinite(value):
@@ -63,8 +65,7 @@ def split_reals(line: str) -> list[float]:
         start = 0
         while start < len(token):
             found = _PACKED.match(token, start)
-            is_begun = found is not None and (start == 0 or token[start] in "+-")
-            if found is None or not is_begun or (start > 0 and "." not in found[0]):
+            if found is None or (start > 0 and (token[start] not in "+-" or "." not in found[0])):
                 raise ValueError(f"'{token[:40]}' is not a number")
             numbers.append(read_real(found[0]))
             start = found.end()

@@ -45,7 +45,7 @@ def _define(
 
 
 _TEXT = _define("text", csv, ".csv", ".tsv", ".txt", ".asc", ".dat")
-_DECK = _define("Nastran deck", bulk, ".bdf", ".nas")
+_DECK = replace(_define("Nastran deck", bulk, ".bdf", ".nas", ".fem"), recognises=bulk.may_be_part)
 _BUILT_IN = (
     _TEXT,
     _define("MATLAB", mat, ".mat"),

@@ -377,8 +377,9 @@ def _check_quantities(
         ("unit", dimension, response_unit, "response_unit"),
         ("reference_unit", "force", force_unit, "force_unit"),
     ):
-        for label in sorted(set(source.arrays.get(f"frf/{name}", np.array([""])).tolist())):
-            stated = _FORCE_LABELS.get(label.lower(), label) if kind == "force" else label
+        labels = source.arrays.get(f"frf/{name}", np.array([""]))
+        for label in sorted({str(label) for label in labels}):
+            stated: str = _FORCE_LABELS.get(label.lower(), label) if kind == "force" else label
             if not units.is_known(stated) or units.dimension(stated) != kind:
                 continue  # free text
             if not np.isclose(units.factor(stated, kind), units.factor(unit, kind)):

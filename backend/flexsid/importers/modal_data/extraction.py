@@ -15,9 +15,12 @@ from flexsid.importers.modal_data.nodes import collect_lines
 from flexsid.importers.modal_data.options import TO_BODY, ModalDataOptions, parse_axes
 from flexsid.importers.modal_data.units import resolve_units
 from flexsid.importers.modal_files import convert_csv_modes
+from flexsid.importers.nastran.solutions import BUCKLING, FLUTTER
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.modal_data import ModalKind
 
+_WITH_KIND = (".op2", ".h5", ".unv", ".uff")
+"""Suffixes of files that state the kind of their analysis with each shape."""
 _UNIT_MASS = 1e-3
 """Tolerance on a unit generalised mass, above the round-off of a normalised mode."""
 
@@ -70,6 +73,7 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         )
         unused = [note.rstrip(".") for note in list_unused_content(sources)]
         raise BadInput("; ".join([problem, *unused]), code="no-shapes")
+    _check_solution(sources, results)
     unknown = set(options.fuel) - {source.name for source in sources.items}
     if unknown:
         raise BadInput(
@@ -142,6 +146,23 @@ def extract_modal_data(sources: Sources, options: ModalDataOptions) -> RawModalD
         origin=", ".join(source.name for source in sources.items),
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _check_solution(sources: Sources, results: Sequence[SourceFile]) -> None:
+    """Reject shapes whose file does not state their kind, and whose deck states another."""
+    for deck in sources.list_holders("deck/solution"):
+        stated = str(deck.arrays["deck/solution"][0])
+        for result in results:
+            is_complex = "shape/imaginary" in result.arrays
+            if "solution" in result.arrays or result.name.lower().endswith(_WITH_KIND):
+                continue
+            if stated == BUCKLING or (stated == FLUTTER and is_complex):
+                what = "load factors of buckling" if stated == BUCKLING else "roots of flutter"
+                raise BadInput(
+                    f"{deck.name} is the deck of a {stated} analysis, so that {result.name} holds "
+                    f"{what}, which are no frequencies in vacuo; import the modes of SOL 103",
+                    code="not-modes",
+                )
 
 
 def _turn(parts: Sequence[np.ndarray], turn: np.ndarray, precision: np.dtype) -> np.ndarray:

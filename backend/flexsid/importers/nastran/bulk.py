@@ -1,4 +1,4 @@
-"""Nastran bulk data (.bdf, .nas, .dat, .pch): nodes, coordinate systems, edges, matrices (DMIG).
+"""Nastran bulk data (.bdf, .nas, .fem, .dat, .pch): nodes, systems, edges, matrices (DMIG).
 
 Fields may be in small, large and free format.
 
@@ -21,7 +21,8 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.edges import CORNERS, list_edges
 from flexsid.importers.nastran.frames import Point, list_geometry
 from flexsid.importers.nastran.matrix_entries import MatrixEntries, build_matrix, take_entry
-from flexsid.importers.numbers import read_real
+from flexsid.importers.nastran.solutions import find_solution
+from flexsid.importers.numbers import read_integer, read_real
 from flexsid.importers.source import Field
 
 _CARD = re.compile(
@@ -32,6 +33,9 @@ _CARD = re.compile(
 )
 """Lines with which decks and their parts begin; free format by name, as CSV files have commas."""
 
+_ENTRY = re.compile(rb"^[A-Z][A-Z0-9]{1,7}\*? *,", re.IGNORECASE | re.MULTILINE)
+"""An entry in free format, as a table of columns has one too."""
+
 _REPEAT = re.compile(r"=\(?(\d+)\)?")
 _STEP = re.compile(r"\*\(?([-+.\dEeDd]+)\)?")
 _Entry = TypeVar("_Entry")
@@ -41,6 +45,11 @@ _KINDS = {"R": 1, "C": 2, "S": 3}
 def recognises(head: bytes) -> bool:
     """Return whether the beginning of a file is that of a deck."""
     return _CARD.search(head) is not None and b"\0" not in head
+
+
+def may_be_part(head: bytes) -> bool:
+    """Return whether the beginning of a file may be that of a part of a deck, by its suffix."""
+    return b"\0" not in head and (recognises(head) or _ENTRY.search(head) is not None)
 
 
 def read(path: Path) -> Iterator[Field]:
@@ -87,6 +96,8 @@ def read_text(text: str) -> Iterator[Field]:
     if deck.grids and deck.defaults is None:
         rows = [deck.grids[number] for number in sorted(deck.grids)]
         yield Field("deck/left_open", np.array([[cp is None, cd is None] for cp, _, cd in rows]))
+    if solution := find_solution(line.split("$")[0] for line in text.splitlines()):
+        yield Field("deck/solution", np.array([solution]))
     for entries in deck.matrices.values():
         matrix, why = build_matrix(entries)
         if matrix is None:
@@ -228,26 +239,26 @@ def _take(deck: _Deck, entries: list[str]) -> None:
     name, *fields = entries
     fields += [""] * 16
     if name == "GRDSET":
-        deck.defaults = int(fields[1] or 0), int(fields[5] or 0)
+        deck.defaults = read_integer(fields[1] or "0"), read_integer(fields[5] or "0")
     elif name == "PARAM":
         if fields[0].upper() == "WTMASS":
             deck.weight_to_mass = (read_real(fields[1]),)
     elif name == "GRID":
         place = tuple(read_real(value) for value in fields[2:5])
-        cp, cd = (int(fields[k]) if fields[k] else None for k in (1, 5))
-        _define(deck.grids, int(fields[0]), (cp, place, cd), "node")
+        cp, cd = (read_integer(fields[k]) if fields[k] else None for k in (1, 5))
+        _define(deck.grids, read_integer(fields[0]), (cp, place, cd), "node")
     elif name in CORNERS:
         deck.edges += list_edges(name, fields)
     elif name == "DMIG":
         take_entry(deck.matrices, fields)
     elif name.startswith("CORD2"):
         points = tuple(read_real(value) for value in fields[2:11])
-        frame = (_KINDS[name[5]], int(fields[1] or 0), points)
-        _define(deck.frames, int(fields[0]), frame, "coordinate system")
+        frame = (_KINDS[name[5]], read_integer(fields[1] or "0"), points)
+        _define(deck.frames, read_integer(fields[0]), frame, "coordinate system")
     elif name.startswith("CORD1"):
         for first in (0, 4):
             if fields[first]:
-                numbers = [int(value) for value in fields[first : first + 4]]
+                numbers = [read_integer(value) for value in fields[first : first + 4]]
                 frame = (numbers[0], _KINDS[name[5]], *numbers[1:])
                 _define(deck.by_grid, numbers[0], frame, "coordinate system")
 

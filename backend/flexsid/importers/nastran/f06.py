@@ -17,21 +17,23 @@ from flexsid.importers.nastran.modal_cases import (
     list_cases,
     list_notes,
 )
+from flexsid.importers.nastran.solutions import BUCKLING, FLUTTER, find_solution
 from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
-from flexsid.importers.numbers import read_real
+from flexsid.importers.numbers import read_integer, read_real
 from flexsid.importers.source import Field
 
+_ROW = re.compile(r"^(?:0(?=\s))?\s*([^\sA-Za-z]\S*?|NaN)\s*G(?![A-Za-z])(.*)$")
 _VECTOR = re.compile(r"E I G E N V E C T O R(?:\s+N O \.\s+(\d+))?")
 _POINT = re.compile(r"^0?\s*POINT-ID\s*=\s*(\d+)\s*$")
-_EIGENVALUE = re.compile(r"^\s*EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*$")
-_COMPLEX_EIGENVALUE = re.compile(
-    r"^\s*COMPLEX EIGENVALUE\s*=\s*([-+.\dEeDd]+)\s*,\s*([-+.\dEeDd]+)\s*$"
+_IS_EIGENVALUE = re.compile(r"^\s*(?:COMPLEX\s+)?EIGENVALUE\s*=")
+_EIGENVALUE = re.compile(
+    r"^\s*EIGENVALUE\s*=\s*(\S+)\s*(?:\(CYCLIC FREQUENCY\s*=\s*\S+\s*HZ\s*\))?\s*$"
 )
+_COMPLEX_EIGENVALUE = re.compile(r"^\s*COMPLEX\s+EIGENVALUE\s*=\s*([^\s,]+)\s*,\s*(\S+)\s*$")
+_MYSTRAN_SUBCASE = re.compile(r"^\s*OUTPUT FOR SUBCASE\s+(\d+)\s*$")
+_MYSTRAN_MODE = re.compile(r"^\s*OUTPUT FOR EIGENVECTOR\s+(\d+)\s*$")
 _SUBCASE = re.compile(r"^0(.*)\bSUBCASE\s+(\d+)")
 _SUPERELEMENT = re.compile(r"^0.*\bSUPERELEMENT\s+(\d+)")
-_BUCKLING = re.compile(
-    r"^\s*(?:\d+\s+)?SOL\s*=?\s*(?:105|SEBUCKL)\b|B U C K L I N G|\(BUCKLING", re.IGNORECASE
-)
 _REPEATED_SHAPE = 1e-6
 _MASS = "O U T P U T   F R O M   G R I D   P O I N T   W E I G H T   G E N E R A T O R"
 _REFERENCE = re.compile(r"REFERENCE POINT =\s*(\d+)")
@@ -47,7 +49,8 @@ def recognises(head: bytes) -> bool:
 def read(path: Path) -> Iterator[Field]:
     """Read the modes and flutter summaries of a printout."""
     lines = path.read_text(encoding="latin-1").splitlines()
-    printed = _Printout(buckling=any(_BUCKLING.search(line) for line in lines))
+    solution = find_solution(lines)
+    printed = _Printout(solution)
     for number, line in enumerate(lines, start=1):
         try:
             printed.take(line)
@@ -66,6 +69,8 @@ def read(path: Path) -> Iterator[Field]:
             code="nothing-usable",
         )
     yield from found
+    if solution:
+        yield Field("solution", np.array([solution]))
     if refused:
         yield Field("refused", np.array(refused, dtype=np.str_))
 
@@ -90,11 +95,13 @@ class _MassMatrix:
 class _Printout:
     """Content of a printout, read page by page."""
 
-    def __init__(self, buckling: bool) -> None:
-        self._buckling = buckling
+    def __init__(self, solution: str) -> None:
+        self._buckling = solution == BUCKLING
+        self._is_flutter = solution == FLUTTER
         self._take: Callable[[str], None] = self._nothing
-        self._eigenvalue: complex = 0.0
+        self._eigenvalue: complex | None = None
         self._subcase = self._superelement = self._mode = 0
+        self._announced: int | None = None  # mode of MYSTRAN, before the heading of its shape
         self._label = self._subtitle = ""
         self._second_line: str | None = None  # of a page, None after the third
         self._is_polar = False
@@ -121,6 +128,12 @@ class _Printout:
             self._label, self._subcase = subcase[1].strip(), int(subcase[2])
         if (point := _POINT.match(line)) is not None:
             self._point = int(point[1])
+        if (subcase := _MYSTRAN_SUBCASE.match(line)) is not None:
+            self._subcase = int(subcase[1])
+            if self._tables and not self._tables[-1].subcase:
+                self._tables[-1].subcase = self._subcase  # the table has no heading
+        if (mode := _MYSTRAN_MODE.match(line)) is not None:
+            self._announced = int(mode[1])
         if (element := _SUPERELEMENT.search(line)) is not None:
             self._superelement = int(element[1])
         if "R E A L   E I G E N V A L U E S" in line:
@@ -140,11 +153,10 @@ class _Printout:
             self._end_page()
             self._take = self._nothing
             self._superelement, self._second_line, self._point = 0, "", None
+            self._eigenvalue = None
         else:
-            if (value := _EIGENVALUE.search(line)) is not None:
-                self._eigenvalue = read_real(value[1])
-            elif (value := _COMPLEX_EIGENVALUE.search(line)) is not None:
-                self._eigenvalue = complex(read_real(value[1]), read_real(value[2]))
+            if _IS_EIGENVALUE.match(line):
+                self._eigenvalue = _read_eigenvalue(line)
             self._take(line)
 
     def _nothing(self, line: str) -> None:
@@ -155,9 +167,11 @@ class _Printout:
         if "AUGMENTATION OF RESIDUAL VECTORS" in line:
             self._tables[-1].augmented = "AFTER" in line
         parts = line.split()
-        if len(parts) != 7 or not (parts[0].isdigit() and parts[1].isdigit()):
+        if len(parts) < 2 or not (parts[0].isdigit() and parts[1].isdigit()):
             return
-        mode = int(parts[0])
+        if len(parts) != 7:
+            raise ValueError(f"it has {len(parts)} columns, 7 are expected")
+        mode = read_integer(parts[0])
         if not self._tables[-1].rows and self._continues_table(mode):
             self._tables.pop()
         if mode in self._tables[-1].rows:
@@ -177,13 +191,28 @@ class _Printout:
         """Begin a mode, or continue it on a new page."""
         self._take, self._vector = self._row_of_vector, None
         if self._buckling:
-            self._skip("buckling shapes (SOL 105)")
+            self._skip("buckling shapes (SOL 105), whose eigenvalues are load factors")
+        elif mode is None and self._announced is not None:
+            self._take, self._mode = self._row_of_mystran, self._announced
+            self._eigenvalue, self._announced = self._find_eigenvalue(self._mode), None
         elif mode is None:
             self._take, self._lacks_heading = self._heading_by_node, True
         else:
             self._mode = int(mode)
             if "C O M P L E X" in line:
                 self._take, self._real, self._is_polar = self._row_of_complex_vector, None, False
+
+    def _find_eigenvalue(self, mode: int) -> float | None:
+        """Return the eigenvalue of a mode in the table before it."""
+        row = self._tables[-1].rows.get(mode) if self._tables else None
+        return None if row is None else row[0] ** 2
+
+    def _row_of_mystran(self, line: str) -> None:
+        """Read a row: node, coordinate system, six components."""
+        parts = line.split()
+        if len(parts) < 2 or not (parts[0].isdigit() and parts[1].isdigit()):
+            return
+        self._add_row(read_integer(parts[0]), [*_read_components(parts[2:])])
 
     def _heading_by_node(self, line: str) -> None:
         """Read the heading of shapes sorted by node (SORT2), whose first column is to be known."""
@@ -202,14 +231,14 @@ class _Printout:
 
     def _row_by_node(self, line: str) -> None:
         """Read a row of shapes sorted by node: eigenvalue, type, six components."""
-        parts = line[1:].split()
-        if len(parts) != 8 or parts[1] != "G" or self._point is None:
+        found = _ROW.match(line)
+        if found is None or self._point is None:
             return
         shapes = self._by_node.setdefault(
             self._subcase, VectorsByNode(self._subcase, self._label or self._subtitle)
         )
-        row: list[complex] = [read_real(part) for part in parts[2:]]
-        shapes.rows.setdefault(self._point, []).append((read_real(parts[0]), row))
+        row: list[complex] = [*_read_components(found[2].split())]
+        shapes.rows.setdefault(self._point, []).append((read_real(found[1]), row))
 
     def _row_of_complex_vector(self, line: str) -> None:
         """Read a row of two lines: node, type and real parts, then imaginary parts or phases."""
@@ -217,12 +246,13 @@ class _Printout:
             self._skip(f"shapes '{line.strip().strip('()').lower()}'")
         elif "MAGNITUDE" in line:
             self._is_polar = True
-        parts = line[1:].split()
-        if len(parts) == 8 and parts[0].isdigit() and parts[1] == "G":
-            self._real = int(parts[0]), [read_real(part) for part in parts[2:]]
-        elif len(parts) == 6 and self._real is not None:
+        if (found := _ROW.match(line)) is not None:
+            if self._real is not None:
+                raise ValueError(f"node {self._real[0]} has no second line")
+            self._real = read_integer(found[1]), _read_components(found[2].split())
+        elif self._real is not None and (parts := line[1:].split()):
             node, first = self._real
-            second, self._real = [read_real(part) for part in parts], None
+            second, self._real = _read_components(parts), None
             if self._is_polar:
                 row = [a * np.exp(1j * np.radians(b)) for a, b in zip(first, second, strict=True)]
             else:
@@ -234,10 +264,8 @@ class _Printout:
         if "RELATIVE TO" in line or "SOLUTION SET" in line:
             self._skip(f"shapes '{line.strip().strip('()').lower()}'")
             return
-        parts = line.split()
-        if len(parts) != 8 or not parts[0].isdigit() or parts[1] != "G":
-            return
-        self._add_row(int(parts[0]), [read_real(part) for part in parts[2:]])
+        if (found := _ROW.match(line)) is not None:
+            self._add_row(read_integer(found[1]), [*_read_components(found[2].split())])
 
     def _add_row(self, node: int, row: list[complex], *, is_complex: bool = False) -> None:
         """Add the components of a mode at a node.
@@ -245,8 +273,10 @@ class _Printout:
         Raises
         ------
         ValueError
-            If the mode has other components at this node.
+            If the mode has no eigenvalue, or other components at this node.
         """
+        if self._eigenvalue is None:
+            raise ValueError(f"mode {self._mode} has no eigenvalue")
         if self._vector is None:
             self._vector = self._vectors.begin(
                 self._subcase,
@@ -256,7 +286,7 @@ class _Printout:
                 label=self._label or self._subtitle,
             )
         known = self._vector.setdefault(node, row)
-        if not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
+        if known is not row and not np.allclose(known, row, rtol=_REPEATED_SHAPE, atol=0.0):
             raise ValueError(f"mode {self._mode} has two different values at node {node}")
 
     def _row_of_mass(self, line: str) -> None:
@@ -264,9 +294,11 @@ class _Printout:
         found = self._masses[-1]
         if (point := _REFERENCE.search(line)) is not None:
             found.reference = int(point[1])
-        parts = line.replace("*", " ").split()
-        if "*" in line and len(parts) == _SIZE and len(found.rows) < _SIZE:
-            found.rows.append([read_real(part) for part in parts])
+        inside = line.strip()
+        if inside[:1] == inside[-1:] == "*" and len(found.rows) < _SIZE:
+            parts = inside[1:-1].split()
+            if len(parts) == _SIZE or found.rows:
+                found.rows.append(_read_components(parts))
 
     def _skip(self, what: str) -> None:
         self._take = self._nothing
@@ -332,10 +364,12 @@ class _Printout:
     def _cases(self) -> list[NastranCase]:
         """Return the shapes of all analyses; those of a flutter analysis are not in vacuo."""
         cases = self._vectors.cases()
-        if self._flutter.is_empty:
+        if self._flutter.is_empty and not self._is_flutter:
             return cases
         if any(case.is_complex for case in cases):
-            self._refused.append("complex modes of a flutter analysis, which are not in vacuo")
+            self._refused.append(
+                "complex modes: roots of a flutter analysis (SOL 145), which are not in vacuo"
+            )
         return [case for case in cases if not case.is_complex]
 
     def _complete_masses(self) -> list[_MassMatrix]:
@@ -355,3 +389,19 @@ class _Printout:
             yield Field("rigid/mass", np.array(found.rows))
             yield Field("rigid/reference", np.array([found.reference]))
         yield from self._flutter.fields()
+
+
+def _read_eigenvalue(line: str) -> complex | None:
+    """Read the eigenvalue in the heading of a shape; None if it is not one of a mode."""
+    if (value := _EIGENVALUE.match(line)) is not None:
+        return read_real(value[1])
+    if (value := _COMPLEX_EIGENVALUE.match(line)) is not None:
+        return complex(read_real(value[1]), read_real(value[2]))
+    return None
+
+
+def _read_components(parts: list[str]) -> list[float]:
+    """Read the six components of a row."""
+    if len(parts) != _SIZE:
+        raise ValueError(f"it has {len(parts)} numbers, {_SIZE} are expected")
+    return [read_real(part) for part in parts]

@@ -13,12 +13,14 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
 from flexsid.importers.nastran.modal_cases import NastranCase, list_cases, list_notes
 from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
+from flexsid.importers.numbers import read_integer, read_real
 from flexsid.importers.source import Field
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
 _COMPLEX_MODE = re.compile(
     r"\$EIGENVALUE\s*=\s*\(\s*(\S+?)\s*,\s*(\S+?)\s*\)\s+MODE\s*=\s*(\d+)", re.IGNORECASE
 )
+_ROW = re.compile(r"^\s*([^\sA-Za-z$]\S*?|NaN)\s*([GSLHM]|(?<=\s)E)(?![A-Za-z])(.*)$")
 _POINT = re.compile(r"\$POINT ID\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\$SUBCASE ID\s*=\s*(\d+)", re.IGNORECASE)
 _LABEL = re.compile(r"\$(SUBTITLE|LABEL)\s*=\s*(.*\S)", re.IGNORECASE)
@@ -42,7 +44,7 @@ def read(path: Path) -> Iterator[Field]:
     punched = _Punched()
     for number, line in enumerate(text.splitlines(), start=1):
         try:
-            punched.take(line[:72])  # a sequence number follows
+            punched.take(line)
         except ValueError as error:
             raise UnreadableFile(
                 f"line {number}: '{line[:72].strip()[:60]}' cannot be read ({error}).", row=number
@@ -75,15 +77,20 @@ class _Punched:
         """Read a title, or a part of a row."""
         if line.startswith("$"):
             self._end_row()
-            self._take_title(line)
+            self._take_title(line[:72])
             return
+        line, sequence = line[:72], line[72:].strip()
         parts = line.split()
+        found = _ROW.match(line)
+        if (found or line.startswith("-CONT-")) and sequence and not sequence.isdigit():
+            raise ValueError(f"'{sequence[:20]}' in columns 73 to 80 is not a number of a row")
         if parts and parts[0] == "-CONT-":
             if self._put is not None:
-                self._row += [float(part) for part in parts[1:4]]
-        elif len(parts) >= 5 and parts[1] == "G":
+                self._row += _read_three(parts[1:])
+        elif found is not None:
             self._end_row()
-            self._begin_row(parts)
+            if found[2] == "G":
+                self._begin_row(found[1], found[3].split())
 
     def cases(self) -> list[NastranCase]:
         """Return the shapes of every analysis."""
@@ -111,14 +118,16 @@ class _Punched:
         if not self._is_read:
             self._table = self._point = None
         elif (found := _COMPLEX_MODE.search(line)) is not None and self._is_complex:
-            root = complex(float(found[1]), float(found[2]))
+            root = complex(read_real(found[1]), read_real(found[2]))
             self._table = self._shapes.begin(
                 self._subcase, int(found[3]), root, is_complex=True, label=self._label
             )
         elif (found := _MODE.search(line)) is not None and not self._is_complex:
             self._table = self._shapes.begin(
-                self._subcase, int(found[2]), float(found[1]), label=self._label
+                self._subcase, int(found[2]), read_real(found[1]), label=self._label
             )
+        elif title.startswith("$EIGENVALUE"):
+            raise ValueError("the eigenvalue is not one of this kind of shapes")
 
     def _begin_point(self, line: str) -> None:
         """Begin the shapes at a node, if they are those of real modes."""
@@ -136,22 +145,24 @@ class _Punched:
         if text not in self.refused:
             self.refused.append(text)
 
-    def _begin_row(self, parts: list[str]) -> None:
-        first = [float(part) for part in parts[2:5]]
+    def _begin_row(self, head: str, parts: list[str]) -> None:
+        if self._table is None and self._point is None:
+            return
+        first = _read_three(parts)
         if self._table is not None:
-            node, table = int(parts[0]), self._table
+            node, table = read_integer(head), self._table
             if node in table:
                 raise ValueError(f"node {node} is repeated in this mode")
             self._row, self._put = first, partial(table.__setitem__, node)
         elif self._point is not None:
-            if "." not in parts[0]:
+            if "." not in head:
                 self._note("mode shapes sorted by node (SORT2) without eigenvalues")
                 self._is_read, self._point = False, None
                 return
             shapes = self._by_node.setdefault(
                 self._subcase, VectorsByNode(self._subcase, self._label)
             )
-            rows, eigenvalue = shapes.rows.setdefault(self._point, []), float(parts[0])
+            rows, eigenvalue = shapes.rows.setdefault(self._point, []), read_real(head)
             self._row = first
             self._put = lambda row: rows.append((eigenvalue, row))
 
@@ -170,3 +181,10 @@ class _Punched:
             row = [complex(real, imaginary) for real, imaginary in pairs]
         self._put(row)
         self._row, self._put = [], None
+
+
+def _read_three(parts: list[str]) -> list[float]:
+    """Read the three components of a line."""
+    if len(parts) != _COMPONENTS // 2:
+        raise ValueError(f"it has {len(parts)} numbers, {_COMPONENTS // 2} are expected")
+    return [read_real(part) for part in parts]

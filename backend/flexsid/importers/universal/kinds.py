@@ -165,9 +165,7 @@ def _elements_2412(found: FoundKind, block: Block) -> None:
 
 def _shape_55(found: FoundKind, block: Block) -> None:
     counts = (block.integers(6) + [0] * 4)[:4]
-    numbers = block.reals(7)
-    if counts[1] > 0:
-        block.check_count(7, numbers, counts[1])
+    numbers = block.reals(7, 4, 6, counts[1])  # some programs state 4 of complex modes, and write 6
     _append_shape(found, block, 5, counts[3], numbers, 8)
 
 
