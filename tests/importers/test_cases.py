@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
+import h5py
 import numpy as np
 import pytest
 
@@ -231,3 +232,86 @@ def test_parts_of_decks_are_recognised_by_their_suffix():
     assert part["deck/n_grids"].tolist() == [0]
     assert deck["grid/id"].size == 6
     assert fem["grid/id"].size == 2
+
+
+RATE_HZ, N_SAMPLES = 50.0, 200
+TIMES = np.arange(N_SAMPLES) / RATE_HZ
+
+
+@pytest.mark.parametrize(
+    ("name", "time", "rate"),
+    [
+        *((f"table-{name}.csv", "time_s", "q_degs") for name in ("quoted-decimal-comma", "utf16")),
+        *(
+            (f"table-{name}.csv", "time_s", "q_degs")
+            for name in ("decimal-comma", "trailing-comma")
+        ),
+        ("hdf5-compound.h5", "log.time", "log.q"),
+        ("parquet-duration.parquet", "time", "q"),
+        ("matlab-struct-array.mat", "run(1).time", "run(1).q"),
+    ],
+)
+def test_tables_and_structures_are_read(name, time, rate):
+    found = read(name).items[0].arrays
+    assert np.ravel(found[time]) == pytest.approx(TIMES)
+    assert np.ravel(found[rate])[[0, 1, 50]] == pytest.approx([0.0, 0.05996, 0.14112], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("table-trailing-comma.csv", "the empty cell after the last delimiter"),
+        ("matlab-sparse.mat", "q: a sparse matrix"),
+        ("ulog-truncated.ulg", "the log ends within a message"),
+        ("chapter10-wrong-data-checksum.ch10", "12 packets whose data checksum is wrong"),
+    ],
+)
+def test_what_is_not_read_is_named(name, what):
+    assert any(what in note for note in read(name).items[0].not_read)
+
+
+def test_a_separator_of_thousands_is_refused(tmp_path):
+    assert "row 2, column 'alt_ft' holds '1,000.0'" in refuse(read, "table-quoted-thousands.csv")
+    for rows in ('"0,02";"1.010,5"', "0,02;1.010", '"0,02","1.010"'):
+        file = tmp_path / "a.csv"
+        delimiter = ";" if ";" in rows else ","
+        file.write_text(f"t{delimiter}h\n{rows}\n" + rows.replace("1.010", "1010") + "\n")
+        with pytest.raises(FlexsidError, match="row 2, column 'h' holds"):
+            list(read_file(file, "a.csv"))
+    file.write_text('t,h\n"0","1,010"\n"1","1,020"\n')  # thousands or decimals
+    with pytest.raises(FlexsidError, match="holds '1,010'"):
+        list(read_file(file, "a.csv"))
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "row"),
+    [("table-sentinel.csv", "q_degs", 52), ("hdf5-fill-value.h5", "q", 51)],
+)
+def test_missing_samples_are_refused_with_their_row(name, column, row):
+    (source,) = read(name).items
+    with pytest.raises(FlexsidError, match=f"row {row}, column '{column}'"):
+        source.check_finite(np.ravel(source.arrays[column]), column)
+
+
+def test_ordinary_numbers_are_no_missing_samples():
+    (source,) = read("table-decimal-comma.csv").items
+    source.check_finite(np.array([9990.0, 9999.0, 10010.0]), "alt")
+    source.check_finite(np.full(5, -9999.0), "constant")
+
+
+def test_scale_and_offset_of_a_data_set_are_applied(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["q"] = np.array([1, 2, -9], "i2")
+        file["q"].attrs.update({"scale_factor": 0.5, "add_offset": 10.0, "missing_value": -9})
+        file["odd"] = np.zeros(3, "V4")
+    found = {one.path: one.samples for one in read_file(tmp_path / "a.h5", "a.h5")}
+    assert found["q"].tolist()[:2] == [10.5, 11.0]
+    assert np.isnan(found["q"][2])
+    assert found["not_read"].tolist() == ["odd: data of type |V4"]
+
+
+def test_sensors_of_one_stamp_are_told_apart():
+    (log,) = read("dataflash-two-instances.bin").items
+    assert log.arrays["IMU.GyrY"].size == log.arrays["IMU.1.GyrY"].size == 300
+    assert log.arrays["IMU.1.GyrY"] == pytest.approx(-log.arrays["IMU.GyrY"])
+    assert np.diff(log.arrays["IMU.TimeUS"]) == pytest.approx(0.01)

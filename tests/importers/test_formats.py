@@ -207,7 +207,8 @@ def test_parquet_columns_units_and_moments(tmp_path: Path) -> None:
     columns = [pa.array(moments), pa.array(Q), pa.array(COUNTS), pa.array(["x"] * 40)]
     pq.write_table(pa.table(columns, schema=pa.schema(fields)), tmp_path / "flight.parquet")
     source = read(tmp_path / "flight.parquet")
-    assert list(source.arrays) == ["clock", "q", "counts"]
+    assert list(source.arrays) == ["clock", "q", "counts", "not_read"]
+    assert source.not_read == ("pilot: a column of type string",)
     np.testing.assert_array_equal(source.arrays["q"], Q)
     assert source.arrays["q"].dtype == np.float32
     np.testing.assert_array_equal(source.arrays["counts"], COUNTS)

@@ -1,4 +1,4 @@
-"""Text: one row per sample, delimited or in columns of fixed width, UTF-8 or Latin-1.
+"""Text: one row per sample, delimited or in columns of fixed width, UTF-8, UTF-16 or Latin-1.
 
 Rows of text above the header, a row of units below it, a delimiter at the end of every row and
 columns of time stamps (see ``time_stamps``) are understood.
@@ -6,6 +6,8 @@ columns of time stamps (see ``time_stamps``) are understood.
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -16,7 +18,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 from flexsid.importers.time_stamps import parse_time_stamp
 
 LARGEST_COLUMNS = 4096
@@ -25,11 +27,14 @@ LARGEST_COLUMNS = 4096
 LARGEST_LINE = 1024 * 1024
 _BLOCK_LINES = 20_000
 _HEAD_LINES = 50
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_CLEARLY_DECIMAL = re.compile(r"[-+]?(?:0,\d+|\d+,(?:\d{1,2}|\d{4,})(?:[Ee][-+]?\d+)?)")
+"""A comma of decimals; that of 1,010 may separate thousands."""
 
 
 def recognises(head: bytes) -> bool:
     """Return whether the first bytes are text."""
-    return b"\x00" not in head
+    return head.startswith(_UTF_16) or b"\x00" not in head
 
 
 def read(path: Path) -> Iterator[Field]:
@@ -57,6 +62,9 @@ def read(path: Path) -> Iterator[Field]:
     for index, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True)):
         samples = np.concatenate([block[:, index] for block in blocks])
         yield Field(name, samples, unit, first_row=layout.first_row)
+    if layout.has_empty_cell:
+        note = "the empty cell after the last delimiter of each row, for which there is no name"
+        yield Field(NOT_READ, np.array([note]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,23 +80,25 @@ class _Layout:
     stamps: tuple[int, ...]
     """Indices of the columns of time stamps."""
     ends_delimited: bool
+    has_empty_cell: bool
+    """Whether rows end with a delimiter, and their header does not."""
 
     def cells(self, line: str) -> list[str]:
         return _split(self._strip(line), self.delimiter, self.width)
 
     def plain(self, line: str) -> str:
         """Return a row in a form that numpy reads."""
-        if self.width is None and not self.stamps:
-            line = self._strip(line)
-            return line.replace(",", ".") if self.decimal_comma else line
-        cells = self.cells(line)
+        if self.width is None and not self.stamps and not self.decimal_comma:
+            return self._strip(line)
+        original = cells = self.cells(line)
+        if self.decimal_comma:
+            cells = [_convert_decimals(cell) for cell in cells]
         for index in self.stamps:
-            seconds = parse_time_stamp(cells[index]) if index < len(cells) else None
+            seconds = parse_time_stamp(original[index]) if index < len(cells) else None
             if seconds is not None:
                 cells[index] = repr(seconds)
         delimiter = "," if self.width is not None else self.delimiter
-        joined = (delimiter or " ").join(cells)
-        return joined.replace(",", ".") if self.decimal_comma else joined
+        return (delimiter or " ").join(cells)
 
     def _strip(self, line: str) -> str:
         if not self.ends_delimited or self.delimiter is None:
@@ -96,7 +106,18 @@ class _Layout:
         return line.rstrip("\r ").removesuffix(self.delimiter)
 
 
+def _convert_decimals(cell: str) -> str:
+    """Return a number with a decimal comma as one with a point; other cells are unchanged.
+
+    A point separates thousands in such a file, so that a cell with one is no number.
+    """
+    return f"'{cell}'" if "." in cell else cell.replace(",", ".")
+
+
 def _encoding(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(2) in _UTF_16:
+            return "utf-16"
     try:
         with path.open(encoding="utf-8") as file:
             while file.read(LARGEST_LINE):
@@ -129,22 +150,24 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         raise UnreadableFile(
             "row 1, column 1 is missing: the file holds no header and no sample.", row=1, column=1
         )
-    rows = rows[_count_preamble([line for _, line in rows]) :]
-    row, header = rows[0]
-    lines = [line for _, line in rows]
+    at_end = _find_end_delimiter([line for _, line in rows])
+    stripped = [
+        (row, line if at_end is None else line.rstrip("\r ").removesuffix(at_end))
+        for row, line in rows
+    ]
+    n_above = _count_preamble([line for _, line in stripped])
+    rows, stripped = rows[n_above:], stripped[n_above:]
+    row, header = stripped[0]
+    lines = [line for _, line in stripped]
     delimiter = _delimiter(header)
-    ends_delimited = delimiter is not None and all(
-        line.rstrip("\r ").endswith(delimiter) for line in lines
-    )
-    if ends_delimited and delimiter is not None:
-        lines = [line.rstrip("\r ").removesuffix(delimiter) for line in lines]
-        header = lines[0]
+    ends_delimited = at_end is not None and at_end == delimiter
+    has_empty_cell = at_end is not None and not rows[0][1].rstrip("\r ").endswith(at_end)
     width = None if delimiter is not None else _width(lines)
     _check_quotes(header, delimiter, row)
     names = _split(header, delimiter, width)
     symbols: list[str] = []
-    comma = delimiter == ";" and any(_is_decimal_comma(c) for c in _split(lines[-1], ";", None))
-    if all(_is_value(name.replace(",", ".") if comma else name) for name in names):
+    comma = _has_decimal_commas(lines, delimiter)
+    if all(_is_value(_convert_decimals(name) if comma else name) for name in names):
         above = _split(comments[-1].lstrip("#% "), delimiter, None) if comments else []
         named = len(above) == len(names) and not any(map(_is_number, above))
         names = above if named else [str(number) for number in range(1, len(names) + 1)]
@@ -173,7 +196,27 @@ def _layout(head: Sequence[tuple[int, str]]) -> _Layout:
         decimal_comma=comma,
         stamps=stamps,
         ends_delimited=ends_delimited,
+        has_empty_cell=has_empty_cell,
     )
+
+
+def _find_end_delimiter(lines: Sequence[str]) -> str | None:
+    """Return the delimiter with which all rows of samples end; a header may end without it."""
+    last = lines[-1].rstrip("\r ")[-1:]
+    if last not in (";", ",", "\t"):
+        return None
+    count = _count(lines[-1], last)
+    ends = [line.rstrip("\r ").endswith(last) for line in lines if _count(line, last) == count]
+    return last if all(ends) else None
+
+
+def _has_decimal_commas(lines: Sequence[str], delimiter: str | None) -> bool:
+    """Return whether decimals have a comma: between semicolons, or in cells in quotes."""
+    if delimiter == ";":
+        return any(map(_is_decimal_comma, _split(lines[-1], delimiter, None)))
+    if delimiter != "," or '"' not in lines[-1]:
+        return False
+    return any(_CLEARLY_DECIMAL.fullmatch(c) for line in lines for c in _split(line, ",", None))
 
 
 def _count_preamble(lines: Sequence[str]) -> int:
@@ -186,7 +229,7 @@ def _count_preamble(lines: Sequence[str]) -> int:
     delimiter = next((one for one in (";", "\t", ",") if one in lines[-1]), None)
     if delimiter is None:
         return 0
-    counts = [line.count(delimiter) for line in lines]
+    counts = [_count(line, delimiter) for line in lines]
     first = len(lines)
     while first > 0 and counts[first - 1] == counts[-1]:
         first -= 1
@@ -233,7 +276,18 @@ def _fits(rows: Sequence[str], width: int) -> bool:
 def _split(line: str, delimiter: str | None, width: int | None) -> list[str]:
     if width is not None:
         return [line[at : at + width].strip() for at in range(0, len(line), width)]
+    if delimiter is not None and '"' in line:  # quoted cells may hold the delimiter (RFC 4180)
+        return [cell.strip().strip('"').strip() for cell in _split_quoted(line, delimiter)]
     return [cell.strip().strip('"').strip() for cell in line.split(delimiter)]
+
+
+def _count(line: str, delimiter: str) -> int:
+    """Return the number of delimiters outside of quotes."""
+    return len(_split(line, delimiter, None)) - 1
+
+
+def _split_quoted(line: str, delimiter: str) -> list[str]:
+    return next(csv.reader([line.rstrip("\r")], delimiter=delimiter, skipinitialspace=True))
 
 
 def _is_number(cell: str) -> bool:
@@ -328,7 +382,7 @@ def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) 
     for row, line in lines:
         if line.count('"') % 2:
             raise UnreadableFile(f"row {row} has a quotation mark that is never closed.", row=row)
-        cells = layout.cells(line.replace(",", ".") if layout.decimal_comma else line)
+        cells = layout.cells(line)
         if len(cells) != len(names):
             at = names[len(cells)] if len(cells) < len(names) else str(len(names) + 1)
             raise UnreadableFile(
@@ -339,7 +393,8 @@ def _raise_at_first_bad_cell(lines: Sequence[tuple[int, str]], layout: _Layout) 
             )
         for index, (name, cell) in enumerate(zip(names, cells, strict=True)):
             stamped = index in layout.stamps
-            if not _is_number(cell) and not (stamped and parse_time_stamp(cell) is not None):
+            number = _convert_decimals(cell) if layout.decimal_comma else cell
+            if not _is_number(number) and not (stamped and parse_time_stamp(cell) is not None):
                 found = "is empty" if not cell else f"holds '{cell[:40]}'"
                 expected = "time stamp" if stamped else "number"
                 raise UnreadableFile(

@@ -21,6 +21,8 @@ _MAGIC = b"\xa3\x95\x80"  # of the first message, which defines the others
 _TEXT = b"FMT,"
 _CLOCK = "TimeUS"
 _DEFINITIONS = {"FMT", "FMTU", "MULT", "PARM", "UNIT"}
+_INSTANCE = "I"
+"""Column of the number of a sensor in all messages that have one."""
 _HEADER = 3  # bytes before the fields of a message
 _NUMBERS = {
     **{"b": "i1", "B": "u1", "M": "u1", "g": "<f2", "h": "<i2", "H": "<u2", "i": "<i4"},
@@ -75,7 +77,7 @@ def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
             own = np.ascontiguousarray(rows[:, start : start + size])
             fields[column] = own.view(_NUMBERS[kind])[:, 0]
         start += size
-    instance = message.instance_field
+    instance = message.instance_field or _find_instance(fields)
     instances = fields.pop(instance, None) if instance else None
     numbers = [None] if instances is None else sorted(set(instances.tolist()))
     for number in numbers:
@@ -89,6 +91,17 @@ def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
                 samples = fields[column][selected]
                 scaled = samples if factor == 1.0 else samples * factor
                 yield Field(f"{shown}.{column}", scaled, unit, clock)
+
+
+def _find_instance(fields: dict[str, np.ndarray]) -> str | None:
+    """Return the column that tells sensors of one time stamp apart, if the log does not name it."""
+    own = fields.get(_INSTANCE)
+    if own is None or own.dtype.kind not in "iu" or np.unique(own).size < 2:
+        return None
+    stamps = fields[_CLOCK]
+    pairs = np.stack([stamps.astype(np.int64), own.astype(np.int64)])
+    is_repeated = np.unique(stamps).size < stamps.size
+    return _INSTANCE if is_repeated and np.unique(pairs, axis=1).shape[1] == stamps.size else None
 
 
 def _find_unit(message: Any, index: int) -> tuple[str, float]:

@@ -9,10 +9,11 @@ import h5py
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, Field
+from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, NOT_READ, Field
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _COMPLEX_PARTS = (("r", "i"), ("real", "imag"))  # of h5py, of MATLAB
+_FILLS = ("_FillValue", "missing_value")
 _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "UNITS")
 
 
@@ -24,7 +25,9 @@ def recognises(head: bytes) -> bool:
 def read(path: Path, matlab: bool = False) -> Iterator[Field]:
     """Read every data set; groups become dotted paths, an attribute ``units`` is read.
 
-    A complex data set ``H`` becomes ``H real`` and ``H imaginary``.
+    A complex data set ``H`` becomes ``H real`` and ``H imaginary``, a table its columns. Attributes
+    ``scale_factor``, ``add_offset`` and ``_FillValue`` are applied (CF conventions); a fill value
+    becomes NaN. The field ``not_read`` lists other data sets.
 
     Parameters
     ----------
@@ -39,13 +42,21 @@ def read(path: Path, matlab: bool = False) -> Iterator[Field]:
         If the file holds links, or data sets whose samples are in other files.
     """
     with h5py.File(path, "r") as file:
-        yield from _leaves(file, "", matlab, set())
+        left: list[str] = []
+        yield from _leaves(file, "", matlab, set(), left)
+        if left:
+            yield Field(NOT_READ, np.array(left))
 
 
-def _leaves(group: h5py.Group, prefix: str, matlab: bool, seen: set[h5py.Group]) -> Iterator[Field]:
+def _leaves(
+    group: h5py.Group, prefix: str, matlab: bool, seen: set[h5py.Group], left: list[str]
+) -> Iterator[Field]:
     if group in seen:  # an endless tree
         raise UnreadableFile(f"group '{prefix}' has more than one name.", column=prefix)
     seen.add(group)
+    if matlab and "MATLAB_sparse" in group.attrs:
+        left.append(f"{prefix.rstrip('.')}: a sparse matrix; save it with full()")
+        return
     for name in group:
         if not name or (matlab and name.startswith("#")):
             continue
@@ -55,9 +66,12 @@ def _leaves(group: h5py.Group, prefix: str, matlab: bool, seen: set[h5py.Group])
             )
         item = _open(group, name, f"{prefix}{name}")
         if isinstance(item, h5py.Group):
-            yield from _leaves(item, f"{prefix}{name}.", matlab, seen)
+            yield from _leaves(item, f"{prefix}{name}.", matlab, seen, left)
         elif isinstance(item, h5py.Dataset):
-            yield from _leaf(item, f"{prefix}{name}", matlab)
+            fields = list(_leaf(item, f"{prefix}{name}", matlab))
+            if not fields and not _is_empty(item):
+                left.append(f"{prefix}{name}: {_describe(item, matlab)}")
+            yield from fields
 
 
 def _open(parent: h5py.Group, key: str | h5py.Reference, path: str) -> h5py.HLObject | None:
@@ -89,9 +103,12 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
     is_text = h5py.check_string_dtype(item.dtype) is not None
     is_complex = item.dtype.kind == "c" or item.dtype.names in _COMPLEX_PARTS
     is_cell = matlab and item.attrs.get("MATLAB_class") == b"cell"
-    if item.shape is None or not (is_text or is_complex or is_cell or item.dtype.kind in "biuf"):
+    if _is_empty(item):
         return
-    if "MATLAB_empty" in item.attrs:
+    if item.dtype.names and not is_complex:
+        yield from _columns(item, path)
+        return
+    if not (is_text or is_complex or is_cell or item.dtype.kind in "biuf"):
         return
     if is_text:
         texts = np.atleast_1d(item.asstr(errors="replace")[()]).reshape(-1)
@@ -112,7 +129,53 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
         for name, part in zip(("real", "imaginary"), parts, strict=True):
             yield Field(f"{path} {name}", np.ascontiguousarray(part), _unit(item))
         return
-    yield Field(path, values, _unit(item))
+    yield Field(path, _apply_conventions(item, values), _unit(item))
+
+
+def _is_empty(item: h5py.Dataset) -> bool:
+    return item.shape is None or "MATLAB_empty" in item.attrs
+
+
+def _describe(item: h5py.Dataset, matlab: bool) -> str:
+    """Return what a data set holds that is not read."""
+    if h5py.check_ref_dtype(item.dtype) is not None:
+        what = "an array of structures, or cells that are not all texts" if matlab else "references"
+        return f"{what}, {item.shape}"
+    return f"data of type {item.dtype}"
+
+
+def _columns(item: h5py.Dataset, path: str) -> Iterator[Field]:
+    """Read the columns of a table; those of other types are not read."""
+    table = np.asarray(item)
+    for name in item.dtype.names:
+        values = table[name]
+        if h5py.check_string_dtype(item.dtype[name]) is not None:
+            values = np.array([_to_text(one) for one in values.reshape(-1)])
+        if values.dtype.kind in "biufU":
+            yield Field(f"{path}.{name}", np.ascontiguousarray(values))
+
+
+def _to_text(value: bytes | str) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _apply_conventions(item: h5py.Dataset, values: np.ndarray) -> np.ndarray:
+    """Apply fill values, scale factor and offset that the attributes of a data set state."""
+    fills = [number for name in _FILLS for number in _read_numbers(item, name)]
+    scale, offset = (_read_numbers(item, name) for name in ("scale_factor", "add_offset"))
+    if not (fills or scale or offset) or values.dtype.kind not in "iuf":
+        return values
+    is_missing = np.isin(values, fills)
+    if is_missing.any() or scale or offset:
+        values = values.astype(float) * (scale[0] if scale else 1.0)
+        values += offset[0] if offset else 0.0
+        values[is_missing] = np.nan
+    return values
+
+
+def _read_numbers(item: h5py.Dataset, name: str) -> list[float]:
+    value = np.asarray(item.attrs.get(name, ())).reshape(-1)
+    return value.astype(float).tolist() if value.dtype.kind in "iuf" else []
 
 
 def _decode(codes: np.ndarray) -> np.ndarray:

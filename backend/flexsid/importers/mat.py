@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy import io
+from scipy import io, sparse
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers import hdf5
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 
 DEEPEST = 16
 
@@ -67,10 +67,13 @@ def read(path: Path) -> Iterator[Field]:
     _check_length(path)
     # MATLAB objects (e.g. an ss system) are listed as unnamed variables; they are skipped.
     names = [name for name, _, _ in io.whosmat(path) if not name.startswith("__")]
+    left: list[str] = []
     for name in names:
         content = io.loadmat(path, variable_names=[name], verify_compressed_data_integrity=True)
-        for field, values in _leaves(name, content.get(name), 0):
+        for field, values in _leaves(name, content.get(name), 0, left):
             yield Field(field, values)
+    if left:
+        yield Field(NOT_READ, np.array(left))
 
 
 def _check_length(path: Path) -> None:
@@ -87,21 +90,35 @@ def _check_length(path: Path) -> None:
             position = file.seek(end)
 
 
-def _leaves(path: str, value: object, depth: int) -> Iterator[tuple[str, np.ndarray]]:
+def _leaves(
+    path: str, value: object, depth: int, left: list[str]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the arrays of a variable; what is none is added to ``left`` with its kind."""
+    if sparse.issparse(value):
+        left.append(f"{path}: a sparse matrix; save it with full()")
+        return
     if depth > DEEPEST or not isinstance(value, np.ndarray):
+        left.append(f"{path}: {'a too deep structure' if depth > DEEPEST else 'an object'}")
         return
     if value.dtype.names is not None:
         elements = value.reshape(-1)
         for number, element in enumerate(elements, start=1):
             prefix = path if elements.size == 1 else f"{path}({number})"
             for name in value.dtype.names:
-                yield from _leaves(f"{prefix}.{name}", element[name], depth + 1)
+                yield from _leaves(f"{prefix}.{name}", element[name], depth + 1, left)
     elif value.dtype.kind == "O":
         cells = value.reshape(-1).tolist()
         if cells and all(isinstance(c, np.ndarray) and c.dtype.kind == "U" for c in cells):
             yield path, np.array(["".join(cell.reshape(-1)) for cell in cells])
+        elif any(isinstance(cell, np.ndarray) and cell.dtype.names for cell in cells):
+            for number, cell in enumerate(cells, start=1):
+                yield from _leaves(f"{path}({number})", cell, depth + 1, left)
+        elif cells:
+            left.append(f"{path}: cells that are not all texts")
     elif value.dtype.kind == "c":
         yield f"{path} real", np.real(value).copy()
         yield f"{path} imaginary", np.imag(value).copy()
     elif value.dtype.kind in "biufU":
         yield path, value
+    elif value.size:
+        left.append(f"{path}: data of type {value.dtype}")

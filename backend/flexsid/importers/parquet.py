@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 
 
 def recognises(head: bytes) -> bool:
@@ -18,7 +18,9 @@ def recognises(head: bytes) -> bool:
 
 
 def read(path: Path) -> Iterator[Field]:
-    """Read the columns of numbers or time stamps; time stamps are converted to seconds.
+    """Read the columns of numbers or times; time stamps and durations are converted to seconds.
+
+    The field ``not_read`` lists the other columns.
 
     Raises
     ------
@@ -29,12 +31,15 @@ def read(path: Path) -> Iterator[Field]:
     import pyarrow.parquet as pq
 
     pa.set_cpu_count(1)
+    left: list[str] = []
     with pq.ParquetFile(path) as file:
         schema = file.schema_arrow
         for described in schema:
             name, kind = described.name, described.type
-            is_time, is_flag = pa.types.is_timestamp(kind), pa.types.is_boolean(kind)
+            is_time = pa.types.is_timestamp(kind) or pa.types.is_duration(kind)
+            is_flag = pa.types.is_boolean(kind)
             if not (is_time or is_flag or pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+                left.append(f"{name}: a column of type {kind}")
                 continue
             column = file.read([name], use_threads=False).column(0)
             if is_time:
@@ -44,6 +49,8 @@ def read(path: Path) -> Iterator[Field]:
                 yield Field(name, _plain(column.cast(pa.uint8()), name))
             else:
                 yield Field(name, _plain(column, name), _unit(described.metadata))
+    if left:
+        yield Field(NOT_READ, np.array(left))
 
 
 def _plain(column: Any, name: str) -> np.ndarray:

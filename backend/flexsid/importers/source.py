@@ -21,6 +21,10 @@ LARGEST_CONTENT = 2 * 1024**3
 NOT_READ = "not_read"
 """Field of texts in which a reader names what of a file it does not read, and why."""
 
+_MISSING = (-9999.0, -99999.0, -999.0, -999.25, 9999.0, 99999.0, -32768.0, 1e30, -1e30)
+_MISSING_RATIO = 5.0
+"""Values that recorders write for a missing sample, if they exceed all others by this ratio."""
+
 COUNTS = "counts"
 """Unit of numbers that a file does not convert: they are no known quantity."""
 
@@ -71,6 +75,24 @@ class SourceFile:
                 f"{self.name}: row {row}, column '{label}' holds {samples[bad[0]]}; "
                 f"every sample must be a finite number of at most {largest:.3g}.",
                 code="not-finite",
+                row=row,
+                column=label,
+            )
+        self._check_missing(samples, label)
+
+    def _check_missing(self, samples: np.ndarray, label: str) -> None:
+        """Reject numbers that stand for missing samples, naming row and column."""
+        is_missing = np.isin(samples, _MISSING)
+        if samples.dtype.kind not in "iuf" or not is_missing.any() or is_missing.all():
+            return
+        rest = np.abs(samples[~is_missing]).max()
+        at = np.flatnonzero(is_missing & (np.abs(samples) > _MISSING_RATIO * rest))
+        if at.size:
+            row = self.first_row + int(at[0])
+            raise UnreadableFile(
+                f"{self.name}: row {row}, column '{label}' holds {samples[at[0]]:g}, which stands "
+                f"for a missing sample ({at.size} of {samples.size}); cut the record there.",
+                code="missing-sample",
                 row=row,
                 column=label,
             )

@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import contextlib
 import os
+import struct
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 
 _MAGIC = b"ULog\x01\x12\x35"
 _CLOCKS = ("timestamp_sample", "timestamp")  # of the measurement, of the message
 _US = 1e-6
+_FILE_HEADER = 16  # bytes
+_MESSAGE = struct.Struct("<HB")  # size of the content and type
 
 
 def recognises(head: bytes) -> bool:
@@ -47,3 +50,17 @@ def read(path: Path) -> Iterator[Field]:
             if key not in _CLOCKS and not key.startswith("_padding"):
                 path_of_field = key.replace("[", ".").replace("]", "")
                 yield Field(f"{name}.{path_of_field}", samples, "", f"{name}.{clock}")
+    if _is_cut_off(path):
+        note = "the log ends within a message: what follows is missing"
+        yield Field(NOT_READ, np.array([note]))
+
+
+def _is_cut_off(path: Path) -> bool:
+    """Return whether the last message of a log is incomplete."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        at = file.seek(_FILE_HEADER)
+        while len(head := file.read(_MESSAGE.size)) == _MESSAGE.size:
+            at += _MESSAGE.size + _MESSAGE.unpack(head)[0]
+            file.seek(at)
+    return at != size

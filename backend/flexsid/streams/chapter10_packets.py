@@ -136,7 +136,9 @@ class Chapter10Decoder:
         found = False
         for packet in read_packets(content):
             found = True
-            if packet.kind == SETUP_RECORD:
+            if not packet.is_intact:
+                self.monitor.reject("a packet whose data checksum is wrong")
+            elif packet.kind == SETUP_RECORD:
                 self._read_setup(packet)
             elif packet.kind in (PCM, ANALOG):
                 yield from self._take(packet)

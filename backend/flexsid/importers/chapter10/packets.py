@@ -41,6 +41,8 @@ KINDS = {
 
 SYNC = b"\x25\xeb"
 _HEADER = struct.Struct("<HHIIBBBB6sH")
+_SUMS = {1: np.dtype("u1"), 2: np.dtype("<u2"), 3: np.dtype("<u4")}
+"""Words of the data checksum by the last two flags of a packet."""
 _SECONDARY = 12  # bytes
 _LARGEST_PACKET = 128 * 1024**2  # of a setup record; others have at most 512 kB
 
@@ -55,6 +57,8 @@ class Packet:
     flags: int
     ticks: int
     data: memoryview
+    is_intact: bool = True
+    """Whether its data have the sum that the packet states; true if it states none."""
 
     @property
     def word(self) -> int:
@@ -90,13 +94,26 @@ def read_packets(content: mmap.mmap | bytes) -> Iterator[Packet]:
         if stop > size:  # the recording ends within it
             return
         ticks = int.from_bytes(counter, "little")
-        yield Packet(channel, kind, sequence, flags, ticks, view[body : body + n_data])
+        intact = _has_valid_sum(view[body:stop], flags)
+        yield Packet(channel, kind, sequence, flags, ticks, view[body : body + n_data], intact)
         start = stop
 
 
 def _is_valid(header: memoryview) -> bool:
     words = np.frombuffer(header, dtype="<u2")
     return int(words[:-1].sum(dtype=np.uint32)) & 0xFFFF == int(words[-1])
+
+
+def _has_valid_sum(body: memoryview, flags: int) -> bool:
+    """Return whether the checksum at the end of a packet is that of its data and filler."""
+    kind = _SUMS.get(flags & 3)
+    if kind is None:
+        return True
+    size = len(body) // kind.itemsize * kind.itemsize
+    words = np.frombuffer(body[:size], dtype=kind)
+    if size != len(body) or words.size < 2:
+        return False
+    return int(words[:-1].sum(dtype=np.uint64)) % 256**kind.itemsize == int(words[-1])
 
 
 def read_time(packet: Packet) -> float:

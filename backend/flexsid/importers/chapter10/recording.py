@@ -84,8 +84,11 @@ def _scan(content: mmap.mmap) -> _Recording:
     recording = _Recording()
     texts: list[bytes] = []
     has_time = False
+    damaged = 0
     for packet in read_packets(content):
-        if packet.kind == SETUP_RECORD:
+        if not packet.is_intact:
+            damaged += 1
+        elif packet.kind == SETUP_RECORD:
             if is_xml(packet):
                 recording.not_read.append("setup record in XML: channels have numbers as names")
             else:
@@ -99,5 +102,7 @@ def _scan(content: mmap.mmap) -> _Recording:
             recording.channels.setdefault((packet.channel, packet.kind), []).append(packet)
         elif packet.channel:  # channel 0 has indices and events of the recorder
             recording.others[packet.channel, packet.kind] += 1
+    if damaged:
+        recording.not_read.append(f"{damaged} packets whose data checksum is wrong")
     recording.setup = parse_setup_record(b"".join(texts).decode("latin-1"))
     return recording
