@@ -315,3 +315,26 @@ def test_sensors_of_one_stamp_are_told_apart():
     assert log.arrays["IMU.GyrY"].size == log.arrays["IMU.1.GyrY"].size == 300
     assert log.arrays["IMU.1.GyrY"] == pytest.approx(-log.arrays["IMU.GyrY"])
     assert np.diff(log.arrays["IMU.TimeUS"]) == pytest.approx(0.01)
+
+
+def test_result_files_of_msc_nastran():
+    modes = read_modes("msc-nastran-modes.h5")
+    assert modes.omega[0] / (2.0 * np.pi) == pytest.approx([3.5, 11.25], rel=1e-7)
+    assert modes.mass is not None
+    assert modes.mass[0] == pytest.approx([1.0, 1.0])
+    assert modes.node_ids.tolist() == [101, 102, 103, 104, 105, 106]
+    y, x = np.abs(modes.nodes[:, 1]), np.abs(modes.nodes[:, 0])
+    assert np.abs(modes.shape[0, 0, :, 2]) == pytest.approx((y / 4.0) ** 2, abs=1e-7)
+    assert np.abs(modes.shape[0, 0, :, 3]) == pytest.approx(y / 8.0, abs=1e-7)
+    assert np.abs(modes.shape[0, 1, :, 2]) == pytest.approx(np.abs((y - 2.0) * (x - 0.5)), abs=1e-7)
+
+
+def test_buckling_shapes_of_a_result_file_are_no_modes(tmp_path):
+    file = tmp_path / "a.h5"
+    file.write_bytes((CASES / "msc-nastran-modes.h5").read_bytes())
+    with h5py.File(file, "r+") as opened:
+        table = opened["NASTRAN/RESULT/DOMAINS"]
+        rows = table[()]
+        rows["ANALYSIS"] = 8
+        table[...] = rows
+    assert "eigenvectors of buckling" in refuse(read_modes, str(file))

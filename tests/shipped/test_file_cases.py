@@ -79,6 +79,7 @@ def test_what_is_no_mode_is_refused_with_the_reason(
         (["universal-three-digit-exponent-55.unv"], [5.0]),
         (["universal-node-comments-55.unv"], [5.0]),
         (["nastran95-cyclic-frequency.f06", "wing-six-grids.bdf"], [3.5, 11.25]),
+        (["msc-nastran-modes.h5"], [3.5, 11.25]),
         (["mystran-modes.f06", "nastran-two-grids.bdf"], [5.0, 9.0]),
     ],
 )

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from flexsid.errors import UnreadableFile
+from flexsid.importers.nastran.result_tables import is_result, read_tables
 from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, NOT_READ, Field
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
@@ -43,9 +44,19 @@ def read(path: Path, matlab: bool = False) -> Iterator[Field]:
     """
     with h5py.File(path, "r") as file:
         left: list[str] = []
-        yield from _leaves(file, "", matlab, set(), left)
+        fields = _leaves(file, "", matlab, set(), left)
+        if "NASTRAN" in file and not matlab:
+            yield from _convert_results(list(fields))
+        else:
+            yield from fields
         if left:
             yield Field(NOT_READ, np.array(left))
+
+
+def _convert_results(fields: list[Field]) -> Iterator[Field]:
+    """Yield the modal data of a result file of Nastran, or the fields of another file."""
+    columns = {field.path: np.asarray(field.samples) for field in fields}
+    yield from read_tables(columns) if is_result(iter(columns)) else fields
 
 
 def _leaves(
