@@ -20,11 +20,16 @@ from estimation import as_experiment, fit, free_all, make_problem, report_result
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.structure_determination.candidates import search_candidates
-from flexsid.sysid.structure_determination.evidence import SubsetEstimate, estimate_subset
-from flexsid.sysid.structure_determination.likelihood import (
-    compute_likelihood_evidence,
-    select_candidates,
+from flexsid.sysid.structure_determination.candidates import select_candidates
+from flexsid.sysid.structure_determination.evidence import (
+    SubsetEstimate,
+    compute_evidence,
+    estimate_subset,
+)
+from flexsid.sysid.structure_determination.selection import (
+    SelectionState,
+    Thresholds,
+    select_terms,
 )
 
 
@@ -43,9 +48,8 @@ def print_single_changes() -> None:
     everything = np.ones(parameters.start.size, dtype=bool)
 
     def judge() -> SubsetEstimate:
-        evidence = compute_likelihood_evidence(
-            experiment, parameters, estimate.values, parameters.start.size
-        )
+        n_data = 2.0 * experiment.measured.size
+        evidence = compute_evidence(estimate, estimate.names, n_data)
         return estimate_subset(evidence, everything)
 
     now, seconds = timed(judge, repeat=21)
@@ -87,7 +91,15 @@ def print_search() -> None:
     problem = replace(problem, measured=z)
     parameters = free_all(problem, problem.start)
     _, fit_s = timed(lambda: fit(problem, parameters), repeat=5)
-    found, seconds = timed(lambda: search_candidates([as_experiment(problem)], parameters), 5)
+    experiment = as_experiment(problem)
+
+    def search() -> SelectionState:
+        full = maximize([experiment], parameters)
+        evidence = compute_evidence(full, full.names, 2.0 * experiment.measured.size)
+        everything = np.ones(values.size, dtype=bool)
+        return select_terms([evidence], SelectionState(everything), Thresholds())
+
+    found, seconds = timed(search, 5)
     expected = {parameters.names[i] for i in range(values.size) if i not in absent}
     report_result(
         "structure_search_vs_fit",
@@ -95,8 +107,7 @@ def print_search() -> None:
         "one converged fit with all terms",
         search_ms=1e3 * seconds,
         fit_ms=1e3 * fit_s,
-        fits=len(found.candidates),
-        wrong_terms=len(expected ^ set(found.best.selected)),
+        wrong_terms=len(expected ^ {parameters.names[k] for k in np.flatnonzero(found.selected)}),
     )
 
 

@@ -123,7 +123,7 @@ def test_page_rest_command_client_batch_template_and_agent_request_one_run(
     assert run["structure"] == proposal["structure"]
 
 
-def test_a_candidate_of_a_search_opens_as_the_proposed_run(
+def test_a_search_proposes_what_the_run_of_the_record_supports(
     client: Client, proposal: dict[str, Any]
 ) -> None:
     body = {
@@ -136,12 +136,25 @@ def test_a_candidate_of_a_search_opens_as_the_proposed_run(
     ended = client.wait_for_end(f"searches/{search['id']}")
     assert ended["state"] == "succeeded", ended["error"]
     result = ended["result"]
-    # Its model is not that of the run, so that it decides nothing.
-    assert "retain out-of-band modes" in result["undecided"]
-    assert result["undecided"] in result["sentence"]
-    assert not any(one["proposed"] for one in result["candidates"])
-    run = client.send("post", f"searches/{search['id']}/candidates/0/run")
+    # Its model is that of the run, which its tests do not reject: the search proposes one.
+    assert result["undecided"] == ""
+    (proposed,) = (one for one in result["candidates"] if one["proposed"])
+    assert proposed["adequacy"] == "consistent"
+    number = result["candidates"].index(proposed)
+    run = client.send("post", f"searches/{search['id']}/candidates/{number}/run")
     assert run["settings"] == proposal["settings"]
+    # The run of the record holds no term that the search drops.
+    record = client.send("post", "runs", {"maneuver_id": MANEUVER, "method": "EE"})
+    found = client.wait_for_end(f"runs/{record['id']}")["parameters"]
+    held = {row["name"] for row in found if abs(row["value"]) > 4.5 * row["std_error"]}
+    assert len(held) > 35
+    assert held <= set(proposed["structure"]["free"])
+    # Nor differ the values at the end of its path from those of the run.
+    values = {row["name"]: row for row in found}
+    terms = [term for group in result["groups"] for term in group["terms"] if term["selected"]]
+    for term in terms:
+        of_run = values[term["name"]]
+        assert abs(term["value"] - of_run["value"]) < 2.0 * of_run["std_error"], term["name"]
 
 
 def test_a_live_test_point_queues_the_run_that_the_page_proposes_for_it(client: Client) -> None:

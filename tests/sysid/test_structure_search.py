@@ -8,22 +8,20 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import OMEGA, Case, add_noise
 
-from flexsid.errors import BadInput, Cancelled
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.estimation.equation_error import equation_error
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
+from flexsid.sysid.estimation.regression import Regression, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.collinearity import find_near_dependencies
-from flexsid.sysid.structure_determination.candidates import search_candidates
-from flexsid.sysid.structure_determination.equation import (
-    compute_equation_evidence,
-    compute_regression_evidence,
-)
-from flexsid.sysid.structure_determination.evidence import estimate_subset
-from flexsid.sysid.structure_determination.likelihood import (
-    compute_likelihood_evidence,
-    select_candidates,
+from flexsid.sysid.structure_determination.candidates import select_candidates
+from flexsid.sysid.structure_determination.evidence import (
+    Evidence,
+    compute_evidence,
+    estimate_subset,
 )
 from flexsid.sysid.structure_determination.search import (
     StructureSelection,
@@ -31,10 +29,12 @@ from flexsid.sysid.structure_determination.search import (
     select_stepwise,
 )
 from flexsid.sysid.structure_determination.selection import (
+    SelectionState,
     Thresholds,
     compute_selection_frequency,
+    select_terms,
 )
-from flexsid.sysid.structure_determination.validation import cross_validate
+from flexsid.sysid.structure_determination.validation import ValidationModel, cross_validate
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",
@@ -49,20 +49,31 @@ def without(case: Case, absent: tuple[str, ...], scale: float = 1.0) -> Case:
     return replace(case, truth=DerivativeTable.from_names(truth.modes, truth.inputs, values))
 
 
-def evidence(case: Case, seed: int, share: float = 0.03):
+def evidence(case: Case, seed: int, share: float = 0.03) -> dict[str, Evidence]:
+    """Evidence of equation error with all terms, by coefficient."""
     u, y = case.spectra(seed)
     z = add_noise(y, share, np.random.default_rng(1000 + seed))
     through = np.ones(z.shape, dtype=complex)
     motion = reconstruct_motion(case.model, FrequencyData(OMEGA, z, case.model.outputs), through)
     inputs = FrequencyData(OMEGA, u, case.model.inputs)
-    return compute_equation_evidence(case.model, motion, inputs, case.free())
+    estimate = equation_error(case.model, motion, inputs, case.free())
+    terms: dict[str, list[str]] = {}
+    for name in estimate.names:
+        terms.setdefault(name.split("_")[0], []).append(name)
+    return {
+        row: compute_evidence(estimate, names, 2.0 * OMEGA.size) for row, names in terms.items()
+    }
 
 
-def exact(n_omega: int, p: int) -> ErrorsInVariables:
-    """Nothing is uncertain but a little of the dependent variable."""
-    return ErrorsInVariables(
-        np.zeros((n_omega, p, p)), np.zeros((n_omega, p)), np.full(n_omega, 1e-6)
+def build_estimate(names: tuple[str, ...], values: np.ndarray, covariance: np.ndarray) -> Estimate:
+    return Estimate(
+        names, values, values, covariance, covariance, (), (), Outcome.CONVERGED, "solved"
     )
+
+
+def as_estimate(names: tuple[str, ...], found: Regression) -> Estimate:
+    estimate = build_estimate(names, found.values, found.covariance)
+    return replace(estimate, corrected_covariance=found.corrected_covariance)
 
 
 def find_absent(found: StructureSelection) -> list[str]:
@@ -115,12 +126,11 @@ def test_evidence_gives_the_values_and_errors_of_the_regression_itself():
     X = rng.normal(size=(80, 4)) + 1j * rng.normal(size=(80, 4))
     z = X @ [1.0, -0.5, 0.0, 0.2] + 0.3 * (rng.normal(size=80) + 1j * rng.normal(size=80))
     names = ("CZ_a", "CZ_b", "CZ_c", "CZ_d")
-    found = compute_regression_evidence(X, z, names, exact(80, 4))
     plain = regress(X, z, names)
+    found = compute_evidence(as_estimate(names, plain), names, 160.0)
     all_in = estimate_subset(found, np.ones(4, dtype=bool))
     assert np.allclose(all_in.values, plain.values)
-    assert np.all(all_in.variance > 0.999 * np.diag(plain.corrected_covariance))
-    assert np.all(all_in.variance < 1.5 * np.diag(plain.corrected_covariance))
+    assert np.allclose(all_in.variance, np.diag(plain.corrected_covariance))
     three = np.array([True, True, False, True])
     fewer = regress(X[:, three], z, ("CZ_a", "CZ_b", "CZ_d"))
     subset = estimate_subset(found, three)
@@ -129,26 +139,37 @@ def test_evidence_gives_the_values_and_errors_of_the_regression_itself():
     assert subset.values[2] == pytest.approx(plain.values[2])
 
 
-def test_one_of_two_identical_terms_is_selected():
-    rng = np.random.default_rng(5)
-    X = rng.normal(size=(60, 3)) + 1j * rng.normal(size=(60, 3))
-    X = np.column_stack([X, X[:, 0], np.zeros(60)])
-    z = X[:, 0] + X[:, 1] + 0.1 * (rng.normal(size=60) + 1j * rng.normal(size=60))
-    names = ("CZ_a", "CZ_b", "CZ_c", "CZ_same", "CZ_still")
-    found = select_stepwise([compute_regression_evidence(X, z, names, exact(60, 5))])
-    assert "CZ_b" in found.selected
-    assert len({"CZ_a", "CZ_same"} & set(found.selected)) == 1
-    assert not {"CZ_c", "CZ_still"} & set(found.selected)
+def test_evidence_on_some_terms_is_that_of_the_marginal_likelihood():
+    """The Schur complement over the other parameters, their priors included."""
+    rng = np.random.default_rng(9)
+    root = rng.normal(size=(40, 6))
+    information = root.T @ root + np.diag([0.0, 0.0, 0.0, 4.0, 4.0, 4.0])
+    A, B, D = information[:3, :3], information[:3, 3:], information[3:, 3:]
+    names = ("CZ_a", "CZ_b", "CZ_c", "CZ_n1", "CZ_n2", "CZ_n3")
+    values = rng.normal(size=6)
+    found = compute_evidence(
+        build_estimate(names, values, np.linalg.inv(information)), names[:3], 80.0
+    )
+    marginal = A - B @ np.linalg.inv(D) @ B.T
+    assert np.allclose(found.information, marginal)
+    assert np.allclose(found.moment, marginal @ values[:3])
+    assert np.allclose(found.scatter, marginal)
 
 
-def test_more_candidates_than_frequencies_still_end_in_a_choice():
-    rng = np.random.default_rng(6)
-    X = rng.normal(size=(10, 30)) + 1j * rng.normal(size=(10, 30))
-    z = 5.0 * X[:, 3] + 0.01 * (rng.normal(size=10) + 1j * rng.normal(size=10))
-    names = tuple(f"CZ_t{k}" for k in range(30))
-    found = select_stepwise([compute_regression_evidence(X, z, names, exact(10, 30))])
-    assert "CZ_t3" in found.selected
-    assert len(found.selected) < 20
+def test_terms_that_a_run_holds_are_never_dropped(make_case):
+    case = without(make_case(1), ("CZ_etadot7", "CZ_wf2s"))
+    row = evidence(case, 7)
+    for method in ("stepwise", "orthogonal functions"):
+        free = search_equations([row], method)
+        held = search_equations([row], method, forced={"CZ_wf2s"})
+        assert set(find_absent(free)) == {"CZ_etadot7", "CZ_wf2s"}
+        assert find_absent(held) == ["CZ_etadot7"]
+
+
+def test_terms_without_standard_errors_have_no_evidence():
+    estimate = build_estimate(("CZ_a", "CZ_b"), np.ones(2), np.diag([1.0, np.nan]))
+    with pytest.raises(NotIdentifiable, match="CZ_b have no standard error"):
+        compute_evidence(estimate, ("CZ_a", "CZ_b"), 80.0)
 
 
 def test_resampled_frequencies_choose_strong_terms_always_and_absent_ones_hardly(make_case):
@@ -185,78 +206,26 @@ def test_output_error_finds_the_true_structure_from_all_terms(make_case, n_modes
     absent = tuple(name for name in ABSENT if name in base.truth.named())
     case = without(base, absent)
     for seed in range(6):
-        candidates = base.free(off=0.2, seed=seed)
-        found = search_candidates([output_error_of(case, seed)], candidates)
-        assert set(candidates.names) - set(found.best.selected) == set(absent), seed
-        assert found.best.converged
-        assert found.best is found.candidates[-1]
-
-
-def test_terms_missing_at_the_start_come_in_by_their_score(make_case):
-    base = make_case(1)
-    case = without(base, ("CZ_etadot7", "Cm_bfs"))
-    candidates = case.free()
-    missing = {"CZ_etadot7", "Cm_bfs", "Cm_eta7", "CQ7_wf2s", "CZ_wf4s"}
-    begin = [name for name in candidates.names if name not in missing]
-    start = replace(candidates, start=case.truth.values.ravel() * 1.1)
-    found = search_candidates([output_error_of(case, 11)], start, begin)
-    assert set(candidates.names) - set(found.best.selected) == {"CZ_etadot7", "Cm_bfs"}
-    assert found.candidates[0].selected == tuple(begin)
-    assert "entered by the score" in found.candidates[1].why
-
-
-def test_a_search_is_cancelled_within_a_fit(make_case):
-    case, seen = make_case(1), []
-
-    def cancel_fit(fitted: int, message: str) -> None:
-        seen.append(message)
-        if message.endswith("iteration 2"):
-            raise Cancelled("cancelled")
-
-    with pytest.raises(Cancelled):
-        search_candidates([output_error_of(case, 0)], case.free(off=0.2), report=cancel_fit)
-    assert len(seen) == 3  # before the fit, and two of its iterations
+        experiment, candidates = output_error_of(case, seed), base.free(off=0.2, seed=seed)
+        full = maximize([experiment], candidates)
+        found = compute_evidence(full, full.names, 2.0 * experiment.measured.size)
+        everything = np.ones(len(full.names), dtype=bool)
+        end = select_terms([found], SelectionState(everything), Thresholds())
+        dropped = {full.names[k] for k in np.flatnonzero(~end.selected)}
+        assert dropped == set(absent), seed
 
 
 def test_the_predicted_change_agrees_with_the_refit(make_case):
     case = without(make_case(1), ("CZ_etadot7", "Cm_bfs"))
     experiment, candidates = output_error_of(case, 12), case.free()
     full = maximize([experiment], candidates)
-    evidence = compute_likelihood_evidence(experiment, candidates, full.values, full.values.size)
+    found = compute_evidence(full, full.names, 2.0 * experiment.measured.size)
     inside = np.ones(full.values.size, dtype=bool)
     inside[candidates.names.index("Cm_bfs")] = False
     fewer = maximize([experiment], select_candidates(candidates, inside, full.values))
     rose = 2.0 * (fewer.steps[-1].cost - full.steps[-1].cost)
-    out = estimate_subset(evidence, np.ones_like(inside))
+    out = estimate_subset(found, np.ones_like(inside))
     assert out.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
-    theta = np.zeros(full.values.size)
-    theta[inside] = fewer.values
-    back = estimate_subset(
-        compute_likelihood_evidence(experiment, candidates, theta, int(inside.sum())), inside
-    )
-    assert back.change[~inside][0] == pytest.approx(rose, rel=0.1, abs=0.05)
-    assert back.values[~inside] == pytest.approx(full.values[~inside], rel=0.05)
-
-
-def test_several_maneuvers_share_a_model_structure_and_have_their_own_values(make_case):
-    base = make_case(1)
-    absent = ("CZ_etadot7", "Cm_bfs")
-    maneuvers = [
-        output_error_of(without(base, absent, scale), seed, share=0.1)
-        for seed, scale in enumerate((0.8, 1.0, 1.2))
-    ]
-    found = search_candidates(maneuvers, base.free())
-    assert set(base.truth.named()) - set(found.best.selected) == set(absent)
-    slopes = [dict(zip(e.names, e.values, strict=True)) for e in found.best.estimates]
-    assert [round(one["CZ_alpha"] / base.truth.named()["CZ_alpha"], 1) for one in slopes] == [
-        0.8, 1.0, 1.2,
-    ]  # fmt: skip
-
-
-def test_a_start_that_is_no_candidate_is_refused(make_case):
-    case = make_case(0, n_outputs=9)
-    with pytest.raises(BadInput, match="CZ_eta7 cannot be in the model"):
-        search_candidates([output_error_of(case, 1)], case.free(), ["CZ_eta7"])
 
 
 def test_nearly_dependent_terms_are_named_with_their_condition_index():
@@ -282,8 +251,9 @@ def test_the_true_structure_predicts_best_what_it_did_not_see(make_case):
     for name, gone in (("true", absent), ("all", ()), ("few", ("CZ_wf1s", "Cm_q", *absent))):
         free = everything & [n not in gone for n in candidates.names]
         estimate = maximize([fitted], select_candidates(candidates, free, candidates.start))
-        halves = cross_validate([fitted], [estimate], candidates)
-        elsewhere = cross_validate([fitted], [estimate], candidates, [unseen, faster])
+        models = [ValidationModel(one, candidates) for one in (fitted, unseen, faster)]
+        halves = cross_validate(models[:1], [estimate])
+        elsewhere = cross_validate(models[:1], [estimate], models[1:])
         assert [len(halves), len(elsewhere)] == [2, 2]
         assert all(0.8 < one.r_squared < 1.0 for one in elsewhere)
         costs[name] = sum(one.cost for one in elsewhere)
@@ -296,6 +266,6 @@ def test_every_maneuver_is_predicted_by_the_rest(make_case):
     case = make_case(1)
     maneuvers = [replace(output_error_of(case, k, 0.1), name=f"m{k}") for k in range(3)]
     estimates = [maximize([one], case.free()) for one in maneuvers]
-    found = cross_validate(maneuvers, estimates, case.free())
+    found = cross_validate([ValidationModel(one, case.free()) for one in maneuvers], estimates)
     assert [one.name for one in found] == ["m0", "m1", "m2"]
     assert min(one.r_squared for one in found) > 0.98

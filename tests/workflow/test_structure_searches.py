@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
+from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalTable
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, RunState
+from flexsid.records.run import AdequacyState, Method, RunState
 from flexsid.records.search import InitialTerms, SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.workflow.structure_determination.fitted_models import HoldingRun
 from flexsid.workflow.structure_determination.searches import (
     compute_search,
     create_candidate_run,
@@ -114,6 +116,32 @@ def test_turbulence_hides_no_absent_terms(flown_store: Store):
     assert proposed is not None
     assert len(set(ABSENT) - set(proposed.structure.absent)) <= 2
     assert abs((proposed.flutter_m_s or 0.0) - 70.1) < 2.0 * (proposed.flutter_std_m_s or 0.0)
+
+
+def test_nothing_is_proposed_where_a_test_rejects_the_model_with_all_terms(flown_store: Store):
+    """With a derivative held at a wrong value the terms compensate it."""
+    wrong = 0.7 * load_truth().derivatives_at(0.5, 2).named()["Cm_alpha"]
+    request = build_search(Method.OE)
+    structure = replace(request.structure, fixed={"Cm_alpha": wrong})
+    task = prepare_search(flown_store, replace(request, structure=structure))
+    result = compute_search(task, lambda progress: None)
+    assert result.proposed is None
+    full = max(result.candidates, key=lambda one: one.n_terms)
+    assert full.adequacy is AdequacyState.SUSPECT
+    assert result.undecided == (
+        f"the tests of a run reject the model with all terms. {full.adequacy_reason}"
+    )
+    assert result.sentence == f"Not decided: {result.undecided}"
+
+
+def test_terms_that_a_stored_run_holds_are_not_proposed_for_removal(flown_store: Store):
+    task = prepare_search(flown_store, build_search(Method.OE))
+    assert not task.held
+    held = {"CQ7_q": HoldingRun(12, 5.0)}
+    result = compute_search(replace(task, held=held), lambda progress: None)
+    assert result.proposed is not None
+    assert "CQ7_q" not in result.proposed.structure.absent
+    assert "CQ7_q stays, since run 12 holds it at 5 standard errors." in result.warnings
 
 
 def test_search_over_a_campaign_is_cross_validated(flown_store: Store):

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Progress, RunState
+from flexsid.records.run import AdequacyState, Method, Progress, RunState
 
 
 class Algorithm(StrEnum):
@@ -119,7 +119,8 @@ class SearchCandidate:
     """A structure on the way, fitted.
 
     ``predictive_cost`` is the negative log likelihood of all data it was not fitted to, None
-    where it predicts nothing finite; ``run_id`` is the run that opened it.
+    where it predicts nothing finite; ``adequacy`` the result of the tests for remaining model
+    error, with its reason; ``run_id`` is the run that opened it.
     """
 
     name: str
@@ -138,6 +139,8 @@ class SearchCandidate:
     flutter_std_m_s: float | None
     flutter: str
     run_id: int | None = None
+    adequacy: AdequacyState = AdequacyState.NOT_TESTED
+    adequacy_reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

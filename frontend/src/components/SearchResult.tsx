@@ -8,6 +8,7 @@ import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
 import { Figure } from "./Figure";
 import { JobWait } from "./JobWait";
+import { AdequacyBadge } from "./ModelAdequacy";
 import { ProblemAlert } from "./ProblemAlert";
 import { UnitName, WithInterval } from "./Quantity";
 import { Section } from "./Section";
@@ -118,6 +119,15 @@ function Candidates({ search, result }: CandidatesProps) {
       ),
     },
     { key: "terms", header: "Terms", numeric: true, render: ({ one }) => one.n_terms },
+    {
+      key: "adequacy",
+      header: "Model adequacy",
+      render: ({ one }) => (
+        <span title={one.adequacy_reason}>
+          <AdequacyBadge state={one.adequacy} />
+        </span>
+      ),
+    },
     {
       key: "predictive",
       header: "Predictive loss",

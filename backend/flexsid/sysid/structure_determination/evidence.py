@@ -1,4 +1,4 @@
-"""Evidence of the data on every candidate term, for any estimator.
+"""Evidence of an estimate on every candidate term, for any estimator.
 
 Around the estimate with all candidates, the weighted squared residuals are quadratic
 in the terms. The information, its moment and the scatter of the moment are then
@@ -14,6 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from flexsid.errors import NotIdentifiable
+from flexsid.sysid.estimation.estimate import Estimate
+
+N_PARTS = 20  # combs of frequencies for the bootstrap
+_RUN_LENGTH = 5  # neighbouring frequencies that stay together in a bootstrap
 _COLLINEAR_SHARE = 1e-9  # of a term's information: collinear with the selected ones below
 _RIDGE = 1e-12  # of a term's information: regularises collinear terms
 _LEAST_VARIANCE = 1e-20  # of a term's variance for white residuals, for noise-free data
@@ -23,60 +28,93 @@ _MAJORITY = 0.5  # of the maneuvers: more must support a term that the mean does
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
-    """Sums of the evidence over combs of frequencies, for the bootstrap."""
-
-    information: Float[np.ndarray, "n_parts p p"]
-    moment: Float[np.ndarray, "n_parts p"]
-    total: Float[np.ndarray, " n_parts"]
-
-
-@dataclass(frozen=True, slots=True)
 class Evidence:
     """Evidence of one maneuver on candidate terms, in units of the residuals' variance.
 
     Terms of a subset are estimated by solving ``information`` for ``moment``; ``total`` is
     the squared sum without any term, over ``n_data`` real numbers. ``scatter`` is the
     covariance of the moment for the residuals as they are, for white ones the same as the
-    information: once from neighbouring frequencies together, once from each alone, which includes
-    large residuals at a lightly damped mode. The larger one counts.
+    information. ``parts`` are the errors of the moment by combs of frequencies.
     """
 
     names: tuple[str, ...]
     information: Float[np.ndarray, "p p"]
     moment: Float[np.ndarray, " p"]
-    scatter: Float[np.ndarray, "2 p p"]
+    scatter: Float[np.ndarray, "p p"]
     total: float
     n_data: float
-    parts: Parts | None = None
-
-    def scale_by_overlap(self, overlap: float) -> Evidence:
-        """Scale the information by the number of frequencies per resolution of the record."""
-        share = 1.0 / overlap
-        parts = self.parts
-        thin = None
-        if parts is not None:
-            thin = Parts(share * parts.information, share * parts.moment, share * parts.total)
-        return replace(
-            self,
-            information=share * self.information,
-            moment=share * self.moment,
-            scatter=share * self.scatter,
-            total=share * self.total,
-            n_data=share * self.n_data,
-            parts=thin,
-        )
+    parts: Float[np.ndarray, "n_parts p"]
 
     def resample(self, counts: Float[np.ndarray, " n_parts"]) -> Evidence:
-        """Resample: evidence of a record with every comb of frequencies repeated so many times."""
-        parts = self.parts
-        assert parts is not None, "evidence was gathered without its parts"
-        return replace(
-            self,
-            information=np.tensordot(counts, parts.information, axes=1),
-            moment=counts @ parts.moment,
-            total=float(counts @ parts.total),
+        """Resample: evidence of a record with every comb of frequencies repeated so many times.
+
+        Notes
+        -----
+        To first order: the information is that of the record.
+        """
+        return replace(self, moment=self.moment + (counts - 1.0) @ self.parts)
+
+
+def compute_evidence(estimate: Estimate, names: Sequence[str], n_data: float) -> Evidence:
+    """Compute the evidence of one maneuver on some terms from its estimate with all of them.
+
+    Parameters
+    ----------
+    estimate
+        By any estimator. Its other parameters are marginalised: nuisance parameters with their
+        priors, and delays.
+    names
+        Candidate terms.
+    n_data
+        Real numbers that were fitted.
+
+    Raises
+    ------
+    NotIdentifiable
+        If a term has no standard error.
+
+    Notes
+    -----
+    With the information [[A, B], [B^T, D]] of terms and other parameters, priors included, that
+    of the marginal likelihood is the Schur complement A - B D^-1 B^T: the inverse of the terms'
+    part of the covariance. The sandwich covariance C gives the scatter A' C A'. With all terms the
+    weighted residuals have the mean square one.
+    """
+    own = estimate.select(names)
+    if not np.isfinite(own.std_errors).all():
+        lacking = [n for n, s in zip(names, own.std_errors, strict=True) if not np.isfinite(s)]
+        raise NotIdentifiable(
+            f"{', '.join(lacking[:4])} have no standard error with all candidates in the model; "
+            "fix some candidates, or use more maneuvers",
+            code="no-evidence",
         )
+    size = np.sqrt(np.diag(own.covariance))
+    outer = np.outer(size, size)
+    information = np.linalg.pinv(own.covariance / outer, rcond=1e-14, hermitian=True) / outer
+    scatter = information @ own.corrected_covariance @ information
+    moment = information @ own.values
+    parts = np.zeros((0, len(names)))
+    if own.components is not None and own.components.noise:
+        changes = np.concatenate(own.components.noise, axis=1)
+        comb = assign_combs(changes.shape[1])
+        by_comb = [changes[:, comb == number].sum(axis=1) for number in range(comb.max() + 1)]
+        parts = np.stack(by_comb) @ information
+    left = max(n_data - len(names), 1.0)
+    return Evidence(
+        names=tuple(names),
+        information=information,
+        moment=moment,
+        scatter=0.5 * (scatter + scatter.T),
+        total=float(left + moment @ own.values),
+        n_data=float(n_data),
+        parts=parts,
+    )
+
+
+def assign_combs(n_frequencies: int) -> np.ndarray:
+    """Assign each frequency to a comb; runs of neighbours stay together."""
+    run = np.arange(n_frequencies) // max(1, min(_RUN_LENGTH, n_frequencies // N_PARTS))
+    return run % N_PARTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +155,7 @@ def estimate_subset(evidence: Evidence, selected: Bool[np.ndarray, " p"]) -> Sub
     left[inside] = 1.0 / np.diag(A)[inside]
     free = left > _COLLINEAR_SHARE
     A[outside] /= np.where(free, left, 1.0)[outside, None]
-    spread = np.sum((A @ S) * A, axis=2).max(axis=0)
+    spread = np.sum((A @ S) * A, axis=1)
     variance = np.where(free, np.maximum(spread, _LEAST_VARIANCE), np.inf)
     values = np.where(free, A @ m, 0.0)
     return SubsetEstimate(values / scale, variance / scale**2, values**2 * left, rest)

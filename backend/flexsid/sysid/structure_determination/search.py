@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Bool
 
 from flexsid.errors import BadInput
 from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
@@ -40,10 +41,11 @@ def search_equations(
     maneuvers: Sequence[Mapping[str, Evidence]],
     method: SearchMethod = "stepwise",
     thresholds: Thresholds = DEFAULT_THRESHOLDS,
+    forced: Container[str] = (),
 ) -> StructureSelection:
     """Select the terms of every coefficient by equation error.
 
-    ``maneuvers`` is the evidence of each by coefficient, from ``compute_equation_evidence``.
+    ``maneuvers`` is the evidence of each by coefficient, ``forced`` are terms that stay.
 
     Raises
     ------
@@ -62,12 +64,14 @@ def search_equations(
             )
     select = select_stepwise if method == "stepwise" else select_by_orthogonal_functions
     return StructureSelection(
-        {name: select([one[name] for one in maneuvers], thresholds) for name in first}
+        {name: select([one[name] for one in maneuvers], thresholds, forced) for name in first}
     )
 
 
 def select_stepwise(
-    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
+    evidences: Sequence[Evidence],
+    thresholds: Thresholds = DEFAULT_THRESHOLDS,
+    forced: Container[str] = (),
 ) -> Selection:
     """Select the terms of one coefficient over one maneuver or many by stepwise regression.
 
@@ -79,15 +83,20 @@ def select_stepwise(
     again. The result with the lower predicted squared error is taken: a term that replaces
     another one early can exclude it permanently.
     """
-    nothing = SelectionState(np.zeros(len(evidences[0].names), dtype=bool))
-    forward = select_terms(evidences, nothing, thresholds)
-    backward = select_terms(evidences, _enter_all(evidences, forward, thresholds), thresholds)
+    stays = np.array([name in forced for name in evidences[0].names])
+    forward = select_terms(evidences, SelectionState(np.zeros_like(stays)), thresholds)
+    forward = _enter_terms(evidences, forward, thresholds, stays)
+    forward = select_terms(evidences, forward, thresholds, forced=stays)
+    backward = _enter_terms(evidences, forward, thresholds)
+    backward = select_terms(evidences, backward, thresholds, forced=stays)
     ends = [summarise_selection(evidences, end, thresholds) for end in (forward, backward)]
     return min(ends, key=lambda end: end.criteria.pse)
 
 
 def select_by_orthogonal_functions(
-    evidences: Sequence[Evidence], thresholds: Thresholds = DEFAULT_THRESHOLDS
+    evidences: Sequence[Evidence],
+    thresholds: Thresholds = DEFAULT_THRESHOLDS,
+    forced: Container[str] = (),
 ) -> Selection:
     """Select the terms of one coefficient over one maneuver or many by orthogonal functions.
 
@@ -99,32 +108,37 @@ def select_by_orthogonal_functions(
     whose partial F is below ``f_out`` are dropped.
     """
     names = evidences[0].names
+    stays = np.array([name in forced for name in names])
     nothing = np.zeros(len(names), dtype=bool)
     rest = pool_evidence(evidences, nothing).rest
-    path = _enter_all(evidences, SelectionState(nothing), thresholds).path
+    path = _enter_terms(evidences, SelectionState(nothing), thresholds).path
     criteria = [compute_criteria(evidences, nothing, rest, thresholds)]
     criteria += [step.criteria for step in path]
     path = path[: int(np.argmin([one.pse for one in criteria]))]
     entered = {step.term for step in path}
     best = SelectionState(np.array([name in entered for name in names]), path)
-    end = select_terms(evidences, best, thresholds, enter=False)
+    best = _enter_terms(evidences, best, thresholds, stays)
+    end = select_terms(evidences, best, thresholds, forced=stays, enter=False)
     return summarise_selection(evidences, end, thresholds)
 
 
-def _enter_all(
-    evidences: Sequence[Evidence], at: SelectionState, thresholds: Thresholds
+def _enter_terms(
+    evidences: Sequence[Evidence],
+    at: SelectionState,
+    thresholds: Thresholds,
+    which: Bool[np.ndarray, " p"] | None = None,
 ) -> SelectionState:
-    """Enter every candidate that the data resolve, the one of the largest gain first."""
+    """Enter terms, by default all that the data resolve, the one of the largest gain first."""
     selected, path = at.selected.copy(), list(at.path)
     now = pool_evidence(evidences, selected)
-    while not selected.all():
-        gain = np.where(selected, -1.0, now.gain)
+    while True:
+        missing = ~selected if which is None else which & ~selected
+        gain = np.where(missing, now.gain, -1.0)
         entering = int(np.argmax(gain))
         if gain[entering] <= 0.0:
-            break
+            return SelectionState(selected, tuple(path))
         f = float(now.f[entering])
         selected[entering] = True
         now = pool_evidence(evidences, selected)
         criteria = compute_criteria(evidences, selected, now.rest, thresholds)
         path.append(SelectionStep("enter", evidences[0].names[entering], f, criteria))
-    return SelectionState(selected, tuple(path))

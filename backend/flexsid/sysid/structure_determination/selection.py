@@ -199,7 +199,7 @@ def compute_selection_frequency(
     in every maneuver, which preserves the correlation between neighbours.
     """
     rng = np.random.default_rng(0)
-    sizes = [0 if one.parts is None else one.parts.total.size for one in evidences]
+    sizes = [len(one.parts) for one in evidences]
     hits = np.zeros(len(evidences[0].names))
     for _ in range(n_resamplings):
         drawn = []

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
@@ -17,8 +17,8 @@ from flexsid.sysid.estimation.leakage import fit_with_leakage_correction, remove
 from flexsid.sysid.estimation.likelihood import FitSettings, Report
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.stability.derivative_fusion import compute_weighted_mean
-from flexsid.sysid.structure_determination.equation import assign_combs
-from flexsid.sysid.structure_determination.likelihood import expand_values, select_candidates
+from flexsid.sysid.structure_determination.candidates import expand_values, select_candidates
+from flexsid.sysid.structure_determination.evidence import assign_combs
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +35,20 @@ class ValidationResult:
     r_squared: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ValidationModel:
+    """Data of a maneuver, and all parameters that a model of it can have."""
+
+    experiment: Experiment
+    candidates: Parameters
+
+
 def validate_prediction(
-    experiment: Experiment,
-    candidates: Parameters,
-    theta: Float[np.ndarray, " n_theta"],
-    kind: str = "diagonal",
+    model: ValidationModel, values: Mapping[str, float], kind: str = "diagonal"
 ) -> ValidationResult:
-    """Compute cost and R2 of values of all candidates on the data of a maneuver."""
+    """Compute cost and R2 of values of parameters on the data of a maneuver."""
+    experiment, candidates = model.experiment, model.candidates
+    theta = expand_values(candidates, values)
     response = FrequencyDomainModel(experiment, candidates).respond(theta)
     if np.isfinite(response.outputs).all():
         experiment = remove_leakage(experiment, candidates, theta)
@@ -57,10 +64,9 @@ def validate_prediction(
 
 
 def cross_validate(
-    maneuvers: Sequence[Experiment],
+    maneuvers: Sequence[ValidationModel],
     estimates: Sequence[Estimate],
-    candidates: Parameters,
-    others: Sequence[Experiment] = (),
+    others: Sequence[ValidationModel] = (),
     settings: FitSettings | None = None,
     report: Report | None = None,
 ) -> tuple[ValidationResult, ...]:
@@ -68,7 +74,8 @@ def cross_validate(
 
     ``others`` are validation maneuvers: other aids, other conditions. Without any, each
     maneuver is predicted by the values of the rest; a single one is fitted and predicted half
-    by half, reported as by ``maximize``. Candidates without estimate are not in the model.
+    by half, with the priors of ``settings``, reported as by ``maximize``. Candidates without
+    estimate are not in the model.
 
     Notes
     -----
@@ -76,45 +83,41 @@ def cross_validate(
     taken as the same at the condition predicted.
     """
     settings = settings or FitSettings()
-    inside = np.array([name in estimates[0].names for name in candidates.names])
-    values = [expand_values(inside, estimate.values) for estimate in estimates]
     if others:
-        mean = _pool_estimates(estimates, values, range(len(estimates)), inside)
-        return tuple(validate_prediction(one, candidates, mean, settings.noise) for one in others)
+        mean = _pool_estimates(estimates)
+        return tuple(validate_prediction(one, mean, settings.noise) for one in others)
     if len(maneuvers) == 1:
-        return _validate_halves(maneuvers[0], candidates, inside, values[0], settings, report)
+        return _validate_halves(maneuvers[0], estimates[0], settings, report)
     found = []
-    for index, experiment in enumerate(maneuvers):
-        rest = [k for k in range(len(maneuvers)) if k != index]
-        mean = _pool_estimates(estimates, values, rest, inside)
-        found.append(validate_prediction(experiment, candidates, mean, settings.noise))
+    for index, model in enumerate(maneuvers):
+        mean = _pool_estimates([*estimates[:index], *estimates[index + 1 :]])
+        found.append(validate_prediction(model, mean, settings.noise))
     return tuple(found)
 
 
 def _validate_halves(
-    experiment: Experiment,
-    candidates: Parameters,
-    inside: Bool[np.ndarray, " n_theta"],
-    theta: Float[np.ndarray, " n_theta"],
-    settings: FitSettings,
-    report: Report | None,
+    model: ValidationModel, estimate: Estimate, settings: FitSettings, report: Report | None
 ) -> tuple[ValidationResult, ...]:
+    experiment, candidates = model.experiment, model.candidates
+    values = dict(zip(estimate.names, estimate.values.tolist(), strict=True))
+    inside = np.array([name in values for name in candidates.names])
+    parameters = select_candidates(candidates, inside, expand_values(candidates, values))
     even = assign_combs(experiment.omega.size) % 2 == 0
     found = []
     for fitted, name in (
         (even, "second half of the frequencies"),
         (~even, "first half of the frequencies"),
     ):
-        parameters = select_candidates(candidates, inside, theta)
         try:
             half = [select_frequencies(experiment, fitted)]
-            estimate = fit_with_leakage_correction(half, parameters, settings, report)[1]
+            own = fit_with_leakage_correction(half, parameters, settings, report)[1]
         except NotIdentifiable:
             found.append(ValidationResult(name, np.inf, -np.inf))
             continue
         elsewhere = replace(select_frequencies(experiment, ~fitted), name=name)
-        values = expand_values(inside, estimate.values)
-        found.append(validate_prediction(elsewhere, candidates, values, settings.noise))
+        refitted = dict(zip(own.names, own.values.tolist(), strict=True))
+        held_out = replace(model, experiment=elsewhere)
+        found.append(validate_prediction(held_out, refitted, settings.noise))
     return tuple(found)
 
 
@@ -136,18 +139,12 @@ def select_frequencies(
     )
 
 
-def _pool_estimates(
-    estimates: Sequence[Estimate],
-    values: Sequence[np.ndarray],
-    indices: Sequence[int],
-    inside: Bool[np.ndarray, " n_theta"],
-) -> Float[np.ndarray, " n_theta"]:
-    theta = np.zeros(inside.size)
-    own = np.stack([values[k][inside] for k in indices])
+def _pool_estimates(estimates: Sequence[Estimate]) -> dict[str, float]:
+    names = estimates[0].names
+    own = np.stack([one.select(names).values for one in estimates])
     try:
-        theta[inside] = compute_weighted_mean(
-            own, [estimates[k].corrected_covariance for k in indices]
-        )[0]
+        covariances = [one.select(names).corrected_covariance for one in estimates]
+        mean = compute_weighted_mean(own, covariances)[0]
     except (NotIdentifiable, np.linalg.LinAlgError):
-        theta[inside] = own.mean(axis=0)
-    return theta
+        mean = own.mean(axis=0)
+    return dict(zip(names, mean.tolist(), strict=True))

@@ -11,7 +11,7 @@ import numpy as np
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Method, Provenance, RunSettings
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.nuisance import NuisancePrior
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, NuisancePrior
 from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
@@ -70,7 +70,8 @@ class EstimationTask:
     out-of-band modes from ``predicted``. ``nuisance`` is the prior of the derivatives of the
     retained modes, which follow those of the model structure in every model. ``modal_std`` are
     the standard deviations of derivatives due to the modal table, which the data do not reduce.
-    ``corrected`` are the data of the maneuvers in place of those of their transforms, if any.
+    ``corrected`` are the data of the maneuvers in place of those of their transforms, if any;
+    ``spread`` is that of the nuisance prior with which the fit starts.
     """
 
     method: Method
@@ -89,6 +90,7 @@ class EstimationTask:
     modal_std: dict[str, float]
     nuisance: NuisancePrior | None = None
     corrected: tuple[ManeuverData, ...] = ()
+    spread: float = PRIOR_SPREAD
 
     @property
     def retained(self) -> tuple[int, ...]:

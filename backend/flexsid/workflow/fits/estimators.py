@@ -160,7 +160,7 @@ def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFi
     """Estimate by equation error."""
     report(Progress(message="Reconstructing motion from the sensors"))
     parameters = select_free_parameters(task, get_first_start(task), task.extras)
-    fit = fit_equation_error(task, parameters)
+    fit = fit_equation_error(task, parameters, task.spread)
 
     def refit(estimate: Estimate, spread: float) -> Estimate:
         nonlocal fit

@@ -17,7 +17,6 @@ from flexsid.sysid.estimation.feedback_noise import (
 from flexsid.sysid.estimation.joint_noise import estimate_joint_noise, has_input_noise
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
@@ -84,7 +83,7 @@ def fit_without_feedback_noise(
         settings = build_fit_settings(task, spread)
         return remove_feedback_noise(experiments, noise, parameters, settings, report_iteration)
 
-    tried = ((name, one, remove(one, PRIOR_SPREAD)) for name, one in candidates.items())
+    tried = ((name, one, remove(one, task.spread)) for name, one in candidates.items())
     start, parameters, found = next(
         (each for each in tried if each[2] is not None), ("", None, None)
     )
@@ -99,7 +98,7 @@ def fit_without_feedback_noise(
         found = again
         return _fit_corrected(task, found, parameters, spread).estimate
 
-    estimate = _fit_corrected(task, found, parameters, PRIOR_SPREAD).estimate
+    estimate = _fit_corrected(task, found, parameters, task.spread).estimate
     spread, _ = refit_until_consistent(task, estimate, refit)
     fit = _fit_corrected(task, found, parameters, spread)
     return replace(fit, start=start)

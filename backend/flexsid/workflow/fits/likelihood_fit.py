@@ -15,7 +15,6 @@ from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.leakage import correct_leakage, join_histories
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.signals import FrequencyData
@@ -143,13 +142,13 @@ def correct_interpolation(
     ]
 
 
-def build_fit_settings(task: EstimationTask, spread: float = PRIOR_SPREAD) -> FitSettings:
-    """Build the settings of the likelihood maximisation of a task."""
+def build_fit_settings(task: EstimationTask, spread: float | None = None) -> FitSettings:
+    """Build the settings of the likelihood maximisation of a task, by default with its spread."""
     settings = task.settings
     return FitSettings(
         max_iterations=settings.max_iterations,
         noise=settings.noise,
-        priors=task.list_priors(spread),
+        priors=task.list_priors(task.spread if spread is None else spread),
     )
 
 

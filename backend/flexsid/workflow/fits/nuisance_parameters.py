@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, compute_noise_share, estimate_spread
+from flexsid.sysid.estimation.nuisance import compute_noise_share, estimate_spread
 from flexsid.workflow.fits.estimation_task import EstimationTask
 
 _SPREAD_ROUNDS = 3
@@ -34,16 +34,16 @@ def refit_until_consistent(
     Parameters
     ----------
     task, estimate
-        Task, and its estimate with the spread ``PRIOR_SPREAD``.
+        Task, and its estimate with the spread that it starts with.
     refit
         Fits again, from an estimate, with a spread.
 
     Returns
     -------
     spread, estimate
-        ``PRIOR_SPREAD`` and the estimate unchanged where the task has no nuisance parameters.
+        That of the task and the estimate unchanged where it has no nuisance parameters.
     """
-    spread = PRIOR_SPREAD
+    spread = task.spread
     if task.nuisance is None:
         return spread, estimate
     for _ in range(_SPREAD_ROUNDS):

@@ -10,9 +10,10 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.job import Job
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
+    AdequacyState,
     EstimationRun,
     Method,
-    OutOfBandModes,
+    ParameterEstimate,
     RunSettings,
     RunState,
 )
@@ -21,7 +22,6 @@ from flexsid.storage import batches, queue
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.likelihood import FitSettings
 from flexsid.sysid.structure_determination.selection import Thresholds
 from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.fits.software_versions import read_versions
@@ -31,7 +31,9 @@ from flexsid.workflow.model_structures.model_structures import check_structure
 from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import add_hashes
-from flexsid.workflow.structure_determination.computation import SearchTask, compute_search
+from flexsid.workflow.structure_determination.computation import compute_search
+from flexsid.workflow.structure_determination.fitted_models import HoldingRun, SearchTask
+from flexsid.workflow.structure_determination.term_search import HELD_SIGMAS
 
 __all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_search"]
 
@@ -70,11 +72,13 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
     aircraft = store.aircraft.get(store.maneuvers.get(ids[0]).aircraft_id)
     check_structure(store, aircraft, request.structure)
     tasks, others = (
-        tuple(_prepare_own_model(store, request, number) for number in numbers)
+        tuple(
+            prepare_run(store, _build_run(request, request.structure, (number,)))
+            for number in numbers
+        )
         for numbers in (ids, unseen)
     )
     _check_same_candidates((*tasks, *others))
-    default_run = prepare_run(store, _build_run(request, request.structure, ids))
     settings = request.settings
     return SearchTask(
         method=request.method,
@@ -82,11 +86,10 @@ def prepare_search(store: Store, request: StructureSearch) -> SearchTask:
         thresholds=Thresholds(
             f_in=settings.f_in, f_out=settings.f_out, pse_noise=settings.pse_noise
         ),
-        fit=FitSettings(max_iterations=settings.max_iterations, noise=settings.noise),
         structure=request.structure,
         maneuvers=tasks,
         unseen=others,
-        default_run=default_run,
+        held=_find_held_terms(store, request, tasks[0].structure.modes),
         warnings=(
             *dict.fromkeys(warning for task in tasks for warning in task.warnings),
             *_warn_of_undecayed_motion(store, request, tasks),
@@ -189,11 +192,39 @@ def create_candidate_run(store: Store, search_id: int, number: int, author: str)
     return run
 
 
-def _prepare_own_model(store: Store, search: StructureSearch, maneuver_id: int) -> EstimationTask:
-    """Prepare the model that is searched, of one maneuver: it omits out-of-band modes."""
-    run = _build_run(search, search.structure, (maneuver_id,))
-    settings = replace(run.settings, out_of_band_modes=OutOfBandModes.OMITTED)
-    return prepare_run(store, replace(run, settings=settings))
+def _find_held_terms(
+    store: Store, request: StructureSearch, modes: tuple[int, ...]
+) -> dict[str, HoldingRun]:
+    """Find the terms that a stored run of a maneuver holds, with the run that holds each most.
+
+    Runs with other modes, and those that their tests reject, hold nothing.
+    """
+    held: dict[str, HoldingRun] = {}
+    for maneuver_id in request.maneuver_ids:
+        for run in store.runs.find(
+            maneuver_id=maneuver_id, state=RunState.SUCCEEDED, deleted_at=None
+        ):
+            structure, result = run.structure, run.result
+            if (
+                run.id is None
+                or result is None
+                or run.altered
+                or structure.axis != request.structure.axis
+                or set(structure.modes) != set(modes)
+                or result.adequacy.state is AdequacyState.SUSPECT
+            ):
+                continue
+            for row in result.parameters:
+                sigmas = _compute_sigmas(row)
+                if sigmas > max(HELD_SIGMAS, held[row.name].sigmas if row.name in held else 0.0):
+                    held[row.name] = HoldingRun(run.id, sigmas)
+    return held
+
+
+def _compute_sigmas(row: ParameterEstimate) -> float:
+    """Compute a value over its standard error without that of the modal table; 0 without one."""
+    variance = (row.std_error or 0.0) ** 2 - (row.modal_std or 0.0) ** 2
+    return abs(row.value) / variance**0.5 if variance > 0.0 else 0.0
 
 
 def _set_default_band(store: Store, request: StructureSearch) -> StructureSearch:
