@@ -21,13 +21,14 @@ export PYTHONDONTWRITEBYTECODE :=
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.cache/bytecode
 announce = @printf '\033[1mflexsid: %s\033[0m\n'
 
-.PHONY: help install demo serve docs test test-long lint types rules page-checks browser database format lock clean
+.PHONY: help install demo serve docs test test-long adversary lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo 'make demo     install, fill an empty workbench with the demonstration campaign, serve it'
 	@echo 'make test     install and run every check and test, including one browser test'
 	@echo 'make test-long    run rare faults and statistics over large matrices (hours)'
+	@echo 'make adversary    fly drawn aircraft (N=20 SEED=1) and print how the estimates compare with their truth'
 	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
 	@echo 'make docs     build the documentation site into var/site'
 	@echo 'make install  install the package and its dependencies'
@@ -109,6 +110,11 @@ test: install
 test-long: install database
 	$(announce) 'running the long tests'
 	@$(PYTEST) -m long
+
+N ?= 20
+SEED ?= 1
+adversary: install
+	@$(BIN)/python tests/adversary $(N) $(SEED)
 
 lint: install
 	$(announce) 'style and spelling'

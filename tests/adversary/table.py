@@ -1,0 +1,76 @@
+"""One table of a campaign."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from campaign import Outcome
+from doors import METHODS
+from verdicts import Error, Verdict
+
+WITHIN = 2.0  # standard errors, which hold 95.4 % of normal errors
+_OUTCOMES = ("consistent", "suspect", "not tested", "not converged", "failed")
+
+
+def format_table(outcomes: Sequence[Outcome]) -> str:
+    """Return the table as Markdown."""
+    verdicts = [one for outcome in outcomes for one in outcome.verdicts]
+    by_method = [[one for one in verdicts if one.method == method] for method in METHODS]
+    lines = _row(f"{len(outcomes)} flights", *METHODS) + _row(*["---"] * (len(METHODS) + 1))
+    for state in _OUTCOMES:
+        lines += _row(f"{state} runs", *(_count(own, state) for own in by_method))
+    without = [str(sum(one.without_error for one in own)) for own in by_method]
+    lines += _row("derivatives without standard error", *without)
+    for state in ("consistent", "suspect"):
+        errors = [_errors(one for one in own if one.outcome == state) for own in by_method]
+        lines += _row(f"within ±2σ, {state}", *map(_coverage, errors))
+        lines += _row(f"σ over rms error, {state}", *map(_ratio, errors))
+    errors = [_errors(own) for own in by_method]
+    for kind in sorted({one.kind for own in errors for one in own}):
+        own = [[one for one in some if one.kind == kind] for some in errors]
+        lines += _row(f"within ±2σ, {kind}", *map(_coverage, own))
+    for trait, own in _by_trait(outcomes):
+        per_method = [_errors(v for v in own if v.method == method) for method in METHODS]
+        lines += _row(f"within ±2σ, {trait}", *map(_coverage, per_method))
+    return lines
+
+
+def compute_coverage(verdicts: Iterable[Verdict]) -> float:
+    """Return the share of errors within two standard errors."""
+    errors = _errors(verdicts)
+    return float(np.mean([abs(one.distance) <= WITHIN for one in errors])) if errors else np.nan
+
+
+def _by_trait(outcomes: Sequence[Outcome]) -> list[tuple[str, list[Verdict]]]:
+    found: dict[str, list[Verdict]] = {}
+    for outcome in outcomes:
+        for trait in outcome.flight.traits:
+            found.setdefault(trait, []).extend(outcome.verdicts)
+    return sorted(found.items())
+
+
+def _errors(verdicts: Iterable[Verdict]) -> list[Error]:
+    return [error for verdict in verdicts for error in verdict.errors]
+
+
+def _count(verdicts: list[Verdict], state: str) -> str:
+    return str(Counter(one.outcome for one in verdicts)[state])
+
+
+def _coverage(errors: list[Error]) -> str:
+    if not errors:
+        return ""
+    within = np.mean([abs(one.distance) <= WITHIN for one in errors])
+    return f"{100 * within:.0f} % of {len(errors)}"
+
+
+def _ratio(errors: list[Error]) -> str:
+    if not errors:
+        return ""
+    return f"{1 / np.sqrt(np.mean([one.distance**2 for one in errors])):.2f}"
+
+
+def _row(*cells: str) -> str:
+    return "| " + " | ".join(cells) + " |\n"

@@ -1,0 +1,44 @@
+"""A short draw of the adversary: what holds today for an aircraft that nobody has seen.
+
+``make adversary`` flies many and prints one table.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from campaign import draw_flight, go_through_doors
+from doors import METHODS
+from shipped import serving
+from table import compute_coverage, format_table
+from user_files import write_files
+
+SEED, INDEX, ROWS = 4, 57, 3_000
+# Of one flight, whose errors depend on each other; 0.954 is expected of many. A run below the
+# first has to be suspect.
+TRUSTED_COVERAGE, LEAST_COVERAGE = 0.8, 0.6
+
+
+def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path) -> None:
+    flight = draw_flight(SEED, INDEX, ROWS)
+    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
+        client = server.connect()
+        outcome = go_through_doors(client, flight)
+        kept = [client.get(f"runs/{run['id']}") for run in client.get("runs")["items"]]
+    assert outcome.faults == ()
+    assert {one.method for one in outcome.verdicts} == set(METHODS)
+    assert {(run["method"], run["state"]) for run in kept} == {(m, "succeeded") for m in METHODS}
+    assert compute_coverage(outcome.verdicts) >= LEAST_COVERAGE, format_table([outcome])
+    for one in outcome.verdicts:
+        trusted = one.outcome == "consistent"
+        assert not trusted or compute_coverage([one]) >= TRUSTED_COVERAGE, one
+
+
+def test_a_flight_does_not_depend_on_others_of_its_seed(tmp_path: Path) -> None:
+    texts = []
+    for folder in (tmp_path / "one", tmp_path / "two"):
+        folder.mkdir()
+        flight = draw_flight(SEED, INDEX, 1_000)
+        files, mapping = write_files(folder, flight.aircraft, flight.knowledge, flight.record)
+        texts.append((files[0].read_text(), mapping))
+    assert texts[0] == texts[1]
