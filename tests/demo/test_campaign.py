@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+import os
 import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,6 +60,17 @@ def whole(campaign: Path, tmp_path: Path) -> Iterator[Store]:
     opened.close()
 
 
+def _list_priorities() -> set[int]:
+    """List the nice values of the processes of this test that simulate a campaign; jobs have 5."""
+    children = (file.read_text().split() for file in Path("/proc/self/task").glob("*/children"))
+    found = set()
+    for number in itertools.chain.from_iterable(children):
+        with suppress(OSError):
+            if "flexsid.demo.campaign_process" in Path(f"/proc/{number}/cmdline").read_text():
+                found.add(os.getpriority(os.PRIO_PROCESS, int(number)))
+    return found
+
+
 def test_the_server_simulates_missing_maneuvers_beside_itself(whole: Store):
     last = whole.maneuvers.find()[-1]
     with whole.transaction():
@@ -69,6 +83,7 @@ def test_the_server_simulates_missing_maneuvers_beside_itself(whole: Store):
     assert shown.state is PartState.STARTING
     process.start()
     try:
+        wait_until(lambda: _list_priorities() == {19}, "the lowest priority of the simulation")
         wait_until(lambda: process.check_health() is None, "the end of the simulation")
     finally:
         process.stop()

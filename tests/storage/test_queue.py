@@ -14,6 +14,7 @@ import sqlalchemy as sa
 from flexsid.errors import Conflict
 from flexsid.records.job import Job
 from flexsid.records.run import (
+    Batch,
     EstimationRun,
     Fit,
     Method,
@@ -22,7 +23,7 @@ from flexsid.records.run import (
     RunResult,
     RunState,
 )
-from flexsid.storage import job_list, queue
+from flexsid.storage import batches, job_list, queue
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
 
@@ -96,6 +97,26 @@ def test_the_next_job_is_the_least_of_all_queued_ones(store: Store) -> None:
         assert claimed is not None
         if rng.random() < 0.7:
             queue.finish_job(store, least.id or 0, claimed.attempt, {}, {})
+
+
+def test_an_analyst_does_not_wait_for_the_runs_of_a_batch(store: Store, add_run: AddRun) -> None:
+    """Of one analyst what is no run starts first, then single runs; positions show the same."""
+    flown = store.runs.get(add_run().id or 0)
+    requested = [(replace(flown, id=None, input_hash=f"{k:064}"), None) for k in range(3)]
+    batch, _ = batches.add(store, Batch(name="several"), requested)
+    of_batch = [one.id for one in store.runs.find() if one.id != flown.id]
+    single = add_run().id
+    design = queue.add_job(store, Job(kind="excitation-design")).id
+    other = queue.add_job(store, Job(kind="excitation-design", author="Bo")).id
+    assert batch.id is not None
+    shown = {one.id: one.position for one in job_list.read_page(store).items}
+    order = [design, other, flown.id, single, *of_batch]
+    assert sorted(shown, key=lambda number: shown[number] or 0) == order
+    started = []
+    while (job := queue.claim(store)) is not None:
+        started.append(job.id)
+        queue.cancel(store, [job.id or 0])
+    assert started == [design, flown.id, single, *of_batch, other]
 
 
 def test_one_run_can_be_claimed_by_name(store: Store, add_run: AddRun) -> None:

@@ -14,6 +14,7 @@ from sqlalchemy.engine import RowMapping
 from flexsid.errors import UnknownRecord
 from flexsid.records.run import Method, Progress, RunState
 from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.queue import JOB_CLASS
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs
 
@@ -230,7 +231,9 @@ def _read(store: Store, query: sa.Executable) -> list[JobItem]:
         positions: dict[int, int] = {}
         queued = [row["id"] for row in rows if row["state"] == RunState.QUEUED.value]
         if queued:
-            order = sa.func.row_number().over(order_by=(jobs.c.priority.desc(), jobs.c.id))
+            order = sa.func.row_number().over(
+                order_by=(jobs.c.priority.desc(), JOB_CLASS, jobs.c.id)
+            )
             waiting = (
                 sa.select(jobs.c.id, order.label("number"))
                 .where(jobs.c.state == RunState.QUEUED.value)

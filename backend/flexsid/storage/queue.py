@@ -25,7 +25,7 @@ from flexsid.storage.quotas import check_unfinished_jobs
 from flexsid.storage.run_summaries import store_summary
 from flexsid.storage.runs import ESTIMATION
 from flexsid.storage.store import Store
-from flexsid.storage.tables import jobs, runs, searches
+from flexsid.storage.tables import batch_runs, jobs, runs, searches
 
 MOST_DEATHS = 3
 """Number of worker deaths after which a job fails."""
@@ -47,6 +47,14 @@ _may_start = sa.or_(
         _first.c.id == jobs.c.after_job_id, _first.c.state == RunState.SUCCEEDED.value
     ),
 )
+
+JOB_CLASS = sa.case(
+    (jobs.c.kind != ESTIMATION, 0),
+    (sa.exists().where(batch_runs.c.run_id == jobs.c.id), 2),
+    else_=1,
+)
+"""Class of a job among those of its analyst, the first that starts: computations whose result
+somebody waits for, single runs, runs of batches."""
 
 
 class StaleAttempt(Conflict):
@@ -104,7 +112,8 @@ def find_next(
     """Return the id of the job that should start next; None if none may start.
 
     Of the highest priority, analysts with the fewest running jobs come first, then those who
-    have waited longest since their last start, then the earliest request.
+    have waited longest since their last start, then those of the earliest request. Of the jobs of
+    this analyst those start first that are no runs, then single runs, then those of batches.
 
     Parameters
     ----------
@@ -119,11 +128,19 @@ def find_next(
     with store.database.reading() as connection:
         running: dict[str, int] = {author: n for author, n in connection.execute(counts)}
         candidates = [
-            (-priority, running.get(author, 0), served.get(author, 0.0), number)
+            (-priority, running.get(author, 0), served.get(author, 0.0), number, author)
             for priority, author, number in _list_earliest(connection)
             if not (idle_authors_only and running.get(author))
         ]
-    return min(candidates)[-1] if candidates else None
+        if not candidates:
+            return None
+        priority, *_, author = min(candidates)
+        return connection.scalar(
+            sa.select(jobs.c.id)
+            .where(_QUEUED, jobs.c.priority == -priority, jobs.c.author == author, _may_start)
+            .order_by(JOB_CLASS, jobs.c.id)
+            .limit(1)
+        )
 
 
 def _list_earliest(connection: Connection) -> Iterator[tuple[int, str, int]]:
