@@ -61,10 +61,7 @@ function UnfinishedImports() {
   const drafts = useQuery(draftsQuery);
   const remove = useDeleteUpload();
   return (
-    <Section
-      title="Unfinished imports"
-      note="Own uploads, stored for 7 days"
-    >
+    <Section title="Unfinished imports" note="Own uploads, stored for 7 days">
       <Loaded query={drafts} rows={2}>
         {(found) =>
           found.length === 0 ? (
