@@ -16,7 +16,8 @@ from flexsid.records.decision import (
     Vote,
 )
 from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.records.run import AdequacyState, Method, ModelAdequacy
+from flexsid.records.run import AdequacyState, Method, ModelAdequacy, RunState
+from flexsid.records.search import SearchCandidate, SearchResult, SearchSettings, StructureSearch
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review
 from flexsid.workflow.review.vote_evidence import collect_vote_evidence
@@ -136,3 +137,50 @@ def test_what_speaks_against_a_proposal_is_a_warning(store, structures, add_resu
     assert evidence.reference is not None
     assert evidence.reference.decision_id is None, "no baseline, but a structure that it changes"
     assert evidence.flutter.sentence is None
+
+
+def test_the_search_of_a_proposal_is_evidence(store, aircraft, modal_table, add_result):
+    del modal_table
+    free = ("CZ_alpha", "Cm_alpha")
+    fewer = replace(BEFORE, free=free[:1], absent=free[1:])
+    candidate = SearchCandidate(
+        name="1 term", why="", structure=fewer, n_terms=1, proposed=False, converged=True,
+        cost=0.0, bic=0.0, likelihood_ratio=None, predicted_ratio=None, predicted=(),
+        predictive_cost=-50.0, flutter_m_s=None, flutter_std_m_s=None, flutter="",
+        adequacy=AdequacyState.CONSISTENT, adequacy_reason="None of 9 tests rejects the model.",
+    )  # fmt: skip
+    everything = replace(
+        candidate,
+        structure=replace(BEFORE, free=free),
+        n_terms=2,
+        predictive_cost=-80.0,
+        adequacy=AdequacyState.SUSPECT,
+        adequacy_reason="A mode is missing.",
+    )
+    run = add_result({"CZ_alpha": (1.0, 0.1)}, structure=fewer)
+    store.searches.add(
+        StructureSearch(
+            aircraft_id=aircraft.id,
+            maneuver_ids=(run.maneuver_id,),
+            method=Method.OE,
+            structure=BEFORE,
+            settings=SearchSettings(),
+            state=RunState.SUCCEEDED,
+            result=SearchResult(
+                sentence="", groups=(), candidates=(candidate, everything), warnings=(),
+                seconds=1.0, undecided="a test rejects it",
+            ),
+        )
+    )  # fmt: skip
+    structure = ModelStructure(aircraft_id=aircraft.id, name="fewer", structure=fewer)
+    stored = add_structure(store, structure)
+    evidence = collect_vote_evidence(store, propose(stored.id or 0, run.id or 0), never)
+    (found,) = evidence.searches
+    assert (found.n_terms, found.n_candidate_terms) == (1, 2)
+    assert found.adequacy is AdequacyState.SUSPECT
+    assert found.likelihood_difference == -30.0
+    assert not found.is_proposed
+    assert (
+        "Search 1: a test rejects the model with all terms. A mode is missing." in evidence.warnings
+    )
+    assert any("held-out data is lower by 30" in one for one in evidence.warnings)

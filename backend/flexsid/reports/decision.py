@@ -167,6 +167,27 @@ def _report_evidence(store: Store, audited: AuditedDecision) -> Iterator[Part]:
             "Runs of the proposal",
             numbers_from=6,
         )
+    if evidence.searches:
+        yield ReportTable(
+            (
+                *("search", "maneuvers", "method", "terms", "proposed", "adequacy, all terms"),
+                "held-out log likelihood over all terms",
+            ),
+            tuple(
+                (
+                    str(one.search_id),
+                    listed(one.maneuver_labels),
+                    one.method,
+                    f"{one.n_terms} of {one.n_candidate_terms}",
+                    "yes" if one.is_proposed else "no",
+                    one.adequacy.value,
+                    number(one.likelihood_difference, 3),
+                )
+                for one in evidence.searches
+            ),
+            "Searches of the model structure",
+            numbers_from=6,
+        )
     if evidence.reference is not None:
         yield from _report_reference(evidence.reference, evidence.flutter)
     comparisons = audited.decision.proposal.comparisons

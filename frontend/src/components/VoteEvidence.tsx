@@ -15,6 +15,7 @@ type Reference = NonNullable<VoteEvidence["reference"]>;
 type Moved = Reference["derivatives"][number];
 type Term = Reference["terms"][number];
 type Flutter = VoteEvidence["flutter"];
+type Search = VoteEvidence["searches"][number];
 
 function RunLink({ id, text }: { id: number; text?: string }) {
   return (
@@ -55,6 +56,26 @@ const RUNS: Column<Run>[] = [
     header: "Baseline run",
     render: (one) => (one.baseline_run_id === null ? "none" : <RunLink id={one.baseline_run_id} />),
   },
+];
+
+const SEARCHES: Column<Search>[] = [
+  { key: "search", header: "Search", render: (one) => `${one.method} ${one.search_id}` },
+  {
+    key: "maneuvers",
+    header: "Maneuvers",
+    yields: true,
+    render: (one) => one.maneuver_labels.join(", "),
+  },
+  numeric("terms", "Terms", (one) => `${one.n_terms} of ${one.n_candidate_terms}`),
+  {
+    key: "adequacy",
+    header: "Model adequacy, all terms",
+    render: (one) => <AdequacyBadge state={one.adequacy} />,
+  },
+  numeric("held-out", "Held-out log likelihood over all terms", (one) =>
+    fixed(one.likelihood_difference, 1),
+  ),
+  { key: "proposed", header: "Proposed", render: (one) => (one.is_proposed ? "yes" : "no") },
 ];
 
 const TERMS: Column<Term>[] = [
@@ -172,7 +193,7 @@ export function EvidenceSummary({ evidence }: { evidence: VoteEvidence }) {
 
 /** Evidence in full: runs with their warnings, and comparison with the baseline. */
 export function EvidenceTables({ evidence }: { evidence: VoteEvidence }) {
-  const { runs, reference, flutter } = evidence;
+  const { runs, reference, flutter, searches } = evidence;
   const warned = runs.filter((one) => one.warnings.length > 0);
   return (
     <div className="stack" data-testid="evidence-tables">
@@ -182,6 +203,14 @@ export function EvidenceTables({ evidence }: { evidence: VoteEvidence }) {
           columns={RUNS}
           rows={runs}
           rowKey={(one) => one.run_id}
+        />
+      )}
+      {searches.length > 0 && (
+        <DataTable
+          label="Searches of the model structure"
+          columns={SEARCHES}
+          rows={searches}
+          rowKey={(one) => one.search_id}
         />
       )}
       {warned.length > 0 && (

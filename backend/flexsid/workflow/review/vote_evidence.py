@@ -33,6 +33,11 @@ from flexsid.workflow.model_structures.model_structures import (
     list_structure_differences,
 )
 from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.review.search_evidence import (
+    SearchEvidence,
+    collect_search_evidence,
+    warn_of_searches,
+)
 
 _STEPS = {LimitedQuantity.AIRSPEED: 1.0, LimitedQuantity.FUEL: 0.05}
 """m/s and fraction of the fuel: proposed limits are multiples, as test points are planned."""
@@ -134,7 +139,8 @@ class VoteEvidence:
     """What a vote on a proposal can rest on.
 
     ``limits`` are the range of airspeed and fuel that the runs cover; ``warnings`` state what is
-    missing or speaks against the proposal.
+    missing or speaks against the proposal. ``searches`` are those with the proposed model
+    structure among their candidates.
     """
 
     runs: tuple[RunEvidence, ...]
@@ -142,6 +148,7 @@ class VoteEvidence:
     flutter: FlutterEvidence
     limits: Limits
     warnings: tuple[str, ...]
+    searches: tuple[SearchEvidence, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +195,7 @@ def collect_vote_evidence(
     own = tuple(row.run_id for row in rows if row.has_proposed_structure)
     flutter = _read_flutter(own, find_flutter)
     covered = _cover_conditions(maneuvers.values())
+    searches = _collect_searches(store, proposed)
     return VoteEvidence(
         runs=rows,
         reference=None
@@ -204,8 +212,19 @@ def collect_vote_evidence(
                 else _warn_of_range(proposal.limits, covered, maneuvers.values())
             ),
             *_warn_of_reference(rows, reference),
+            *warn_of_searches(searches),
         ),
+        searches=searches,
     )
+
+
+def _collect_searches(
+    store: Store, proposed: StructureVersion | None
+) -> tuple[SearchEvidence, ...]:
+    if proposed is None:
+        return ()
+    aircraft_id = store.model_structures.get(proposed.structure_id).aircraft_id
+    return collect_search_evidence(store, aircraft_id, proposed.structure)
 
 
 def _find_reference(
