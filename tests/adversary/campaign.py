@@ -3,17 +3,32 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from doors import Faults, import_flight, run_methods
+from doors import (
+    METHODS,
+    Faults,
+    import_flight,
+    predict_flutter,
+    run_methods,
+    search_structure,
+)
 from drawn_aircraft import Aircraft, Knowledge, draw_aircraft, draw_knowledge, draw_sensors
 from shipped import Client
 from simulated_flight import Record, fly
 from true_model import set_flutter
 from user_files import write_files
-from verdicts import Verdict, judge_run
+from verdicts import (
+    FlutterVerdict,
+    SearchVerdict,
+    Verdict,
+    judge_flutter,
+    judge_run,
+    judge_search,
+)
 
 ROWS = 24_000  # of a record, at most
 
@@ -25,11 +40,14 @@ class Flight:
     aircraft: Aircraft
     knowledge: Knowledge
     record: Record
+    in_band: int  # modes of the truth in the band
 
     @property
     def traits(self) -> tuple[str, ...]:
         fault = "prediction as usual" if self.knowledge.fault == "none" else self.knowledge.fault
-        return (*self.aircraft.traits, *self.record.traits, fault)
+        shapes = self.aircraft.shapes[: self.in_band]
+        unseen = ("in-plane mode in the band",) if any(one.in_plane for one in shapes) else ()
+        return (*self.aircraft.traits, *self.record.traits, fault, *unseen)
 
 
 @dataclass(frozen=True)
@@ -39,6 +57,8 @@ class Outcome:
     flight: Flight
     verdicts: tuple[Verdict, ...]
     faults: tuple[str, ...]
+    flutter: tuple[FlutterVerdict, ...] = ()
+    searches: tuple[SearchVerdict, ...] = ()
 
 
 def draw_flight(seed: int, index: int, rows: int = ROWS) -> Flight:
@@ -52,12 +72,13 @@ def draw_flight(seed: int, index: int, rows: int = ROWS) -> Flight:
         aircraft = replace(drawn, sensors=draw_sensors(rng, drawn))
         knowledge = draw_knowledge(rng, aircraft)
         in_band = int(rng.integers(2, 5))
-        return Flight(aircraft, knowledge, fly(rng, aircraft, in_band=in_band, rows=rows))
+        record = fly(rng, aircraft, in_band=in_band, rows=rows)
+        return Flight(aircraft, knowledge, record, in_band)
     raise AssertionError("no aircraft was drawn")
 
 
-def go_through_doors(client: Client, flight: Flight) -> Outcome:
-    """Import a flight and request with defaults what there is to be requested."""
+def go_through_doors(client: Client, flight: Flight, searched: Sequence[str] = METHODS) -> Outcome:
+    """Import a flight, run, predict flutter and search, all with their defaults."""
     faults = Faults([])
     with tempfile.TemporaryDirectory() as name:
         files, mapping = write_files(Path(name), flight.aircraft, flight.knowledge, flight.record)
@@ -67,4 +88,14 @@ def go_through_doors(client: Client, flight: Flight) -> Outcome:
     runs = run_methods(client, faults, maneuver)
     n_known = len(flight.knowledge.numbers)
     verdicts = [judge_run(flight.aircraft, n_known, m, run) for m, run in runs.items()]
-    return Outcome(flight, tuple(verdicts), tuple(faults.found))
+    flutter, searches = [], []
+    for method, run in runs.items():
+        if run["state"] != "succeeded":
+            continue
+        if found := predict_flutter(client, faults, run["id"]):
+            flutter.append(judge_flutter(flight.aircraft, method, found))
+        if method not in searched:
+            continue
+        if search := search_structure(client, faults, maneuver, method):
+            searches.append(judge_search(flight.aircraft, n_known, method, search, run))
+    return Outcome(flight, tuple(verdicts), tuple(faults.found), tuple(flutter), tuple(searches))

@@ -52,3 +52,28 @@ def run_methods(client: Client, faults: Faults, maneuver: int) -> dict[str, dict
     bodies = {method: {"maneuver_id": maneuver, "method": method} for method in METHODS}
     asked = {m: faults.check(client, "post", "runs", body) for m, body in bodies.items()}
     return {m: wait_for_end(client, f"runs/{run['id']}") for m, run in asked.items() if run}
+
+
+def search_structure(
+    client: Client, faults: Faults, maneuver: int, method: str
+) -> dict[str, Any] | None:
+    """Search the structure that is proposed for the maneuver, as the page does."""
+    proposal = faults.check(client, "get", f"maneuvers/{maneuver}/run-proposal")
+    if proposal is None:
+        return None
+    body = {"maneuver_ids": [maneuver], "method": method, "structure": proposal["structure"]}
+    search = faults.check(client, "post", "searches", body)
+    return wait_for_end(client, f"searches/{search['id']}") if search else None
+
+
+def predict_flutter(client: Client, faults: Faults, run: int) -> dict[str, Any] | None:
+    """Predict flutter from one run."""
+    path = f"flutter/results?run_ids={run}"
+    job = faults.check(client, "post", path)
+    if job is None:
+        return None
+    ended = wait_for_end(client, f"jobs/{job['id']}")
+    if ended["state"] != "succeeded":
+        faults.found.append(f"{path}: {ended['error']}")
+        return None
+    return faults.check(client, "get", f"flutter?run_ids={run}")

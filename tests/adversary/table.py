@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from campaign import Outcome
 from doors import METHODS
-from verdicts import Error, Verdict
+from verdicts import Error, FlutterVerdict, SearchVerdict, Verdict
 
 WITHIN = 2.0  # standard errors, which hold 95.4 % of normal errors
 _OUTCOMES = ("consistent", "suspect", "not tested", "not converged", "failed")
@@ -27,6 +27,7 @@ def format_table(outcomes: Sequence[Outcome]) -> str:
         errors = [_errors(one for one in own if one.outcome == state) for own in by_method]
         lines += _row(f"within ±2σ, {state}", *map(_coverage, errors))
         lines += _row(f"σ over rms error, {state}", *map(_ratio, errors))
+    lines += _format_flutter(outcomes) + _format_searches(outcomes)
     errors = [_errors(own) for own in by_method]
     for kind in sorted({one.kind for own in errors for one in own}):
         own = [[one for one in some if one.kind == kind] for some in errors]
@@ -35,6 +36,35 @@ def format_table(outcomes: Sequence[Outcome]) -> str:
         per_method = [_errors(v for v in own if v.method == method) for method in METHODS]
         lines += _row(f"within ±2σ, {trait}", *map(_coverage, per_method))
     return lines
+
+
+def _format_flutter(outcomes: Sequence[Outcome]) -> str:
+    own = [[v for o in outcomes for v in o.flutter if v.method == method] for method in METHODS]
+    lines = ""
+    for state in ("holds", "misses", "none", "none but true", "speed but none true"):
+        lines += _row(f"flutter: {state}", *(_count(some, state) for some in own))
+    widths = [[one.half_width for one in some if one.half_width] for some in own]
+    return lines + _row(
+        "flutter: median half width",
+        *(f"{100 * np.median(some):.1f} %" if some else "" for some in widths),
+    )
+
+
+def _format_searches(outcomes: Sequence[Outcome]) -> str:
+    own = [[v for o in outcomes for v in o.searches if v.method == method] for method in METHODS]
+    lines = ""
+    for state in ("proposes", "undecided", "failed"):
+        lines += _row(f"search: {state}", *(_count(some, state) for some in own))
+    shares = (
+        ("terms of 8σ dropped", lambda one: len(one.missed), lambda one: one.strong),
+        ("planted zeros kept", lambda one: len(one.false), lambda one: one.zeros),
+    )
+    for name, part, whole in shares:
+        lines += _row(
+            f"search: {name}", *(f"{sum(map(part, s))} of {sum(map(whole, s))}" for s in own)
+        )
+    errors = [[error for one in some for error in one.errors] for some in own]
+    return lines + _row("search: values within ±2σ", *map(_coverage, errors))
 
 
 def compute_coverage(verdicts: Iterable[Verdict]) -> float:
@@ -55,7 +85,7 @@ def _errors(verdicts: Iterable[Verdict]) -> list[Error]:
     return [error for verdict in verdicts for error in verdict.errors]
 
 
-def _count(verdicts: list[Verdict], state: str) -> str:
+def _count(verdicts: Sequence[Verdict | FlutterVerdict | SearchVerdict], state: str) -> str:
     return str(Counter(one.outcome for one in verdicts)[state])
 
 

@@ -14,6 +14,7 @@ from table import compute_coverage, format_table
 from user_files import write_files
 
 SEED, INDEX, ROWS = 4, 57, 3_000
+SEARCHED = ("OE",)
 # Of one flight, whose errors depend on each other; 0.954 is expected of many. A run below the
 # first has to be suspect.
 TRUSTED_COVERAGE, LEAST_COVERAGE = 0.8, 0.6
@@ -23,12 +24,17 @@ def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path) -> None:
     flight = draw_flight(SEED, INDEX, ROWS)
     with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
         client = server.connect()
-        outcome = go_through_doors(client, flight)
+        outcome = go_through_doors(client, flight, SEARCHED)
         kept = [client.get(f"runs/{run['id']}") for run in client.get("runs")["items"]]
     assert outcome.faults == ()
     assert {one.method for one in outcome.verdicts} == set(METHODS)
     assert {(run["method"], run["state"]) for run in kept} == {(m, "succeeded") for m in METHODS}
     assert compute_coverage(outcome.verdicts) >= LEAST_COVERAGE, format_table([outcome])
+    assert [one.method for one in outcome.flutter] == list(METHODS)
+    assert [one.method for one in outcome.searches] == list(SEARCHED)
+    for one in outcome.searches:
+        assert one.outcome != "failed"
+        assert one.outcome == "undecided" or not one.missed, one
     for one in outcome.verdicts:
         trusted = one.outcome == "consistent"
         assert not trusted or compute_coverage([one]) >= TRUSTED_COVERAGE, one

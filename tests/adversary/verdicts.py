@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from drawn_aircraft import Aircraft, Model
-from true_model import residualize
+from true_model import find_flutter, residualize
 
 FORCES = ("CZ", "Cm")
 
@@ -74,3 +75,75 @@ def judge_run(aircraft: Aircraft, n_known: int, method: str, run: dict[str, Any]
     converged = run["fit"]["outcome"] == "converged"
     outcome = state if converged else "not converged"
     return Verdict(method, outcome, errors, len(found) - len(errors))
+
+
+@dataclass(frozen=True)
+class FlutterVerdict:
+    """A flutter prediction: whether its interval holds the truth, or that it has none."""
+
+    method: str
+    outcome: str  # holds, misses, none, none but true, speed but none true
+    half_width: float = 0.0  # of the interval, over the flutter speed
+
+
+def judge_flutter(aircraft: Aircraft, method: str, found: dict[str, Any]) -> FlutterVerdict:
+    """Compare a prediction with the flutter speed of the whole truth at the same density."""
+    flown = replace(aircraft, density=found["density_kg_m3"])
+    truth = find_flutter(flown, aircraft.truth)
+    low, high = found["low_m_s"], found["high_m_s"]
+    if low is None or high is None:
+        beyond = truth is None or truth > found["searched_to_m_s"]
+        return FlutterVerdict(method, "none" if beyond else "none but true")
+    if truth is None:
+        return FlutterVerdict(method, "speed but none true")
+    width = (high - low) / 2 / truth
+    return FlutterVerdict(method, "holds" if low <= truth <= high else "misses", width)
+
+
+@dataclass(frozen=True)
+class SearchVerdict:
+    """A search: terms that its path ends with, against the truth and the run of its method."""
+
+    method: str
+    outcome: str  # proposes, undecided or failed
+    strong: int = 0  # terms of at least eight standard errors of the run
+    missed: tuple[str, ...] = ()  # of these, dropped
+    zeros: int = 0  # terms that are zero
+    false: tuple[str, ...] = ()  # of these, selected
+    errors: tuple[Error, ...] = ()  # of the values at the end of the path
+
+
+STRONG = 8.0  # standard errors
+
+
+def judge_search(
+    aircraft: Aircraft, n_known: int, method: str, search: dict[str, Any], run: dict[str, Any]
+) -> SearchVerdict:
+    """Compare the end of the path with the terms of the truth."""
+    if search["state"] != "succeeded":
+        return SearchVerdict(method, "failed")
+    result = search["result"]
+    proposes = any(one["proposed"] for one in result["candidates"])
+    truth = name_derivatives(residualize(aircraft, aircraft.truth, n_known))
+    planted = {name for name, value in name_derivatives(aircraft.truth).items() if value == 0}
+    sigma = {one["name"]: one["std_error"] for one in run["parameters"] if one["std_error"]}
+    terms = [one for group in result["groups"] for one in group["terms"] if one["name"] in truth]
+    selected = {one["name"] for one in terms if one["selected"]}
+    size = {one["name"]: abs(truth[one["name"]]) / sigma.get(one["name"], np.inf) for one in terms}
+    strong = {name for name, ratio in size.items() if ratio >= STRONG}
+    # Modes that the table lacks give planted zeros a static part; where it is small they are zero.
+    zeros = {name for name in size if name in planted and name in sigma and size[name] < 0.5}
+    errors = tuple(
+        Error(
+            one["name"],
+            classify(one["name"]),
+            (one["value"] - truth[one["name"]]) / one["std_error"],
+        )
+        for one in terms
+        if one["selected"] and one["value"] is not None and one["std_error"]
+    )
+    return SearchVerdict(
+        method, "proposes" if proposes else "undecided",
+        len(strong), tuple(sorted(strong - selected)),
+        len(zeros), tuple(sorted(zeros & selected)), errors,
+    )  # fmt: skip
