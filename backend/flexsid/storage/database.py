@@ -126,9 +126,12 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
         **_JSON,
     )
     event.listen(engine, "before_cursor_execute", _check_text)
+    opened: list[tuple[int, int]] = []  # device and inode of the file
 
     @event.listens_for(engine, "connect")
     def _prepare(connection: sqlite3.Connection, _record: object) -> None:
+        if not opened:
+            opened.append(_identify(file))
         connection.isolation_level = None  # transactions begin explicitly
         add_seal_function(connection)
         for pragma in (
@@ -142,6 +145,13 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
 
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
+        if _identify(file) != opened[0]:
+            raise DatabaseUnavailable(
+                f"the database {file} was deleted, or replaced by another file, while this program"
+                " used it: what it would write is lost. Stop all programs that use the database;"
+                " put the file back, or restore a backup by `flexsid restore`",
+                code="database-replaced",
+            )
         options = connection.get_execution_options()
         # These have no effect within a transaction, and persist for the connection.
         connection.exec_driver_sql(
@@ -155,6 +165,15 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
             connection.exec_driver_sql("BEGIN")
 
     return engine
+
+
+def _identify(file: Path) -> tuple[int, int]:
+    """Return device and inode of a file; zeros if there is none."""
+    try:
+        found = file.stat()
+    except OSError:
+        return 0, 0
+    return found.st_dev, found.st_ino
 
 
 def make_memory_engine(connection: sqlite3.Connection) -> Engine:
