@@ -19,6 +19,7 @@ from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import RunState
 from flexsid.storage import leases
+from flexsid.storage.queue import MOST_DEATHS
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent
@@ -88,6 +89,28 @@ def test_a_run_is_resumed_after_its_dispatcher_is_killed(
     is_over(worker)
     ended = until(run)
     assert (ended.state, ended.attempt) == (RunState.SUCCEEDED, 2)
+
+
+def test_workers_that_are_stopped_do_not_count_against_their_job(
+    add_job: Callable[..., Job],
+    until: Callable[..., Job],
+    process_of: Callable[[Path], int],
+    is_over: Callable[[int], None],
+    process: DispatcherProcess,
+    tmp_path: Path,
+) -> None:
+    """A system that stops a service sends SIGTERM to each of its processes."""
+    pid = tmp_path / "pid"
+    run = add_job(f"hold {pid}")
+    process.wake()
+    for _ in range(MOST_DEATHS):
+        worker = process_of(pid)
+        pid.unlink()
+        os.kill(worker, signal.SIGTERM)
+        is_over(worker)
+    process_of(pid)
+    found = until(run, RunState.RUNNING)
+    assert (found.attempt, found.error) == (MOST_DEATHS + 1, None)
 
 
 def test_stopping_leaves_no_process_and_queues_the_run_again(

@@ -66,13 +66,10 @@ class PreloadedProgram(Program):
         self._forked.kill()
         self._forked.join()
 
-    def describe_exit(self) -> str:
-        """Return how the process ended, as text."""
+    def find_exit_code(self) -> int | None:
+        """Return the exit code, negative for a signal; None if the process does not end."""
         self._forked.join(timeout=1.0)
-        code = self._forked.exitcode
-        if code is None:
-            return "it no longer responds"
-        return f"signal {-code}" if code < 0 else f"exit code {code}"
+        return self._forked.exitcode
 
 
 def use_preloaded(patch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import pickle
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -21,6 +22,8 @@ from flexsid.jobs.messages import (
 from flexsid.jobs.worker import LoadKinds
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+_STOPS = (-signal.SIGTERM, -signal.SIGHUP)
+"""Exit codes of processes that a system stops, all those of a service at a time."""
 _CANCEL_CHECK_S = 0.05  # between checks whether a task was cancelled
 
 
@@ -88,11 +91,22 @@ class Program:
         self.connection.close()
         self.release_lifeline()
 
+    def find_exit_code(self) -> int | None:
+        """Return the exit code, negative for a signal; None if the process does not end."""
+        try:
+            return self._process.wait(timeout=1.0)
+        except subprocess.TimeoutExpired:
+            return None
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the process was stopped from outside, and not by what it computed."""
+        return self.find_exit_code() in _STOPS
+
     def describe_exit(self) -> str:
         """Return how the process ended, as text."""
-        try:
-            code = self._process.wait(timeout=1.0)
-        except subprocess.TimeoutExpired:
+        code = self.find_exit_code()
+        if code is None:
             return "it no longer responds"
         return f"signal {-code}" if code < 0 else f"exit code {code}"
 
@@ -112,10 +126,12 @@ class Child:
         self.connection.send(load_kinds)
 
     def receive(self) -> WorkerMessage:
-        """Return the next message of the worker; after ``WorkerDiedMessage`` none follows."""
+        """Return the next message; none follows ``WorkerDiedMessage`` and ``TaskLostMessage``."""
         try:
             message: WorkerMessage = self.connection.recv()
         except (EOFError, OSError):
+            if self._program.is_stopped:
+                return TaskLostMessage("its worker was stopped")
             return WorkerDiedMessage(self._program.describe_exit())
         except Exception as error:  # unpickling a result may raise anything
             return describe_error(error)
@@ -175,7 +191,7 @@ def execute_in_child(
         if isinstance(message, ProgressMessage):
             publish(message)
             continue
-        if isinstance(message, WorkerDiedMessage):
+        if isinstance(message, WorkerDiedMessage | TaskLostMessage):
             child.kill()
         else:
             idle.append(child)

@@ -42,6 +42,7 @@ _log = logging.getLogger(__name__)
 _POLL_S = 0.5  # jobs may also be queued or cancelled by other processes
 _CHECK_S = 0.2  # between checks for cancelled jobs
 _LOG_S = 2.0  # between progress messages in the log of one job
+_HANDLING_S = 1.0  # for which a stop waits for a message that is handled
 _TIME_LIMIT_S = 3600.0  # unless the limits of a job differ
 _START_S = 60.0  # more than a worker process takes to start
 
@@ -115,6 +116,9 @@ class Dispatcher:
             return
         self._stopping.set()
         self._workers.wake()
+        self._thread.join(_HANDLING_S)
+        # What stops the server may kill it soon, which would count against the jobs that run.
+        self._put_back()
         self._thread.join()
         self._workers.close()
         self._put_back()
@@ -285,7 +289,7 @@ class Dispatcher:
         self._active.pop(key, None)
 
     def _put_back(self) -> None:
-        for job_id, attempt in self._active:
+        for job_id, attempt in list(self._active):
             try:
                 queue.requeue(self._store, job_id, attempt)
             except FlexsidError as error:
