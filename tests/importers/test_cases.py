@@ -15,6 +15,7 @@ from flexsid.importers.modal_data.extraction import RawModalData
 from flexsid.importers.readers import read_file
 from flexsid.importers.responses import RawResponses, ResponseOptions, extract_responses
 from flexsid.importers.source import SourceFile, Sources
+from flexsid.sysid.modes.naming import name_modes
 
 CASES = Path(__file__).parent / "cases"
 
@@ -338,3 +339,9 @@ def test_buckling_shapes_of_a_result_file_are_no_modes(tmp_path):
         rows["ANALYSIS"] = 8
         table[...] = rows
     assert "eigenvectors of buckling" in refuse(read_modes, str(file))
+
+
+def test_a_clamped_wing_has_no_rigid_mode():
+    modes = read_modes("wing-half-clamped.f06", "wing-half-clamped.bdf")
+    named = name_modes(modes.nodes, modes.shape[0, ..., :3], modes.shape[0, ..., 3:])
+    assert [one.name for one in named] == ["W1B", "W2B", "W1T"]

@@ -16,6 +16,8 @@ _OFF_PLANE = 0.005  # of the span above or below the wing: nodes of a winglet
 _STATION_GAP = 0.004  # of the span between neighbouring stations
 _LEAST_CHORD = 0.02  # of the span: narrower stations are those of a beam
 _RIGID_SHARE = 0.98  # of the motion: least share of the rigid-body motion in a rigid mode
+_FIXED_RIGID_SHARE = 0.9999  # the same of a model with fixed nodes, which can only turn about them
+_STILL = 1e-6  # of the largest motion of a mode: most of a node that is fixed
 _FORE_AFT_SHARE = 0.25  # of the wing's motion: least share in a fore-aft mode
 _WINGLET_RATIO = 2.0  # mean square of the winglets over the wing: least ratio in a winglet mode
 _RANK_TOLERANCE = 3e-5  # of the largest singular value: rotation about a straight line is none
@@ -83,10 +85,11 @@ def name_modes(
     """
     pitch = None if rotation is None else np.asarray(rotation[:, :, 1], dtype=float)
     motions = _measure_motions(nodes, translation, pitch)
+    least = _FIXED_RIGID_SHARE if _has_fixed_nodes(translation, rotation) else _RIGID_SHARE
     counts: dict[str, int] = {}
     names: list[ModeName] = []
     for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
-        kind, why = _classify_motion(motion)
+        kind, why = _classify_motion(motion, least)
         if not kind:
             names.append(ModeName("", symmetric, f"{why}; {_WORD[symmetric]}"))
             continue
@@ -102,11 +105,21 @@ def name_modes(
     return tuple(names)
 
 
-def _classify_motion(motion: _Motion) -> tuple[str, str]:
+def _has_fixed_nodes(
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+    rotation: Float[np.ndarray, "n_modes n_nodes 3"] | None,
+) -> bool:
+    """Return whether some node neither moves nor turns in any mode."""
+    parts = (translation,) if rotation is None else (translation, rotation)
+    moves = [np.abs(part) > _STILL * np.abs(part).max(axis=(1, 2), keepdims=True) for part in parts]
+    return not np.any(moves, axis=(0, 1, 3)).all()
+
+
+def _classify_motion(motion: _Motion, least_rigid: float) -> tuple[str, str]:
     def percent(share: float) -> str:
         return f"{100.0 * share:.0f} %"
 
-    if motion.rigid > _RIGID_SHARE:
+    if motion.rigid > least_rigid:
         return "R", f"{percent(motion.rigid)} of the motion is that of a rigid body"
     if motion.branch > _BRANCH_RATIO:
         return "", (
