@@ -37,7 +37,8 @@ _SUFFIXES = {
     "pa": "Pa", "ms": "ms", "s": "s", "lb": "lb", "kg": "kg", "ustrain": "ustrain", "v": "V",
     "pct": "%", "percent": "%", "degc": "degC", "degf": "degF", "hpa": "hPa", "kpa": "kPa",
     "psi": "psi", "inhg": "inHg", "kmh": "km/h", "mps2": "m/s2", "fps2": "ft/s2", "ms2": "m/s2",
-    "degps": "deg/s", "radps": "rad/s", "mrad": "mrad", "slug": "slug", "lbf": "lbf", "hz": "Hz",
+    "degps": "deg/s", "radps": "rad/s", "degps2": "deg/s2", "radps2": "rad/s2", "ftps": "ft/s",
+    "ftps2": "ft/s2", "mrad": "mrad", "slug": "slug", "lbf": "lbf", "hz": "Hz",
     "microstrain": "ustrain",
 }  # fmt: skip
 
@@ -93,12 +94,25 @@ _OF_AUTOPILOTS: dict[str, tuple[str, str, Role]] = {
     "airspeed_validated.indicated_airspeed_m_s": ("indicated_airspeed", "m/s", Role.CONDITION),
     "vehicle_air_data.rho": ("density", "kg/m3", Role.CONDITION),
     "vehicle_air_data.baro_alt_meter": ("altitude", "m", Role.CONDITION),
+    "RATE.R": ("p", "deg/s", Role.OUTPUT),
+    "RATE.P": ("q", "deg/s", Role.OUTPUT),
+    "RATE.Y": ("r", "deg/s", Role.OUTPUT),
     "ARSP.Airspeed": ("indicated_airspeed", "m/s", Role.CONDITION),
 }
 """Fields of logs of PX4 and ArduPilot whose last part does not name the quantity.
 
 Source: messages of PX4 (https://docs.px4.io/main/en/msg_docs) and log messages of ArduPlane.
 """
+
+_NOT_MEASURED = re.compile(
+    r"(?:^|[._])(?:setpoint|sp|desired|innov\w*|ratios?|device_id|id|count|manual_control\w*"
+    r"|var(?:iances?)?|cov(?:ariances?)?)(?=[._]|$)|setpoint|innovation|test_ratio",
+    re.IGNORECASE,
+)
+"""Names of what an autopilot computes or is told, besides what its sensors measure."""
+
+_SPELLED = re.compile(r"_(rad|deg|m|ft)_(s2?)$", re.IGNORECASE)
+"""Units of which the names of logs have the letters alone: q_rad_s."""
 
 _TIME = re.compile(
     r"t|time|zeit|clock|timestamps?|(?:time|t|epoch)_(?:s|ms|us|ns|sec|utc|gps)|sec(?:onds)?|ms|epoch"
@@ -131,6 +145,8 @@ Source: SIDPAC, scripts compfc, compmc and f16_fltdatsel (E. A. Morelli).
 
 FDATA_COLUMNS = 90
 
+BODY_VELOCITIES = ("u", "v", "w")
+
 
 def is_time_name(path: str) -> bool:
     """Return whether a name is a usual name of time."""
@@ -140,6 +156,11 @@ def is_time_name(path: str) -> bool:
 def may_be_time_name(path: str) -> bool:
     """Return whether a name may denote time, among other quantities."""
     return is_time_name(path) or _PERHAPS_TIME.fullmatch(_bare(path)[0].lower()) is not None
+
+
+def is_measured(path: str) -> bool:
+    """Return whether a name is not that of a set-point, an innovation, an identity or the like."""
+    return _NOT_MEASURED.search(path) is None
 
 
 def find_time_unit(path: str, file_unit: str) -> str | None:
@@ -167,10 +188,15 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
         name, usual, role = _OF_AUTOPILOTS[path]
         return Meaning(name=name, unit=usual, role=role)
     bare, named_unit = _bare(path)
+    if not is_measured(path):
+        bare = path.strip().replace(".", "_")  # the last part alone is that of the measurement
+        unit = _unit(file_unit)
+        return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
     if file_unit == COUNTS:
         return Meaning(name=bare, unit="1", role=Role.OUTPUT, sure=False, known=False)
     unit = _unit(file_unit) or _unit(named_unit)
     unknown = "" if unit else named_unit.strip()
+    own, bare = bare, _SPELLED.sub(lambda found: f"_{found[1]}p{found[2]}", bare)
     # Without its unit first: the last part of NZ_G is a unit, that of az_ofs a place.
     for candidate in dict.fromkeys((bare.rpartition("_")[0], bare)):
         suffix = "" if candidate == bare else bare.rpartition("_")[2].lower()
@@ -193,7 +219,19 @@ def recognise_column(path: str, file_unit: str) -> Meaning:
             )
     suffix = bare.rpartition("_")[2].lower()
     unit = unit or (_SUFFIXES.get(suffix, "") if len(suffix) > 1 else "")
-    return Meaning(name=bare, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
+    return Meaning(name=own, unit=unit or "1", role=Role.OUTPUT, sure=bool(unit), known=False)
+
+
+def find_body_velocity(path: str, file_unit: str) -> Meaning | None:
+    """Return the meaning of a column u, v or w of a file that has all three; else None."""
+    bare, named_unit = _bare(path)
+    name = _SPELLED.sub("", bare).lower()
+    if name not in BODY_VELOCITIES:
+        return None
+    spelled = _SPELLED.search(bare)
+    letters = "" if spelled is None else f"{spelled[1]}p{spelled[2]}".lower()
+    unit = _unit(file_unit) or _unit(named_unit) or _SUFFIXES.get(letters, "")
+    return Meaning(name=name, unit=unit or "m/s", role=Role.OUTPUT, sure=bool(unit))
 
 
 def find_fdata_column(column: int) -> Meaning | None:

@@ -12,11 +12,14 @@ import numpy as np
 
 from flexsid.importers.clock import is_even
 from flexsid.importers.column_names import (
+    BODY_VELOCITIES,
     FDATA_COLUMNS,
     Meaning,
+    find_body_velocity,
     find_commanded_name,
     find_fdata_column,
     find_time_unit,
+    is_measured,
     is_time_name,
     may_be_time_name,
     recognise_column,
@@ -94,6 +97,8 @@ def write_proposal(
         and not _is_time(column)
         and (meaning := _meaning(column, known)) is not None
     ]
+    velocities = _find_body_velocities(columns)
+    selected = [(column, velocities.get(column.field, own)) for column, own in selected]
     known_before = remembered or {}
     recalled = {
         column.field: meaning
@@ -121,6 +126,16 @@ def write_proposal(
             text += f"clock = {_text(column.file)}\n"
         parts.append(text)
     return "\n".join(parts)
+
+
+def _find_body_velocities(columns: Sequence[Column]) -> dict[str, Meaning]:
+    """Return the meanings of u, v and w; without all three, v is the airspeed."""
+    found = {
+        column.field: meaning
+        for column in columns
+        if (meaning := find_body_velocity(column.field, column.unit)) is not None
+    }
+    return found if {one.name for one in found.values()} == set(BODY_VELOCITIES) else {}
 
 
 def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
@@ -196,7 +211,7 @@ def _meaning(column: Column, known: Mapping[str, Role]) -> Meaning | None:
     meaning = recognise_column(column.field, column.unit)
     bare = column.field.rpartition(".")[2]
     for name, role in known.items():
-        if bare == name or meaning.name == name:
+        if (bare == name and is_measured(column.field)) or meaning.name == name:
             return replace(meaning, name=name, role=role, known=True)
     return meaning
 
