@@ -302,8 +302,8 @@ def test_ordinary_numbers_are_no_missing_samples():
 
 def test_scale_and_offset_of_a_data_set_are_applied(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["q"] = np.array([1, 2, -9], "i2")
-        file["q"].attrs.update({"scale_factor": 0.5, "add_offset": 10.0, "missing_value": -9})
+        scaled = file.create_dataset("q", data=np.array([1, 2, -9], "i2"))
+        scaled.attrs.update({"scale_factor": 0.5, "add_offset": 10.0, "missing_value": -9})
         file["odd"] = np.zeros(3, "V4")
     found = {one.path: one.samples for one in read_file(tmp_path / "a.h5", "a.h5")}
     assert found["q"].tolist()[:2] == [10.5, 11.0]
@@ -335,6 +335,7 @@ def test_buckling_shapes_of_a_result_file_are_no_modes(tmp_path):
     file.write_bytes((CASES / "msc-nastran-modes.h5").read_bytes())
     with h5py.File(file, "r+") as opened:
         table = opened["NASTRAN/RESULT/DOMAINS"]
+        assert isinstance(table, h5py.Dataset)
         rows = table[()]
         rows["ANALYSIS"] = 8
         table[...] = rows

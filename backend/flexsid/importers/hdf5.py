@@ -166,7 +166,7 @@ def _columns(item: h5py.Dataset, path: str) -> Iterator[Field]:
             yield Field(f"{path}.{name}", np.ascontiguousarray(values))
 
 
-def _to_text(value: bytes | str) -> str:
+def _to_text(value: object) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
