@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from lagging_flight import estimate_with_shape
@@ -31,7 +33,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
 from flexsid.sysid.model.axes import ModelAxis
-from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.sysid.simulation.recording import SensorErrors
+from flexsid.sysid.simulation.turbulence import DiscreteGust, Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,
     compute_design,
@@ -95,8 +98,7 @@ def _estimate(
         *(store, simulated.run_id, claimed.attempt),
         compute_run(prepare(store, run), lambda progress: None),
     )
-    (done,) = list_simulations(store, design)
-    return done
+    return list_simulations(store, design)[0]
 
 
 def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers_what_flew(
@@ -138,6 +140,33 @@ def test_a_preflight_simulation_beyond_flutter_needs_the_controller_and_recovers
             for one in (maneuver, turbulent)
         )
         assert moving > least * still, name
+
+
+@pytest.mark.parametrize("ratio", [0.65, pytest.param(0.95, marks=pytest.mark.long)])
+def test_expected_errors_include_the_requested_turbulence(store: Store, ratio: float):
+    run = flown(store, ratio)
+    (controller,) = store.controllers.find()
+    design = add_design(store, 506)
+    request = SimulationRequest(design_id=design.id or 0, run_id=run.id or 0)
+    kept = [
+        {row.name: row.std_error for row in simulate_design(store, one, print).expected or ()}
+        for one in (
+            request,
+            replace(request, gust=DiscreteGust(peak_m_s=2.0, gradient_m=10.0, start_s=3.0)),
+            replace(request, sensors=(SensorErrors(channels=("az_cf",), quantum=5.0),)),
+        )
+    ]
+    for noisier in kept[1:]:
+        assert np.max([noisier[name] / std for name, std in kept[0].items()]) > 1.2
+    ratios = []
+    for turbulence in (Turbulence.LIGHT, Turbulence.MODERATE):
+        simulated = _simulate(store, design, run.id or 0, controller.id, turbulence)
+        done = _estimate(store, design, simulated)
+        assert done.adequacy is AdequacyState.CONSISTENT
+        ratios += [(row.expected or np.nan) / (row.std_error or 0.0) for row in done.derivatives]
+    assert len(ratios) == 88
+    within = np.mean((np.array(ratios) > 0.8) & (np.array(ratios) < 1.25))
+    assert within >= 0.9, within
 
 
 def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(store: Store):

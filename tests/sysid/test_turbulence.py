@@ -29,6 +29,7 @@ from flexsid.sysid.simulation.turbulence import (
     GUST,
     Turbulence,
     add_gust_input,
+    compute_gust_density,
     generate_gust,
 )
 
@@ -50,6 +51,8 @@ def test_gust_has_the_dryden_spectrum_of_its_intensity(intensity, feet_per_s):
     x = (1000.0 * 0.3048 * 2.0 * np.pi * hz[inside] / airspeed) ** 2
     dryden = 2.0 * sigma**2 * 304.8 / airspeed * (1.0 + 3.0 * x) / (1.0 + x) ** 2
     assert np.mean(density[inside] / dryden) == pytest.approx(1.0, abs=0.03)
+    computed = airspeed**2 * compute_gust_density(intensity, airspeed, 2.0 * np.pi * hz[inside])
+    assert np.mean(density[inside] / (2.0 * computed)) == pytest.approx(1.0, abs=0.03)
 
 
 def test_a_gust_acts_as_angle_of_attack_on_forces_and_not_on_the_motion():

@@ -220,6 +220,21 @@ def smooth_spectrum(
     return TabulatedResponse(centres, smooth.blocks).at
 
 
+def average_density(
+    omega: Float[np.ndarray, " n_omega"],
+    density: Complex[np.ndarray, "n_omega n_y n_y"],
+    width: int,
+) -> Response:
+    """Average a density over ``width`` neighbouring frequencies, as estimators do for its estimate.
+
+    Frequencies are in order; the windows at both ends are the outermost full ones.
+    """
+    width = min(width, omega.size)
+    first = np.clip(np.arange(omega.size) - width // 2, 0, omega.size - width)
+    sums = np.concatenate([np.zeros_like(density[:1]), np.cumsum(density, axis=0)])
+    return TabulatedResponse(omega, (sums[first + width] - sums[first]) / width).at
+
+
 def _diagonal(matrices: np.ndarray) -> np.ndarray:
     return np.diagonal(matrices, axis1=1, axis2=2)
 

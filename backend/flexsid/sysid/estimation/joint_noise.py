@@ -12,13 +12,16 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.noise import SpectralMatrix
+from flexsid.sysid.estimation.noise import SEGMENT, SpectralMatrix
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
 from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.spectra.residual_spectrum import compute_local_residuals
 
 _WINDOW = 5  # neighbouring harmonics of one command in a local fit, by a straight line
 _NEIGHBOURS = 5  # segments of frequencies on either side that share their noise
+SHARED_FREQUENCIES = (2 * _NEIGHBOURS + 1) * SEGMENT
+"""Neighbouring frequencies that share one estimate of the joint noise."""
+
 _EXCESS = 6  # frequencies of a local fit of a part of a maneuver beyond its unknowns
 _LONG_GAP_S = 0.5  # more than a few lost packets [s]
 _DEPENDENT = 1e-3  # relative size of a regressor that the others explain

@@ -67,12 +67,39 @@ def generate_gust(
         return np.zeros(n_samples)
     from scipy import signal  # takes a second to import, of the start of a server
 
-    T = _SCALE_LENGTH / airspeed
-    sigma = _SHARE_OF_WIND * _WIND_AT_20_FT[intensity] / airspeed
+    T, sigma = _find_scales(intensity, airspeed)
     lead = int(np.ceil(_LEAD * T * rate_hz))
     white = sigma * np.sqrt(T * rate_hz) * rng.standard_normal(lead + n_samples)
     b, a = signal.bilinear([np.sqrt(3.0) * T, 1.0], [T * T, 2.0 * T, 1.0], rate_hz)
     return signal.lfilter(b, a, white)[lead:]
+
+
+def compute_gust_density(
+    intensity: Turbulence, airspeed: float, omega: Float[np.ndarray, " n_omega"]
+) -> Float[np.ndarray, " n_omega"]:
+    """Compute the two-sided spectral density of alpha_g = w_g/V of turbulence. [rad^2/Hz]
+
+    Parameters
+    ----------
+    intensity, airspeed
+        As in :func:`generate_gust`.
+    omega
+        Frequencies. [rad/s]
+
+    Notes
+    -----
+    sigma^2 T |1 + sqrt(3) j omega T|^2 / |1 + j omega T|^4 with T = L_w/V.
+    """
+    if intensity is Turbulence.NONE:
+        return np.zeros(omega.size)
+    T, sigma = _find_scales(intensity, airspeed)
+    x = (omega * T) ** 2
+    return sigma**2 * T * (1.0 + 3.0 * x) / (1.0 + x) ** 2
+
+
+def _find_scales(intensity: Turbulence, airspeed: float) -> tuple[float, float]:
+    """Find the time constant [s] and the standard deviation [rad] of turbulence."""
+    return _SCALE_LENGTH / airspeed, _SHARE_OF_WIND * _WIND_AT_20_FT[intensity] / airspeed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

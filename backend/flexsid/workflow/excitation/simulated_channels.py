@@ -62,7 +62,28 @@ def simulate_channels(
 def _disturb_outputs(
     at: PredictionModel, read: np.ndarray, rate: float, errors: tuple[SensorErrors, ...]
 ) -> np.ndarray:
-    """Apply errors of recording to outputs, the last that names a channel.
+    """Apply errors of recording to outputs."""
+    found = read.copy()
+    rng = np.random.default_rng([at.run.id or 0, _DROPOUT_SEED])
+    for name, one in _select_errors(at, errors).items():
+        column = [at.model.outputs.index(name)]
+        found[:, column] = apply_sensor_errors(read[:, column], rate, one, rng)
+    return found
+
+
+def compute_quantisation_density(
+    at: PredictionModel, errors: tuple[SensorErrors, ...], rate: float
+) -> np.ndarray:
+    """Compute the spectral density of the noise by quantisation of each output: q^2/(12 rate)."""
+    of_channel = _select_errors(at, errors)
+    quanta = [of_channel[o].quantum if o in of_channel else 0.0 for o in at.model.outputs]
+    return np.square(quanta) / (12.0 * rate)
+
+
+def _select_errors(
+    at: PredictionModel, errors: tuple[SensorErrors, ...]
+) -> dict[str, SensorErrors]:
+    """Select the errors of each channel: the last that names it.
 
     Raises
     ------
@@ -81,12 +102,7 @@ def _disturb_outputs(
                     channel=name,
                 )
             of_channel[name] = one
-    found = read.copy()
-    rng = np.random.default_rng([at.run.id or 0, _DROPOUT_SEED])
-    for name, one in of_channel.items():
-        column = [outputs.index(name)]
-        found[:, column] = apply_sensor_errors(read[:, column], rate, one, rng)
-    return found
+    return of_channel
 
 
 def _simulate_unmodelled(at: PredictionModel, excitation: np.ndarray, rate: float) -> np.ndarray:
