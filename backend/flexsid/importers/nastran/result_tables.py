@@ -27,7 +27,13 @@ _DOMAINS = f"{_RESULT}DOMAINS"
 _READ = {_GRID, *_SYSTEMS, _VECTORS, _EIGENVALUES, _DOMAINS}
 _COMPONENTS = ("X", "Y", "Z", "RX", "RY", "RZ")
 _MODES = 2
-_ANALYSES = {1: "static loads", 5: "frequency response", 6: "transient", 7: "buckling", 8: "buckling"}
+_ANALYSES = {
+    1: "static loads",
+    5: "frequency response",
+    6: "transient",
+    7: "buckling",
+    8: "buckling",
+}
 """Codes of analyses (approach codes of OUTPUT2 data blocks)."""
 
 Columns = Mapping[str, np.ndarray]
