@@ -150,11 +150,6 @@ def test_mode_name_is_corrected_with_reason(client: TestClient, table: Any) -> N
             "bad-axes",
         ),
         ((("deck.bdf", DECK),), {"length_unit": "m"}, "no-shapes"),
-        (
-            (("a.f06", printout((5.0,), [[float("inf"), *BENDING[1:]]])), ("deck.bdf", DECK)),
-            {"length_unit": "m", "generalized_mass": "unknown"},
-            "not-finite",
-        ),
     ],
 )
 def test_missing_information_is_reported(
