@@ -87,7 +87,7 @@ from flexsid.records.views import (
     Reconstruction,
     Residuals,
 )
-from flexsid.request_models import Parameters, derive_parameters, parameters_of
+from flexsid.request_models import QueryParameters, derive_parameters, parameters_of
 from flexsid.storage.maneuver_list import ManeuverFilters
 from flexsid.storage.reading import reading_once
 from flexsid.storage.store import Store
@@ -201,7 +201,7 @@ _Points = Annotated[int, Field(ge=100, le=20_000)]
 _Text = str | None
 
 
-class TrendParameters(Parameters):
+class TrendParameters(QueryParameters):
     """One derivative of runs and predictions, and the flight condition of its trend."""
 
     run_ids: _RunIds = Field(description="Ids of runs, separated by commas.")
@@ -215,17 +215,17 @@ _FILTERS: dict[str, Any] = {
     name: (hint, None)
     for name, hint in get_type_hints(ManeuverFilters, include_extras=True).items()
 }
-_Filters: type[Parameters] = create_model("_Filters", __base__=Parameters, **_FILTERS)
+_Filters: type[QueryParameters] = create_model("_Filters", __base__=QueryParameters, **_FILTERS)
 
 
-class _CoverageParameters(Parameters):
+class _CoverageParameters(QueryParameters):
     aircraft_id: _Id
     coefficient: _Text = Field(
         None, max_length=64, description="CZ, Cm, CQ7 ...; by default all coefficients."
     )
 
 
-class _Maneuver(Parameters):
+class _Maneuver(QueryParameters):
     maneuver_id: _Id
 
 
@@ -239,7 +239,7 @@ class _TimeHistory(_Channels):
     points: int = POINTS
 
 
-class _Flight(Parameters):
+class _Flight(QueryParameters):
     flight_id: _Id
 
 
@@ -300,11 +300,11 @@ class _Reconstruction(_Maneuver):
 
 
 @parameters_of(TransferFunctionQuery)
-class _TransferFunction(Parameters):
+class _TransferFunction(QueryParameters):
     view: View = "bode"
 
 
-class _Run(Parameters):
+class _Run(QueryParameters):
     run_id: _Id
 
 
@@ -316,7 +316,7 @@ class _FitParameters(_Block):
     outputs: _Names = Field(None, alias="output")
 
 
-class _Poles(Parameters):
+class _Poles(QueryParameters):
     run_ids: Annotated[str, _RUN_ID] = Field(
         alias="run_id", description="Ids of runs, separated by commas."
     )
@@ -328,7 +328,7 @@ class _TimeCheck(_Run):
     points: _Points = POINTS
 
 
-class _TimeComparison(Parameters):
+class _TimeComparison(QueryParameters):
     run_ids: _RunIds = Field(description="Ids of succeeded runs, separated by commas.")
     output: _Text = Field(None, max_length=64, description="By default the first of the first run.")
     maneuver_ids: _Ids = Field(
@@ -349,7 +349,7 @@ class _PredictedOutputs(_PredictedResiduals):
 
 
 @parameters_of(CrossValidationQuery)
-class _HeldOutResiduals(Parameters):
+class _HeldOutResiduals(QueryParameters):
     maneuver_id: _Reference = Field(None, description="Of a joint run; by default the first.")
 
 
@@ -357,7 +357,7 @@ class _HeldOutFit(_HeldOutResiduals):
     outputs: _Names = None
 
 
-class _Derivatives(Parameters):
+class _Derivatives(QueryParameters):
     run_ids: _RunIds
     prediction_ids: _Ids = None
     coefficient: _Text = Field(
@@ -365,27 +365,27 @@ class _Derivatives(Parameters):
     )
 
 
-class _Forest(Parameters):
+class _Forest(QueryParameters):
     run_ids: _RunIds
     name: _Derivative
     prediction_ids: _Ids = None
 
 
 @parameters_of(FlutterQuery)
-class _RootsParameters(Parameters):
+class _RootsParameters(QueryParameters):
     along: Along = Field(Along.AIRSPEED, description="Variable over which the roots are tracked.")
     prediction_id: _Reference = Field(
         None, description="Prediction whose flutter analysis at this loading is drawn beside."
     )
 
 
-class _ControlLoop(Parameters):
+class _ControlLoop(QueryParameters):
     controller_id: _Id
     design_id: _Reference = Field(None, description="Design whose excitation is shown.")
 
 
 @parameters_of(GlobalModelQuery)
-class _GlobalSlice(Parameters):
+class _GlobalSlice(QueryParameters):
     name: _Derivative
     along: LimitedQuantity | None = Field(
         None, description="Variable of the abscissa; by default the first."
@@ -397,14 +397,14 @@ class _GlobalSlice(Parameters):
     )
 
 
-class _Search(Parameters):
+class _Search(QueryParameters):
     search_id: _Id
     name: _Text = Field(
         None, alias="group", description="Coefficient (EE) or method; by default the first."
     )
 
 
-class _Design(Parameters):
+class _Design(QueryParameters):
     design_id: _Id
     level: int = Field(DEFAULT_LEVEL, ge=0, le=2, description="Amplitude: 0 low, 1 medium, 2 high.")
 
@@ -413,16 +413,16 @@ class _DesignForRun(_Design):
     run_id: _Id
 
 
-class _Frozen(Parameters):
+class _Frozen(QueryParameters):
     figure_id: _Id
 
 
-class _StreamParameters(Parameters):
+class _StreamParameters(QueryParameters):
     stream_id: _Id
 
 
 @parameters_of(SummaryQuery)
-class _SummaryFigure(Parameters):
+class _SummaryFigure(QueryParameters):
     prediction_id: _Reference = Field(
         None,
         description="Prediction whose stored flutter analysis at the same air density, airspeeds "
@@ -430,7 +430,7 @@ class _SummaryFigure(Parameters):
     )
 
 
-class _Lattice(Parameters):
+class _Lattice(QueryParameters):
     prediction_id: _Id
     quantity: LatticeQuantity = LatticeQuantity.LAYOUT
     column: str | None = Field(
@@ -441,7 +441,7 @@ class _Lattice(Parameters):
     )
 
 
-class _ModalTable(Parameters):
+class _ModalTable(QueryParameters):
     modal_table_id: _Id
 
 
@@ -452,7 +452,7 @@ class _Mac(_ModalTable):
 
 
 @parameters_of(OrderQuery)
-class _ModelOrder(Parameters):
+class _ModelOrder(QueryParameters):
     derivatives: Annotated[str, _NAMES] = Field(
         "CZ_alpha,Cm_alpha,CZ_q,Cm_q",
         max_length=2000,
@@ -461,7 +461,7 @@ class _ModelOrder(Parameters):
 
 
 @parameters_of(OrderQuery)
-class _ReducedResponses(Parameters):
+class _ReducedResponses(QueryParameters):
     output: str = Field(max_length=64)
     surface: str = Field(max_length=64)
     counts: Annotated[str, AfterValidator(_read_counts)] = Field(
@@ -469,7 +469,7 @@ class _ReducedResponses(Parameters):
     )
 
 
-class _MeasuredResponse(Parameters):
+class _MeasuredResponse(QueryParameters):
     responses_id: _Id
     response_dof: str = Field(max_length=20, description="Degree of freedom, such as 12+z.")
     reference_dof: str = Field(max_length=20, description="Degree of freedom, such as 61+z.")
@@ -492,7 +492,7 @@ class FigureKind:
     """
 
     name: str
-    parameters: type[Parameters]
+    parameters: type[QueryParameters]
     numbers: Callable[..., Any]
     draw: Callable[..., Spec]
     description: str
@@ -502,7 +502,7 @@ class FigureKind:
 def draw_figure(store: Store, figure: str, /, **arguments: Any) -> Spec:
     """Return a figure of the table as a Plotly specification.
 
-    Parameters
+    QueryParameters
     ----------
     store
         Database.

@@ -22,13 +22,13 @@ M = TypeVar("M", bound=pydantic.BaseModel)
 _BOUNDS = ("ge", "gt", "le", "lt", "min_length", "max_length", "pattern")
 
 
-class Parameters(pydantic.BaseModel):
-    """Parameters of a query; lists are separated by commas there."""
+class QueryParameters(pydantic.BaseModel):
+    """QueryParameters of a query; lists are separated by commas there."""
 
     model_config = pydantic.ConfigDict(frozen=True, validate_default=True)
 
 
-class Request(pydantic.BaseModel):
+class RequestBody(pydantic.BaseModel):
     """Body of a request; unknown fields are refused."""
 
     model_config = pydantic.ConfigDict(extra="forbid", frozen=True)
@@ -40,7 +40,7 @@ def parameters_of(request: type, *, without: tuple[str, ...] = ()) -> Callable[[
     Fields of a nested request are parameters of their own; tuples are texts whose items are
     separated by commas.
 
-    Parameters
+    QueryParameters
     ----------
     request
         A frozen dataclass whose fields have their ranges (``Allowed``).
@@ -67,9 +67,9 @@ def body_of(request: type, *, without: tuple[str, ...] = ()) -> Callable[[type[M
 
 
 @cache
-def derive_parameters(request: type, without: tuple[str, ...] = ()) -> type[Parameters]:
+def derive_parameters(request: type, without: tuple[str, ...] = ()) -> type[QueryParameters]:
     """Return the model of the query parameters of a request; see ``parameters_of``."""
-    base = type(request.__name__, (Parameters,), {"__doc__": request.__doc__})
+    base = type(request.__name__, (QueryParameters,), {"__doc__": request.__doc__})
     return parameters_of(request, without=without)(base)
 
 
@@ -226,7 +226,7 @@ def _find_body(request: type) -> type[pydantic.BaseModel]:
     """Return the model of a nested request: the one that was declared, or one of its own."""
     if request not in _bodies:
         name = f"{request.__name__.removesuffix('Request')}Request"
-        body_of(request)(type(name, (Request,), {"__doc__": request.__doc__}))
+        body_of(request)(type(name, (RequestBody,), {"__doc__": request.__doc__}))
     return _bodies[request]
 
 

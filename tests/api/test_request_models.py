@@ -9,12 +9,12 @@ from typing import Annotated
 import pytest
 from pydantic import ValidationError
 
-from flexsid.allowed import Allowed, Fuel, Id, Name, RunIds
+from flexsid.allowed import Allowed, Fuel, Name, RunIds
 from flexsid.errors import BadInput
 from flexsid.jobs.kind import build_job
 from flexsid.jobs.kinds import FLUTTER
 from flexsid.request_models import (
-    Request,
+    RequestBody,
     body_of,
     build_request,
     check_request,
@@ -44,7 +44,7 @@ class Outer:
 
 
 @body_of(Outer)
-class OuterRequest(Request):
+class OuterRequest(RequestBody):
     """An outer request."""
 
 
@@ -112,4 +112,5 @@ def test_ids_have_one_range():
     assert derive_parameters(FlutterQuery).model_json_schema()["properties"].keys() == {
         *("run_ids", "fuel", "altitude_m", "next_m_s", "unmodelled_modes", "variation")
     }
-    assert Id.__metadata__[0].le == 2**31 - 1
+    with pytest.raises(BadInput, match="expected 1 to"):
+        check_request(FlutterQuery(run_ids=(2**31,)))

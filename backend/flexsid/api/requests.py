@@ -48,7 +48,7 @@ T = TypeVar("T")
 _build_adapter = lru_cache(TypeAdapter)
 
 
-class Request(request_models.Request):
+class Request(request_models.RequestBody):
     """Body of a request; unknown fields are refused."""
 
     def make_record(self, record: type[T], **more: Any) -> T:
