@@ -46,6 +46,17 @@ def test_the_wheel_contains_page_migrations_and_demonstration(wheel):
     assert "flexsid/demo/data/flex28.json" in wheel
 
 
+def test_the_wheel_has_the_types_of_the_library(wheel):
+    assert {"flexsid/py.typed", "flexsid/sysid/__init__.pyi"} <= wheel
+
+
+def test_every_public_name_of_the_library_is_there():
+    import flexsid.sysid
+
+    assert len(flexsid.sysid.__all__) > 20
+    assert all(hasattr(flexsid.sysid, name) for name in flexsid.sysid.__all__)
+
+
 def test_the_wheel_contains_nothing_else(wheel):
     roots = {name.split("/")[0] for name in wheel}
     assert roots == {"flexsid", f"flexsid-{flexsid.__version__}.dist-info"}
