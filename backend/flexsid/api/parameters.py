@@ -112,11 +112,14 @@ def _list_integers(route: APIRoute) -> frozenset[str]:
         kinds = {
             each.alias: each.field_info.annotation for each in get_flat_params(route.dependant)
         }
-        integers = frozenset(
-            name for name, kind in kinds.items() if kind is int or int in get_args(kind)
-        )
+        integers = frozenset(name for name, kind in kinds.items() if _is_integer(kind))
         _integers[route.endpoint] = integers
     return integers
+
+
+def _is_integer(kind: Any) -> bool:
+    """Whether a type is int, with or without a range or None."""
+    return kind is int or any(_is_integer(part) for part in get_args(kind))
 
 
 def _list_parameters(route: APIRoute) -> tuple[str, ...]:
