@@ -89,7 +89,7 @@ def test_headers_without_end_are_refused(flown_url: str, tmp_path: Path) -> None
                 _send_for_ever(one)
 
 
-@pytest.mark.parametrize("backend", ["sqlite", "postgresql"])
+@pytest.mark.parametrize("backend", ["sqlite", pytest.param("postgresql", marks=pytest.mark.long)])
 def test_a_server_that_cannot_write_is_not_ready(
     flown_url: str, backend: str, tmp_path: Path
 ) -> None:

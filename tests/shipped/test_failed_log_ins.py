@@ -84,7 +84,7 @@ def test_an_office_behind_one_address_is_never_locked_out(
 
 
 @pytest.mark.parametrize("n_guesses", [200, pytest.param(10_000, marks=pytest.mark.long)])
-@pytest.mark.parametrize("n_addresses", [1, 1000])
+@pytest.mark.parametrize("n_addresses", [pytest.param(1, marks=pytest.mark.long), 1000])
 def test_who_guesses_is_stopped_and_locks_nobody_out(
     url: str, n_guesses: int, n_addresses: int, tmp_path: Path
 ) -> None:

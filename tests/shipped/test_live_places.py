@@ -28,7 +28,9 @@ def start(client: Client, name: str, **options: Any) -> httpx2.Response:
     return client.request("post", "live/streams", body)
 
 
-@pytest.mark.parametrize(("name", "place"), [("nats", "subject"), ("mqtt", "topic")])
+@pytest.mark.parametrize(
+    ("name", "place"), [("nats", "subject"), pytest.param("mqtt", "topic", marks=pytest.mark.long)]
+)
 def test_streams_connect_to_listed_brokers_only(
     flown_url: str, tmp_path: Path, name: str, place: str
 ) -> None:

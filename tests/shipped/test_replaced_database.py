@@ -36,7 +36,9 @@ def check_refused(client: Client) -> None:
         assert found == (503, "database-replaced"), (path, response.text)
 
 
-@pytest.mark.parametrize("fault", ["deleted", "replaced", "moved away and back"])
+@pytest.mark.parametrize(
+    "fault", ["deleted", "replaced", pytest.param("moved away and back", marks=pytest.mark.long)]
+)
 def test_a_server_notices_that_its_database_is_another_file(tmp_path: Path, fault: str) -> None:
     file, copy = tmp_path / "flexsid.db", tmp_path / "copy.db"
     with serving(tmp_path, f"sqlite:///{file}") as server:

@@ -14,7 +14,9 @@ from shipped import Server, ask_command, run_command, serving
 from waiting import wait_until
 
 WRITERS = 4
-BOTH = pytest.mark.parametrize("backend", ["sqlite", "postgresql"])
+BOTH = pytest.mark.parametrize(
+    "backend", ["sqlite", pytest.param("postgresql", marks=pytest.mark.long)]
+)
 
 
 class Notes:

@@ -95,7 +95,7 @@ def in_organisation_mode(
     ("start", "database_kind"),
     [
         (in_team_mode, "sqlite"),
-        (in_organisation_mode, "postgresql"),
+        pytest.param(in_organisation_mode, "postgresql", marks=pytest.mark.long),
         pytest.param(in_team_mode, "postgresql", marks=pytest.mark.long),
         pytest.param(in_organisation_mode, "sqlite", marks=pytest.mark.long),
     ],

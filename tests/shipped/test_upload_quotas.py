@@ -56,7 +56,7 @@ def test_a_small_file_with_much_content_is_refused(tmp_path: Path) -> None:
     ("variable", "status", "code"),
     [
         ("FLEXSID_ACCOUNT_UPLOAD_GIGABYTES", 413, "uploads-full"),
-        ("FLEXSID_UPLOAD_GIGABYTES", 507, "storage-full"),
+        pytest.param("FLEXSID_UPLOAD_GIGABYTES", 507, "storage-full", marks=pytest.mark.long),
     ],
 )
 def test_uploads_beyond_a_quota_are_refused_until_some_are_imported_or_deleted(
