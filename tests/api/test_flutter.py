@@ -31,9 +31,9 @@ def test_invalid_queries_are_refused(client, query: str, status: int):
 
 def test_values_in_other_units_are_refused_by_command_line(flown_url: str, capsys):
     for asked, words in (
-        (["--fuel", "50"], "0.5 for 50 %"),
-        (["--altitude", "35000"], "expected -1000 to 11000 m"),
-        (["--next", "4500"], "expected 0.1 to 1000 m/s"),
+        (["--fuel", "50"], "fuel is 50.0; expected 0 to 1"),
+        (["--altitude", "35000"], "altitude_m is 35000.0; expected -1000 to 11000"),
+        (["--next", "4500"], "next_m_s is 4500.0; expected 0.1 to 1000"),
     ):
         assert main(["flutter", "1", *asked, "--database", flown_url]) != 0
         assert words in capsys.readouterr().err
