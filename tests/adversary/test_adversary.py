@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from campaign import draw_flight, go_through_doors
 from doors import METHODS
 from shipped import serving
@@ -14,24 +15,24 @@ from table import compute_coverage, format_table
 from user_files import write_files
 
 SEED, INDEX, ROWS = 4, 57, 3_000
-SEARCHED = ("OE",)
 # Of one flight, whose errors depend on each other; 0.954 is expected of many. A run below the
 # first has to be suspect.
 TRUSTED_COVERAGE, LEAST_COVERAGE = 0.8, 0.6
 
 
-def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path) -> None:
+@pytest.mark.parametrize("searched", [(), pytest.param(("OE",), marks=pytest.mark.long)])
+def test_a_drawn_aircraft_goes_through_the_doors(tmp_path: Path, searched: tuple[str, ...]) -> None:
     flight = draw_flight(SEED, INDEX, ROWS)
     with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
         client = server.connect()
-        outcome = go_through_doors(client, flight, SEARCHED)
+        outcome = go_through_doors(client, flight, searched)
         kept = [client.get(f"runs/{run['id']}") for run in client.get("runs")["items"]]
     assert outcome.faults == ()
     assert {one.method for one in outcome.verdicts} == set(METHODS)
     assert {(run["method"], run["state"]) for run in kept} == {(m, "succeeded") for m in METHODS}
     assert compute_coverage(outcome.verdicts) >= LEAST_COVERAGE, format_table([outcome])
     assert [one.method for one in outcome.flutter] == list(METHODS)
-    assert [one.method for one in outcome.searches] == list(SEARCHED)
+    assert [one.method for one in outcome.searches] == list(searched)
     for one in outcome.searches:
         assert one.outcome != "failed"
         assert one.outcome == "undecided" or not one.missed, one

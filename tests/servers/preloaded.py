@@ -106,7 +106,7 @@ def _run(module: str, connection: Connection, lifeline: Connection) -> None:
     _is_forked = True
     with ExitStack() as programs:
         if module == dispatcher_process.__name__:
-            programs.enter_context(_programs_of(child, "flexsid.jobs.worker", count=3))
+            programs.enter_context(_programs_of(child, "flexsid.jobs.worker", count=6))
         elif module == stream_process.__name__:
             programs.enter_context(
                 _programs_of(stream_process, "flexsid.streams.estimate_process", count=2)

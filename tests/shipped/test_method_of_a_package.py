@@ -79,7 +79,7 @@ def read_all(client: Client) -> dict[str, httpx2.Response]:
     return {address: client.request("get", address) for address in addresses}
 
 
-@pytest.mark.parametrize("installed", [True, False])
+@pytest.mark.parametrize("installed", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_no_route_and_no_figure_fails(campaign: tuple[Path, str, Path], installed: bool) -> None:
     folder, database, program = campaign
     with serving_by(program if installed else shipped.PROGRAM, folder, database) as client:
