@@ -6,6 +6,7 @@ on a new database and again on one of an earlier schema, which it migrates.
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -15,7 +16,6 @@ from typing import Any
 
 import httpx2
 import pytest
-import sqlalchemy as sa
 from rigid_record import simulate_doublet, write_record
 from shipped import (
     Client,
@@ -23,6 +23,7 @@ from shipped import (
     ask_command,
     invite,
     make_environment,
+    run_command,
     serving,
     set_password,
 )
@@ -124,22 +125,19 @@ def test_each_role_does_what_it_may(
     set_schema(database, "0045")  # the next server migrates it
     with start(tmp_path, database) as (server, connect):
         check_roles(server, connect, "second")
-    found = ask_command(tmp_path, database, "check")["warnings"]
+    # The way back to the earlier schema, which no command goes, leaves seals of the later one.
+    found = json.loads(run_command(tmp_path, database, "check", "--json").stdout)["warnings"]
     assert "without-campaign" not in {one["code"] for one in found}
 
 
 def set_schema(database: str, revision: str) -> None:
-    """Let a database be of an earlier schema, whose rows were not sealed yet."""
+    """Let a database be of an earlier schema."""
     subprocess.run(
         [sys.executable, "-m", "alembic", "downgrade", revision],
         cwd=Path(__file__).parents[2],
         env=make_environment(FLEXSID_DATABASE=database),
         check=True,
     )
-    engine = sa.create_engine(database.replace("postgresql:", "postgresql+psycopg:"))
-    with engine.begin() as connection:  # a downgrade leaves those that it dropped the triggers of
-        connection.execute(sa.text("DELETE FROM row_seals"))
-    engine.dispose()
 
 
 def check_roles(server: Server, connect: Callable[[str], Client], round_name: str) -> None:

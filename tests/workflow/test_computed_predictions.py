@@ -104,7 +104,7 @@ def test_flutter_of_a_prediction_alone_agrees_with_rational_functions(store: Sto
     execute_request(store, PREDICTED_FLUTTER, query, lambda progress: None)
     imported = get_result(store, PREDICTED_FLUTTER, query).flutter
     assert imported.rational_airspeed_m_s is None
-    with pytest.raises(BadInput, match="fuel is 50.0; expected 0 to 1"):
+    with pytest.raises(BadInput, match=r"fuel is 50\.0; expected 0 to 1"):
         find_job(store, PREDICTED_FLUTTER, replace(query, fuel=50.0))
 
 
