@@ -109,7 +109,7 @@ _NOT_MEASURED = re.compile(
     r"|var(?:iances?)?|cov(?:ariances?)?)(?=[._]|$)|setpoint|innovation|test_ratio",
     re.IGNORECASE,
 )
-"""Names of what an autopilot computes or is told, besides what its sensors measure."""
+"""Names of what an autopilot computes or receives, apart from what its sensors measure."""
 
 _SPELLED = re.compile(r"_(rad|deg|m|ft)_(s2?)$", re.IGNORECASE)
 """Units of which the names of logs have the letters alone: q_rad_s."""

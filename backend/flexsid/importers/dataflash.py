@@ -94,7 +94,7 @@ def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
 
 
 def _find_instance(fields: dict[str, np.ndarray]) -> str | None:
-    """Return the column that tells sensors of one time stamp apart, if the log does not name it."""
+    """Return the column that separates sensors of one time stamp, if the log does not name it."""
     own = fields.get(_INSTANCE)
     if own is None or own.dtype.kind not in "iu" or np.unique(own).size < 2:
         return None
