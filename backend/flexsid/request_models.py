@@ -77,7 +77,7 @@ def build_request(request: type, values: Mapping[str, Any]) -> Any:
     """Return the request of parameters by name; those of a nested request are found by name."""
     own = {}
     for field in fields(request):
-        kind = _get_hints(request)[field.name]
+        kind, _rules, _text = _unwrap(_hints(request)[field.name])
         if is_dataclass(kind):
             own[field.name] = build_request(cast(type, kind), values)
         elif field.name in values:

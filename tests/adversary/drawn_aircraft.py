@@ -78,7 +78,10 @@ class Knowledge:
 
 def draw_shapes(rng: np.random.Generator, *, tail: bool) -> list[tuple[float, Shape]]:
     """Return symmetric modes with their frequencies over that of the first bending."""
-    mix = lambda size: float(size * rng.normal())  # noqa: E731
+
+    def mix(size: float) -> float:
+        return float(size * rng.normal())
+
     torsion = rng.uniform(2.2, 5.0)
     bodies = [
         (rng.uniform(2.5, 6.0), Shape("FB1", (mix(0.1),), (mix(0.05),), body=(1.0, 0.0))),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -150,7 +151,10 @@ def _describe_models(aircraft: Aircraft, knowledge: Knowledge) -> str:
     rows = ["CZ", "Cm", *(f"CQ{k}" for k in numbers)]
     columns = ["alpha", "q", *(f"eta{k}" for k in numbers), *(f"etadot{k}" for k in numbers)]
     columns += aircraft.truth.inputs
-    quote = lambda texts: ", ".join(f'"{text}"' for text in texts)  # noqa: E731
+
+    def quote(texts: Iterable[str]) -> str:
+        return ", ".join(f'"{text}"' for text in texts)
+
     return f"""[[modal_tables]]
 name = "FEM"
 kind = "FEM"
