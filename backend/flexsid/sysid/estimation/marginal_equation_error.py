@@ -25,6 +25,7 @@ from flexsid.sysid.estimation.error_components import ErrorComponents, name_prio
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.noise import SpectralMatrix, smooth_density
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.real_products import sum_products
 from flexsid.sysid.estimation.reconstruction import (
     ReconstructedMotion,
     SensorEquations,
@@ -156,14 +157,6 @@ class _MarginalSolution:
         return float(np.max(np.abs(self.step) / np.sqrt(np.diag(self.covariance))))
 
 
-def _sum_products(
-    A: Complex[np.ndarray, "*n_rows n_a"], B: Complex[np.ndarray, "*n_rows n_b"]
-) -> Float[np.ndarray, "n_a n_b"]:
-    """Compute Re A^H B over all rows: two real products are half of the complex one."""
-    A, B = A.reshape(-1, A.shape[-1]), B.reshape(-1, B.shape[-1])
-    return A.real.T @ B.real + A.imag.T @ B.imag
-
-
 @dataclass(frozen=True, slots=True)
 class _Sensitivity:
     """Change of all residuals with the nuisance parameters, in standard deviations of residuals.
@@ -186,11 +179,11 @@ class _Sensitivity:
         E, adjoint = self.of_equations, self.per_force.conj().transpose(0, 2, 1)
         n_y = self.per_force.shape[1]
         if S is None:
-            result = _sum_products(E, E)
+            result = sum_products(E, E)
             of_modes = adjoint @ self.per_force
         else:
             blocks = S.expand_blocks()
-            result = _sum_products(E, blocks[:, n_y:, n_y:] @ E)
+            result = sum_products(E, blocks[:, n_y:, n_y:] @ E)
             left = adjoint @ blocks[:, :n_y]
             mixed = self._sum_over_frequencies(left[:, :, n_y:] @ E)
             result[self.parameters] += mixed
@@ -206,7 +199,7 @@ class _Sensitivity:
     ) -> Float[np.ndarray, "n_out n"]:
         """Sum the products of every mode with its variables."""
         each = [
-            _sum_products(self.variables[:, o], of_modes[:, o]) for o in range(of_modes.shape[1])
+            sum_products(self.variables[:, o], of_modes[:, o]) for o in range(of_modes.shape[1])
         ]
         return np.concatenate(each)[self.places]
 
