@@ -59,3 +59,19 @@ def test_a_fit_whose_steps_overshoot_converges(flown: Flown) -> None:
     run = flown.estimate("OE", structure={"modes": modes, "fixed": {}})
     assert run["fit"]["outcome"] == "converged", run["fit"]["message"]
     assert all(one["std_error"] for one in run["parameters"])
+
+
+def test_an_unseen_mode_in_the_band_is_retained_with_the_reason(flown: Flown) -> None:
+    unseen = flown.number(UNSEEN)
+    proposal = flown.client.get(f"maneuvers/{flown.maneuver}/run-proposal")
+    (mode,) = [one for one in proposal["modes"] if one["number"] == unseen]
+    assert mode["in_band"]
+    assert not mode["proposed"]
+    assert mode["determined_share"] < 0.3
+    run = flown.estimate("FRE")
+    assert run["structure"]["modes"] == [flown.number("SW1B"), flown.number("SW1T")]
+    assert unseen in run["retained"]["modes"]
+    (reason,) = [text for text in run["proposal"]["reasons"] if "nuisance" in text]
+    assert UNSEEN in reason
+    assert run["fit"]["outcome"] == "converged", run["fit"]["message"]
+    assert run["adequacy"]["state"] != "not tested"
