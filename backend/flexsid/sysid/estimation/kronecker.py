@@ -124,7 +124,7 @@ class NormalForm:
         model = self._factored
         loads = np.matmul(weighted.transpose(0, 2, 1), columns).transpose(2, 1, 0)
         cross = _multiply_real(np.ascontiguousarray(loads).reshape(-1, w.shape[1]), w)
-        cross = cross.reshape(columns.shape[2], -1, w.shape[0])
+        cross = cross.reshape(columns.shape[2], weighted.shape[2], w.shape[0])
         return cross[:, model.pair_rows, model.pair_columns] * model.scale
 
     def scores(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from jaxtyping import Complex, Float
 
@@ -21,4 +23,4 @@ def sum_products(
 
 def _flatten(part: np.ndarray) -> np.ndarray:
     """Return contiguous rows, as products of matrices need them."""
-    return np.ascontiguousarray(part.reshape(-1, part.shape[-1]))
+    return np.ascontiguousarray(part.reshape(math.prod(part.shape[:-1]), part.shape[-1]))
