@@ -13,6 +13,7 @@ from flexsid.sysid.estimation.noise import SpectralMatrix
 from flexsid.sysid.estimation.parameters import select_parameters
 
 EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
+EXTRAS += ("shape_error_az_cf_9", "shape_error_alpha_7", "rotation_error_alpha_7")
 
 
 @pytest.fixture
@@ -22,7 +23,7 @@ def line_model(make_case):
     z = add_noise(y, 0.05, np.random.default_rng(2))
     parameters = case.free(EXTRAS, off=0.2)
     theta = parameters.start.copy()
-    theta[-len(EXTRAS) :] = [0.004, -0.002, 1.1, 1.05, 0.9, 1.2]
+    theta[-len(EXTRAS) :] = [0.004, -0.002, 1.1, 1.05, 0.9, 1.2, 0.1, -0.2, 0.3]
     return FrequencyDomainModel(case.experiment(u, z), parameters), theta
 
 

@@ -34,7 +34,7 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     expand_sensitivity,
 )
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.leave_one_out import compute_leverage
+from flexsid.sysid.estimation.leave_one_out import compute_leverage, compute_own_covariances
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.residual_power import compute_band_powers
@@ -624,7 +624,7 @@ def _compute_fit_covariance(
 ) -> Float[np.ndarray, " n_y"]:
     """Compute tr(M J N^-1 J^H) of every output over its local size.
 
-    Only of parameters that act as forces, and of frequencies that have a weight.
+    Without end states, and only of frequencies that have a weight.
     """
     model, G, w = final.form.model, final.sensitivity.forces, final.sensitivity.variables.T
     n_omega, n_y, n_r = G.shape
@@ -657,6 +657,11 @@ def _compute_fit_covariance(
         moved = np.matmul(G[m], couple(k, m))
         values = np.sum(moved * G[k].conj(), axis=2) / (local[k] * local[m])
         total += 2.0 * np.real(upper.data[part] @ values)
+    outputs = model.own_outputs
+    if outputs.size:
+        of_own = compute_own_covariances(model, final.sensitivity, inverse)
+        left, right = (part.T / local[:, outputs] for part in (final.sensitivity.own, of_own))
+        np.add.at(total, outputs, np.real(np.sum(left.conj() * (M @ right), axis=0)))
     return total
 
 

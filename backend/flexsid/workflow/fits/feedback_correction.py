@@ -153,7 +153,7 @@ def _fit_corrected(
         steps=found.steps,
         outcome=Outcome.CONVERGED,
         message=f"Converged in {count_iterations(found.steps[-1].iteration)}.",
-        nuisance=frozenset(task.nuisance_names),
+        nuisance=task.marginalised,
     )
     known = found.noise if task.method is Method.OE else None
     estimate = weight_by_noise_spectrum(experiments, parameters, base, settings, known=known)

@@ -185,7 +185,7 @@ def maximize_from_starts(
         estimate = maximize(experiments, parameters, settings, report_iteration)
         if estimate.outcome is Outcome.CANCELLED:
             raise Cancelled(estimate.message)
-        return parameters, name, replace(estimate, nuisance=frozenset(task.nuisance_names))
+        return parameters, name, replace(estimate, nuisance=task.marginalised)
 
     ends = [
         attempt(name, parameters, number / len(candidates))

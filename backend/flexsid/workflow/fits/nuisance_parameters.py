@@ -65,11 +65,11 @@ def marginalise(
     """
     if task.nuisance is None:
         return None
-    reported = [name for name in estimate.names if name not in estimate.nuisance]
-    estimate = estimate.select([*reported, *task.nuisance_names])
     priors = task.list_priors(spread)
     share = compute_noise_share(estimate, priors, overlap)
     std = dict(zip(estimate.names, estimate.std_errors, strict=True))
     for name in share.keys() & task.modal_std.keys():
         share[name] /= 1.0 + (task.modal_std[name] / std[name]) ** 2
+    reported = [name for name in estimate.names if name not in estimate.nuisance]
+    estimate = estimate.select([*reported, *task.nuisance_names])
     return ComputedRetainedModes(task.retained, spread, estimate, priors, share)
