@@ -491,6 +491,7 @@ _AERODYNAMICS_FIT = {
     "flutter": "Flutter of the short period with SW1B at 63.87 ± 0.66 m/s, 16.95 rad/s.",
 }
 _POSTERIOR_JOB = _describe_queued_job("posterior-check", "run 1", {"run_id": 1})
+_COMPATIBILITY_JOB = _describe_queued_job("compatibility", "FTA 506", {"maneuver_ids": [1]})
 _TRANSFER_FUNCTION_JOB = _describe_queued_job(
     "transfer-function", "q over wf4s, FTA 506", {"maneuver_id": 1, "input": "wf4s", "output": "q"}
 )
@@ -657,6 +658,58 @@ _NOT_RECORDED: dict[str, Any] = {
             {"name": "load_factor", "limit": 0.661, "standard": 0.661, "optimal": 0.558},
         ],
         "optimal_design_id": 2,
+    },
+    "request_compatibility": _COMPATIBILITY_JOB,
+    "get_compatibility_job": {"job": _COMPATIBILITY_JOB},
+    "get_compatibility": {
+        "maneuver_ids": [1],
+        "state": "faulty",
+        "sentence": "alpha is recorded 22.03 ± 0.35 ms late.",
+        "faults": [
+            {
+                "finding": {
+                    "kind": "delay",
+                    "channel": "alpha",
+                    "axis": "",
+                    "value": 0.02203,
+                    "std": 0.00035,
+                    "gain": 15089.0,
+                    "sentence": "alpha is recorded 22.03 ± 0.35 ms late.",
+                    "remedy": "Correct the delay of alpha, or declare it in its instrument.",
+                    "correction": {
+                        "channel": "alpha",
+                        "kind": "delay",
+                        "delay_s": 0.02203,
+                        "scale": 1.0,
+                        "bias": 0.0,
+                        "stretches": [],
+                        "std": 0.00035,
+                        "basis": "compatibility of the sensors by kinematics",
+                        "is_shared": False,
+                    },
+                },
+                "inseparable": [],
+                "question": "",
+            }
+        ],
+        "sensors": [
+            {
+                "name": "alpha",
+                "kind": "vane",
+                "delay_s": 0.02203,
+                "delay_std_s": 0.00035,
+                "scale": 1.002,
+                "scale_std": 0.0057,
+                "arm_axis": "x",
+                "arm_m": 0.002,
+                "arm_std_m": 0.005,
+                "misfit": 1.1,
+                "coherence": 0.9998,
+                "not_checked": None,
+            }
+        ],
+        "band_hz": [0.05, 6.5],
+        "n_frequencies": 129,
     },
     "request_transfer_function": _TRANSFER_FUNCTION_JOB,
     "get_transfer_function_job": {"job": _TRANSFER_FUNCTION_JOB},
