@@ -24,7 +24,7 @@ NOISE = {
     **dict.fromkeys(("alpha", "beta"), 4e-4), **dict.fromkeys(("theta", "phi"), 3e-4),
     **dict.fromkeys("pqr", 8e-4), **dict.fromkeys(("ax", "ay", "az"), 0.02), "airspeed": 0.05,
 }  # fmt: skip
-_KINDS = {
+SENSORS = {
     "alpha": ("vane", "y"), "beta": ("vane", "z"), "theta": ("attitude", "y"),
     "phi": ("attitude", "x"), "p": ("gyro", "x"), "q": ("gyro", "y"), "r": ("gyro", "z"),
     "ax": ("accelerometer", "x"), "ay": ("accelerometer", "y"), "az": ("accelerometer", "z"),
@@ -45,7 +45,6 @@ class PlantedFault:
     scale: float = 1.0
     arm: float = 0.0
     held_hz: float = 0.0
-    airspeed_scale: float = 1.0
 
 
 def record_flight(
@@ -53,8 +52,12 @@ def record_flight(
     axis: str = "longitudinal",
     fault: PlantedFault | None = None,
     airspeed_change: float = 0.3,
+    noise: float = 1.0,
 ) -> dict[str, np.ndarray]:
-    """Return columns of one record by name, with ``t``, ``elevator`` and ``airspeed``."""
+    """Return columns of one record by name, with ``t``, ``elevator`` and ``airspeed``.
+
+    ``noise`` multiplies that of all sensors.
+    """
     fault = fault or PlantedFault()
     rng = np.random.default_rng(seed)
     time, motion = _fly(rng, axis, airspeed_change)
@@ -68,9 +71,7 @@ def record_flight(
         true = _measure(name, motion, place)
         late = fault.delay_s if name == fault.sensor else 0.0
         values = np.interp(time[::FINE] - late, time, true)
-        values = values + NOISE[name] * rng.normal(size=values.size)
-        if name == "airspeed":
-            values = values * fault.airspeed_scale
+        values = values + noise * NOISE[name] * rng.normal(size=values.size)
         if name == fault.sensor:
             values = values * fault.scale
             if fault.held_hz:
@@ -97,18 +98,14 @@ def _fly(
         )
     )
     lift, side = rng.uniform(1.0, 2.0), rng.uniform(0.3, 0.6)
-    alpha, beta, phi, theta = np.zeros((4, time.size))
-    alpha[0] = theta[0] = 0.05
-    for k in range(time.size - 1):
-        a, b, f, t = alpha[k], beta[k], phi[k], theta[k]
-        roll, pitch, yaw = p[k], q[k], r[k]
-        alpha[k + 1] = a + (
-            pitch - (roll * np.cos(a) + yaw * np.sin(a)) * np.tan(b) - lift * (a - 0.05)
-        ) / rate  # fmt: skip
-        beta[k + 1] = b + (roll * np.sin(a) - yaw * np.cos(a) - side * b) / rate
-        turn = pitch * np.sin(f) + yaw * np.cos(f)
-        phi[k + 1] = f + (roll + np.tan(t) * turn) / rate
-        theta[k + 1] = t + (pitch * np.cos(f) - yaw * np.sin(f)) / rate
+    rates = np.stack([p, q, r], axis=1)
+    states = np.zeros((time.size, 4))
+    states[0] = 0.05, 0.0, 0.0, 0.05
+    for k in range(time.size - 1):  # Heun: a first-order rule would make the states late
+        slope = _turn(states[k], rates[k], lift, side)
+        ahead = _turn(states[k] + slope / rate, rates[k + 1], lift, side)
+        states[k + 1] = states[k] + (slope + ahead) / (2.0 * rate)
+    alpha, beta, phi, theta = states.T
     u, v, w = (
         speed * np.cos(alpha) * np.cos(beta), speed * np.sin(beta),
         speed * np.sin(alpha) * np.cos(beta),
@@ -122,6 +119,19 @@ def _fly(
     motion = {"airspeed": speed, "alpha": alpha, "beta": beta, "phi": phi, "theta": theta}
     motion |= force | {"p": p, "q": q, "r": r, "elevator": np.tanh(q / 0.1)}
     return time, motion
+
+
+def _turn(state: np.ndarray, rates: np.ndarray, lift: float, side: float) -> np.ndarray:
+    """Rates of angle of attack, sideslip, bank and pitch angle."""
+    a, b, f, t = state
+    roll, pitch, yaw = rates
+    turn = pitch * np.sin(f) + yaw * np.cos(f)
+    return np.array([
+        pitch - (roll * np.cos(a) + yaw * np.sin(a)) * np.tan(b) - lift * (a - 0.05),
+        roll * np.sin(a) - yaw * np.cos(a) - side * b,
+        roll + np.tan(t) * turn,
+        pitch * np.cos(f) - yaw * np.sin(f),
+    ])  # fmt: skip
 
 
 def _respond(time: np.ndarray, rng: np.random.Generator, size: float) -> np.ndarray:
@@ -167,7 +177,7 @@ def write_flight(
     np.savetxt(record, table, "%.9g", ",", header=",".join(columns), comments="")
     names = [name for name in columns if name in UNITS]
     sensors = ", ".join(
-        f'{{ name = "{n}", kind = "{_KINDS[n][0]}", axis = "{_KINDS[n][1]}", '
+        f'{{ name = "{n}", kind = "{SENSORS[n][0]}", axis = "{SENSORS[n][1]}", '
         f"location = {_locate(n)} }}"
         for n in names
     )
@@ -192,9 +202,10 @@ mass.mass = {{ values = [900], unit = "kg" }}
 mass.pitch_inertia = {{ values = [1500], unit = "kg*m2" }}
 mass.x_cg = {{ values = [0], unit = "m" }}
 """
-    for name in ("elevator", *names):
-        role = "input" if name == "elevator" else "output"
-        unit = UNITS.get(name, "rad")
+    roles = {"elevator": "input", "airspeed": "condition"}
+    for name in ("elevator", "airspeed", *names):
+        role = roles.get(name, "output")
+        unit = "m/s" if name == "airspeed" else UNITS.get(name, "rad")
         text += f'[[channels]]\ncolumn = "{name}"\nname = "{name}"\n'
         text += f'unit = "{unit}"\nrole = "{role}"\n'
     mapping.write_text(text)

@@ -10,13 +10,13 @@ from jaxtyping import Float
 
 from flexsid.sysid.compatibility.flight_record import ALTITUDE, FlightRecord
 from flexsid.sysid.compatibility.likelihood import (
-    Candidate,
-    FaultKind,
+    FaultCandidate,
     FaultLikelihood,
+    SensorFaultKind,
     Values,
     build_likelihood,
 )
-from flexsid.sysid.model.sensor_models import ACCELEROMETER, AIRSPEED_PROBE, STRAIN, VANE
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, AIRSPEED_PROBE, VANE
 
 _LEAST_GAIN = 25.0  # in 2 ln L to enter, 5 sigma: none of thirty candidates by chance
 _LEAST_SIGMAS = 4.0  # of the value, with residuals that neighbouring frequencies share
@@ -56,7 +56,7 @@ class Fault:
     within ten of 2 ln L.
     """
 
-    candidate: Candidate
+    candidate: FaultCandidate
     value: float
     std: float
     gain: float
@@ -85,7 +85,7 @@ class Compatibility:
 class _Tried:
     """A candidate with the value and cost of its fit."""
 
-    candidate: Candidate
+    candidate: FaultCandidate
     value: float
     cost: float
 
@@ -129,19 +129,19 @@ def check_compatibility(records: Sequence[FlightRecord]) -> Compatibility:
     return _describe(current, candidates, values, turns)
 
 
-def list_candidates(record: FlightRecord) -> tuple[Candidate, ...]:
+def list_candidates(record: FlightRecord) -> tuple[FaultCandidate, ...]:
     """List the possible faults of the sensors of a record."""
-    found: list[Candidate] = []
+    found: list[FaultCandidate] = []
     for one in record.sensors:
-        found.append(Candidate(FaultKind.DELAY, one.name))
-        if one.kind not in (AIRSPEED_PROBE.kind, STRAIN.kind):
-            found.append(Candidate(FaultKind.SCALE, one.name))
+        found.append(FaultCandidate(SensorFaultKind.DELAY, one.name))
+        if one.kind != AIRSPEED_PROBE.kind:
+            found.append(FaultCandidate(SensorFaultKind.SCALE, one.name))
         if axis := _ARMS.get((one.kind, one.axis)):
-            found.append(Candidate(FaultKind.ARM, one.name, axis))
+            found.append(FaultCandidate(SensorFaultKind.ARM, one.name, axis))
     kinds = {one.kind for one in record.sensors}
     if kinds & {ACCELEROMETER.kind, ALTITUDE}:
         name = "airspeed" if record.airspeed is None else record.airspeed.name
-        found.append(Candidate(FaultKind.AIRSPEED, name))
+        found.append(FaultCandidate(SensorFaultKind.AIRSPEED, name))
     return tuple(found)
 
 
@@ -155,10 +155,10 @@ def is_unit_factor(value: float, std: float) -> float | None:
 
 
 def _pursue(
-    likelihood: FaultLikelihood, candidates: Sequence[Candidate]
-) -> tuple[dict[Candidate, float], list[list[_Tried]]]:
+    likelihood: FaultLikelihood, candidates: Sequence[FaultCandidate]
+) -> tuple[dict[FaultCandidate, float], list[list[_Tried]]]:
     """Enter faults one by one; return their values, and what was tried at each turn."""
-    values: dict[Candidate, float] = {}
+    values: dict[FaultCandidate, float] = {}
     turns: list[list[_Tried]] = []
     cost = likelihood.compute_cost(values)
     while len(turns) < _MOST_FAULTS:
@@ -188,19 +188,19 @@ def _pursue(
 
 
 def _start(
-    likelihood: FaultLikelihood, candidates: Sequence[Candidate], known: Values
-) -> list[tuple[Candidate, float]]:
+    likelihood: FaultLikelihood, candidates: Sequence[FaultCandidate], known: Values
+) -> list[tuple[FaultCandidate, float]]:
     """Select the most promising candidates, each with the best of several starts."""
     cost = likelihood.compute_cost(known)
     is_poor = cost > _POOR * likelihood.n_frequencies * len(likelihood.names)
-    starts: list[tuple[float, Candidate, float]] = []
-    for one in candidates:
-        _, least, _ = likelihood.linearize(known, one)
+    starts: list[tuple[float, FaultCandidate, float]] = []
+    linear = likelihood.linearize(known, candidates)
+    for one, (_, least, _) in zip(candidates, linear, strict=True):
         starts.append((least, one, one.neutral))
         further: Sequence[float] = ()
-        if is_poor and one.kind is FaultKind.DELAY:
+        if is_poor and one.kind is SensorFaultKind.DELAY:
             further = _DELAYS_S
-        elif is_poor and one.kind is FaultKind.SCALE:
+        elif is_poor and one.kind is SensorFaultKind.SCALE:
             further = tuple(UNIT_FACTORS)
         costs = [likelihood.compute_cost({**known, one: value}) for value in further]
         if costs and min(costs) < cost:
@@ -209,7 +209,7 @@ def _start(
     return [(one, value) for _, one, value in starts[:_PROMISING]]
 
 
-def _try(likelihood: FaultLikelihood, one: Candidate, start: float, known: Values) -> _Tried:
+def _try(likelihood: FaultLikelihood, one: FaultCandidate, start: float, known: Values) -> _Tried:
     """Fit one further fault."""
     found, cost = likelihood.fit({**known, one: start}, (one,))
     if not _is_plausible(one, found[one]):
@@ -217,9 +217,11 @@ def _try(likelihood: FaultLikelihood, one: Candidate, start: float, known: Value
     return _Tried(one, found[one], cost)
 
 
-def _is_plausible(one: Candidate, value: float) -> bool:
-    """Whether a ratio is near one, minus one, or that of two units."""
-    if not one.is_ratio or is_unit_factor(value, 0.1 * abs(value)) is not None:
+def _is_plausible(one: FaultCandidate, value: float) -> bool:
+    """Whether a ratio is near one, or of a scale factor minus one or that of two units."""
+    if not one.is_ratio:
+        return True
+    if one.kind is SensorFaultKind.SCALE and is_unit_factor(value, 0.1 * abs(value)) is not None:
         return True
     return 1.0 / _LARGEST_RATIO < abs(value) < _LARGEST_RATIO
 
@@ -232,16 +234,16 @@ def _rank(tried: _Tried) -> int:
     airspeeds that only accelerometers contradict is one of them.
     """
     one, value = tried.candidate, tried.value
-    if one.kind is FaultKind.SCALE and is_unit_factor(value, 0.0) is not None:
+    if one.kind is SensorFaultKind.SCALE and is_unit_factor(value, 0.0) is not None:
         return 0
-    if one.kind is FaultKind.ARM and value < 0.0:
+    if one.kind is SensorFaultKind.ARM and value < 0.0:
         return 2
-    return 2 if one.kind is FaultKind.AIRSPEED else 1
+    return 2 if one.kind is SensorFaultKind.AIRSPEED else 1
 
 
 def _describe(
     likelihood: FaultLikelihood,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[FaultCandidate],
     values: Values,
     turns: Sequence[Sequence[_Tried]],
 ) -> Compatibility:
@@ -267,11 +269,10 @@ def _describe(
         fault = _build_fault(one, values[one], std[one], gain, step_s)
         faults.append(replace(fault, inseparable=tuple(others)))
     estimates = []
-    for one in candidates:
-        if one not in values:
-            step, own, error = likelihood.linearize(values, one)
-            value = one.advance(one.neutral, step)
-            estimates.append(_build_fault(one, value, error, 2.0 * (cost - own), step_s))
+    rest = [one for one in candidates if one not in values]
+    for one, (step, own, error) in zip(rest, likelihood.linearize(values, rest), strict=True):
+        value = one.advance(one.neutral, step)
+        estimates.append(_build_fault(one, value, error, 2.0 * (cost - own), step_s))
     leverage = np.concatenate([one.leverage for one in likelihood.project(values)])
     checked = np.min(leverage, axis=0) < 1.0 - 1e-3
     return Compatibility(
@@ -286,9 +287,11 @@ def _describe(
     )
 
 
-def _build_fault(one: Candidate, value: float, std: float, gain: float, step_s: float) -> Fault:
+def _build_fault(
+    one: FaultCandidate, value: float, std: float, gain: float, step_s: float
+) -> Fault:
     if one.is_ratio:
         std = abs(value) * float(np.hypot(std, _CALIBRATION))
-    elif one.kind is FaultKind.DELAY:
+    elif one.kind is SensorFaultKind.DELAY:
         std = float(np.hypot(std, _CLOCK * step_s))
     return Fault(one, value, std, gain)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float
 from scipy import interpolate
 
 from flexsid.sysid.model.condition import FlightCondition
-from flexsid.sysid.model.sensors import Mounting
 
 ALTITUDE = "altitude"
 """Kind of a sensor of altitude, which no model of an axis has."""
@@ -25,9 +24,8 @@ _MOST_FREQUENCY = 0.4  # of the slowest sampling rate
 class CompatibilitySensor:
     """One sensor: what it is, where it is, and its samples at its own times. [s]
 
-    ``mountings`` are by axis of the model, since the symmetric modes are those of the longitudinal
-    axis. ``noise_std`` is the standard deviation of its samples, from the samples themselves or
-    from the description of the sensor. [unit of the samples]
+    ``position`` is in body axes at the c.g. [m]. ``noise_std`` is the standard deviation of its
+    samples, by the samples themselves. [unit of the samples]
     """
 
     name: str
@@ -37,7 +35,6 @@ class CompatibilitySensor:
     time: Float[np.ndarray, " n_samples"]
     samples: Float[np.ndarray, " n_samples"]
     noise_std: float
-    mountings: Mapping[str, Mounting] = field(default_factory=dict[str, Mounting])
 
     @property
     def rate_hz(self) -> float:
@@ -118,6 +115,11 @@ class FlightRecord:
     ) -> Complex[np.ndarray, "n_omega n_columns"]:
         """Fourier integrals of columns of samples that vanish at both ends. [unit * s]"""
         return self.step_s * np.fft.rfft(values, axis=0)[1 : self.omega.size + 1]
+
+    @cached_property
+    def polynomials(self) -> dict[Any, Float[np.ndarray, "n_y 4 n_r"]]:
+        """Rows of the model by places and airspeed: a search uses few, hundreds of times."""
+        return {}
 
     @cached_property
     def _curves(self) -> dict[str, interpolate.BSpline]:

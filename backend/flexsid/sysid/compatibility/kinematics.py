@@ -29,7 +29,7 @@ from flexsid.sysid.model.sensor_models import (
 from flexsid.sysid.model.sensors import INTEGRAL, POSITION, Mounting
 
 _BODIES = (AIRSPEED, LATERAL)
-_LONGITUDINAL = AIRSPEED.size
+_NO_MODES = np.zeros((3, 0))
 SIGNALS = {
     "alpha": (VANE.kind, "y"), "beta": (VANE.kind, "z"),
     "p": (GYRO.kind, "x"), "q": (GYRO.kind, "y"), "r": (GYRO.kind, "z"),
@@ -39,7 +39,7 @@ SIGNALS = {
 
 
 @dataclass(frozen=True, slots=True)
-class SensorErrors:
+class MeasurementErrors:
     """Errors of the sensors, zero or one where nothing is wrong.
 
     Recorded samples are the true ones, ``delays`` [s] later, times ``scales``. ``arms`` are what
@@ -62,7 +62,7 @@ class KinematicEquations:
 
 
 def form_equations(
-    record: FlightRecord, errors: SensorErrors, some: Int[np.ndarray, " n_omega"]
+    record: FlightRecord, errors: MeasurementErrors, some: Int[np.ndarray, " n_omega"]
 ) -> KinematicEquations:
     """Form the equations of a record at some of its frequencies, with the errors of its sensors.
 
@@ -115,20 +115,14 @@ def form_equations(
     # An attitude is the integral of its rate: s F(w x) = F(w-dot x) + F(w x-dot).
     exact = np.where(is_attitude, (z_end + c) / s, exact)
     z = np.where(is_altitude, s * z - z_end, z)
-    rigid = np.concatenate([rows[:, :, :3], rows[:, :, -3:]], axis=2)
-    remainder = exact - np.matmul(rigid, own_motion[:, :, None])[:, :, 0]
+    remainder = exact - np.matmul(rows, own_motion[:, :, None])[:, :, 0]
     # Noise is that of the recorded samples, whatever their scale.
     scale = np.array([scales.get(one.name, 1.0) for one in record.sensors])
-    rows = _select_motions(record, rows) * scale[:, None]
+    rows = rows[:, :, _find_determined(record)] * scale[:, None]
     return KinematicEquations((z - remainder) * scale, rows)
 
 
-def list_motions(record: FlightRecord) -> tuple[str, ...]:
-    """List the rigid-body motions that the sensors of a record determine."""
-    return tuple(np.array(("alpha", "q", "V", "beta", "p", "r"))[_find_determined(record)])
-
-
-def _locate(sensor: CompatibilitySensor, errors: SensorErrors) -> tuple[float, float, float]:
+def _locate(sensor: CompatibilitySensor, errors: MeasurementErrors) -> tuple[float, float, float]:
     x, y, z = (
         place + errors.arms.get((sensor.name, axis), 0.0)
         for place, axis in zip(sensor.position, "xyz", strict=True)
@@ -227,19 +221,25 @@ def _form_rows(
     airspeed_scale: float,
     omega: np.ndarray,
 ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
-    """Rows of all sensors: alpha, q, V, symmetric modes, antisymmetric modes, beta, p, r."""
+    """Rows of all sensors: alpha, q, V, beta, p, r."""
+    key = tuple(places.values()), airspeed_scale
+    polynomials = record.polynomials.get(key)
+    if polynomials is None:
+        polynomials = record.polynomials[key] = _form_polynomials(record, *key)
+    powers = np.stack([-1j / omega, np.ones_like(omega), 1j * omega, -(omega**2)], axis=1)
+    return np.einsum("kp,ypr->kyr", powers, polynomials)
+
+
+def _form_polynomials(
+    record: FlightRecord, places: tuple[tuple[float, float, float], ...], airspeed_scale: float
+) -> np.ndarray:
     condition = record.condition
     condition = replace(condition, airspeed=condition.airspeed / airspeed_scale)
     polynomials = []
-    for sensor in record.sensors:
+    for sensor, place in zip(record.sensors, places, strict=True):
         parts = []
         for body in _BODIES:
-            at = sensor.mountings.get(body.axis)
-            if at is None:
-                nothing = np.zeros((3, 0))
-                at = Mounting(places[sensor.name], nothing, nothing, np.zeros(0))
-            at = replace(at, position=places[sensor.name])
-            row = np.zeros((4, body.size + at.n_modes))
+            row = np.zeros((4, body.size))
             if sensor.kind == ALTITUDE:
                 if body is AIRSPEED:  # climb rate
                     row[INTEGRAL, 1], row[POSITION, 0] = condition.airspeed, -condition.airspeed
@@ -247,11 +247,11 @@ def _form_rows(
             else:
                 model = find_sensor_model(sensor.kind)
                 if model.measures(sensor.axis, body):
+                    at = Mounting(place, _NO_MODES, _NO_MODES, _NO_MODES[0])
                     row = model.build_row(sensor.axis, body, at, condition)
-            parts.append(row if body is AIRSPEED else np.roll(row, -body.size, axis=1))
+            parts.append(row)
         polynomials.append(np.concatenate(parts, axis=1))
-    powers = np.stack([-1j / omega, np.ones_like(omega), 1j * omega, -(omega**2)], axis=1)
-    return np.einsum("kp,ypr->kyr", powers, np.stack(polynomials))
+    return np.stack(polynomials)
 
 
 def _find_determined(record: FlightRecord) -> np.ndarray:
@@ -264,9 +264,3 @@ def _find_determined(record: FlightRecord) -> np.ndarray:
     symmetric = symmetric or (ACCELEROMETER.kind, "z") in which
     airspeed = AIRSPEED_PROBE.kind in kinds
     return np.array([symmetric, symmetric, airspeed, lateral, lateral, lateral])
-
-
-def _select_motions(record: FlightRecord, rows: np.ndarray) -> np.ndarray:
-    n_modes = rows.shape[2] - 6
-    some = _find_determined(record)
-    return rows[:, :, np.concatenate([some[:3], np.ones(n_modes, dtype=bool), some[3:]])]

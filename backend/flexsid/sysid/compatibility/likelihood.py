@@ -11,9 +11,10 @@ from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.compatibility.flight_record import ALTITUDE, FlightRecord
-from flexsid.sysid.compatibility.kinematics import SensorErrors, form_equations
+from flexsid.sysid.compatibility.kinematics import MeasurementErrors, form_equations
 from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
+from flexsid.text import count_noun
 
 _MODEL_ERROR = 0.01  # of the spectrum nearby: calibration and places are not known better
 _NEAR = 7  # frequencies over which a spectrum is averaged
@@ -29,7 +30,7 @@ _HALVINGS = 6
 _CONVERGED = 1e-3  # decrease of the cost that ends the steps
 
 
-class FaultKind(StrEnum):
+class SensorFaultKind(StrEnum):
     """What is wrong with a sensor."""
 
     DELAY = "delay"  # recorded later than true [s]
@@ -39,25 +40,31 @@ class FaultKind(StrEnum):
 
 
 _DIFFERENCE = {
-    FaultKind.DELAY: 1e-5, FaultKind.SCALE: 1e-5, FaultKind.ARM: 1e-4, FaultKind.AIRSPEED: 1e-5,
-}  # fmt: skip
+    SensorFaultKind.DELAY: 1e-5,
+    SensorFaultKind.SCALE: 1e-5,
+    SensorFaultKind.ARM: 1e-4,
+    SensorFaultKind.AIRSPEED: 1e-5,
+}
 _LARGEST_STEP = {
-    FaultKind.DELAY: 0.05, FaultKind.SCALE: 1.0, FaultKind.ARM: 10.0, FaultKind.AIRSPEED: 0.3,
-}  # fmt: skip
+    SensorFaultKind.DELAY: 0.05,
+    SensorFaultKind.SCALE: 1.0,
+    SensorFaultKind.ARM: 10.0,
+    SensorFaultKind.AIRSPEED: 0.3,
+}
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Candidate:
+class FaultCandidate:
     """A possible fault; ``axis`` is that of a lever arm."""
 
-    kind: FaultKind
-    sensor: str
+    kind: SensorFaultKind
+    channel: str
     axis: str = ""
 
     @property
     def is_ratio(self) -> bool:
         """Whether its value is a ratio, with one where nothing is wrong."""
-        return self.kind in (FaultKind.SCALE, FaultKind.AIRSPEED)
+        return self.kind in (SensorFaultKind.SCALE, SensorFaultKind.AIRSPEED)
 
     @property
     def neutral(self) -> float:
@@ -69,7 +76,7 @@ class Candidate:
         return float(value * np.exp(step)) if self.is_ratio else float(value + step)
 
 
-Values = Mapping[Candidate, float]
+Values = Mapping[FaultCandidate, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,7 +140,9 @@ class FaultLikelihood:
         """Half of -2 ln L."""
         return float(np.sum(np.abs(self.compute_residual(values)) ** 2))
 
-    def fit(self, start: Values, free: Sequence[Candidate]) -> tuple[dict[Candidate, float], float]:
+    def fit(
+        self, start: Values, free: Sequence[FaultCandidate]
+    ) -> tuple[dict[FaultCandidate, float], float]:
         """Fit some of the values by Gauss-Newton steps; return all, and the cost."""
         values = dict(start)
         residual = self.compute_residual(values)
@@ -160,27 +169,33 @@ class FaultLikelihood:
                 break
         return values, cost
 
-    def linearize(self, values: Values, one: Candidate) -> tuple[float, float, float]:
-        """Change of one further value to its optimum, the cost there, and its standard error.
+    def linearize(
+        self, values: Values, candidates: Sequence[FaultCandidate]
+    ) -> list[tuple[float, float, float]]:
+        """Change of each candidate alone to its optimum, the cost there, and its standard error.
 
         To first order about the given values, which stay as they are.
         """
-        start = {**values, one: values.get(one, one.neutral)}
+        start = {one: one.neutral for one in candidates} | dict(values)
         projected = self.project(start)
         residual = np.concatenate([part.residual.ravel() for part in projected])
-        slope = self._differentiate(start, (one,), residual)
-        normal = float(np.sum(np.abs(slope) ** 2))
-        gradient = float(np.real(np.vdot(slope[:, 0], residual)))
         cost = float(np.sum(np.abs(residual) ** 2))
-        if not normal > 0.0:
-            return 0.0, cost, float("inf")
-        (std,) = _estimate_std(slope, projected)
-        return -gradient / normal, cost - gradient**2 / normal, float(std)
+        found = []
+        for one in candidates:
+            slope = self._differentiate(start, (one,), residual)
+            normal = float(np.sum(np.abs(slope) ** 2))
+            if not normal > 0.0:
+                found.append((0.0, cost, float("inf")))
+                continue
+            gradient = float(np.real(np.vdot(slope[:, 0], residual)))
+            (std,) = _estimate_std(slope, projected)
+            found.append((-gradient / normal, cost - gradient**2 / normal, float(std)))
+        return found
 
     def _differentiate(
         self,
         values: Values,
-        free: Sequence[Candidate],
+        free: Sequence[FaultCandidate],
         residual: Complex[np.ndarray, " n"],
     ) -> Complex[np.ndarray, "n n_free"]:
         columns = []
@@ -190,7 +205,7 @@ class FaultLikelihood:
             columns.append((ahead - residual) / step)
         return np.stack(columns, axis=1)
 
-    def estimate_std(self, values: Values) -> dict[Candidate, float]:
+    def estimate_std(self, values: Values) -> dict[FaultCandidate, float]:
         """Standard errors of all values, of logarithms for ratios; infinite if not identifiable.
 
         Notes
@@ -277,26 +292,28 @@ def build_likelihood(records: Sequence[FlightRecord]) -> FaultLikelihood:
         raise NotIdentifiable("the maneuvers share no sensor", code="no-redundancy")
     parts = tuple(_select_frequencies(one.select(shared)) for one in records)
     first = parts[0]
-    rows = form_equations(first.record, SensorErrors(), first.some).rows / first.sigma[:, :, None]
+    rows = (
+        form_equations(first.record, MeasurementErrors(), first.some).rows / first.sigma[:, :, None]
+    )
     n_y, n_r = rows.shape[1], int(np.abs(_find_basis(rows)).sum(axis=1).astype(bool).sum(1).max())
     if n_y <= n_r:
         raise NotIdentifiable(
-            f"{n_y} sensors measure {n_r} motions; their compatibility needs more sensors than "
-            "motions",
+            f"{count_noun(n_y, 'sensor')} for {count_noun(n_r, 'motion')}; their compatibility "
+            "needs more sensors than motions",
             code="no-redundancy",
         )
     return FaultLikelihood(tuple(one.name for one in first.record.sensors), parts)
 
 
-def _convert(values: Values) -> SensorErrors:
-    by_kind: dict[FaultKind, dict[str, float]] = {kind: {} for kind in FaultKind}
+def _convert(values: Values) -> MeasurementErrors:
+    by_kind: dict[SensorFaultKind, dict[str, float]] = {kind: {} for kind in SensorFaultKind}
     for one, value in values.items():
-        by_kind[one.kind][one.sensor] = value
-    return SensorErrors(
-        delays=by_kind[FaultKind.DELAY],
-        scales=by_kind[FaultKind.SCALE],
-        arms={(k.sensor, k.axis): v for k, v in values.items() if k.kind is FaultKind.ARM},
-        airspeed=next(iter(by_kind[FaultKind.AIRSPEED].values()), 1.0),
+        by_kind[one.kind][one.channel] = value
+    return MeasurementErrors(
+        delays=by_kind[SensorFaultKind.DELAY],
+        scales=by_kind[SensorFaultKind.SCALE],
+        arms={(k.channel, k.axis): v for k, v in values.items() if k.kind is SensorFaultKind.ARM},
+        airspeed=next(iter(by_kind[SensorFaultKind.AIRSPEED].values()), 1.0),
     )
 
 
@@ -308,7 +325,7 @@ def _select_frequencies(record: FlightRecord) -> _Part:
             "them",
             code="too-short",
         )
-    spectra = form_equations(record, SensorErrors(), np.arange(record.omega.size)).spectra
+    spectra = form_equations(record, MeasurementErrors(), np.arange(record.omega.size)).spectra
     power = np.sum(record.window**2) * record.step_s
     white = np.array([one.noise_std * np.sqrt(power / one.rate_hz) for one in record.sensors])
     is_altitude = np.array([one.kind == ALTITUDE for one in record.sensors])
@@ -328,7 +345,7 @@ def _select_frequencies(record: FlightRecord) -> _Part:
     return _Part(record, some, least, least, window)
 
 
-def _project(part: _Part, errors: SensorErrors) -> Projection:
+def _project(part: _Part, errors: MeasurementErrors) -> Projection:
     equations = form_equations(part.record, errors, part.some)
     rows = equations.rows / part.sigma[:, :, None]
     q = _find_basis(rows)

@@ -54,7 +54,7 @@ class HeldChannel:
 class FrozenInterval:
     """Channels that repeat one value from a time to another. [s]"""
 
-    names: tuple[str, ...]
+    channels: tuple[str, ...]
     start_s: float
     stop_s: float
 

@@ -27,7 +27,7 @@ from flexsid.sysid.compatibility.fault_search import (
     Fault,
     check_compatibility,
 )
-from flexsid.sysid.compatibility.likelihood import FaultKind
+from flexsid.sysid.compatibility.likelihood import SensorFaultKind
 from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.preparation.fault_detection import OTHER_SENSORS
 from flexsid.sysid.preparation.redundancy import SensorFaults
@@ -43,11 +43,15 @@ from flexsid.workflow.quality.sensor_skews import RedundancyCheck
 from flexsid.workflow.runs.run_identity import list_run_contents
 
 _MOST_MANEUVERS = 50
-_LEAST = {FaultKind.DELAY: 1e-3, FaultKind.SCALE: 0.02, FaultKind.AIRSPEED: 0.02}
+_LEAST = {SensorFaultKind.DELAY: 1e-3, SensorFaultKind.SCALE: 0.02, SensorFaultKind.AIRSPEED: 0.02}
 """Smallest faults that matter: delay [s] and logarithms of ratios."""
 
 _LEAST_ARM = 0.02  # of the chord, as locations are known
 _MAX_MISFIT_FRACTION = 1.0 / 3.0  # of the sensors: above, nothing is concluded
+_UNEXPLAINED = (
+    "more than a third of the sensors depart from the motion of a rigid aircraft; if the "
+    "structure moves, import a modal table"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +78,8 @@ def identify_compatibility(store: Store, query: CompatibilityQuery) -> tuple[obj
     Raises
     ------
     BadInput
-        If the maneuvers are of several aircraft, or one is a ground record.
+        If the maneuvers are of several aircraft or of one with a modal table, or one is a ground
+        record.
     UnknownRecord
         If a maneuver does not exist.
     """
@@ -82,6 +87,12 @@ def identify_compatibility(store: Store, query: CompatibilityQuery) -> tuple[obj
     if len({one.aircraft_id for one in maneuvers}) > 1:
         raise BadInput("the maneuvers are of several aircraft; select those of one",
                        code="wrong-aircraft")  # fmt: skip
+    if store.modal_tables.find(aircraft_id=maneuvers[0].aircraft_id):
+        raise BadInput(
+            "kinematics compare sensors of a rigid aircraft, and this one has a modal table; its "
+            "data quality compares them with the structural modes",
+            code="flexible-aircraft",
+        )
     if any(one.axis == GROUND for one in maneuvers):
         raise BadInput(
             "a ground record has no motion of the aircraft to compare sensors by; select "
@@ -143,11 +154,15 @@ def describe_compatibility(
         else [
             _describe_fault(one, kinds, recorded)
             for one in found.faults
-            if _matters(one, recorded) and one.candidate.sensor not in poor
+            if _matters(one, recorded) and one.candidate.channel not in poor
         ]
     )
     every = (*samples, *faults)
-    unchecked = _explain_unchecked(found, poor, kinds)
+    unchecked = (
+        dict.fromkeys(found.sensors, _UNEXPLAINED)
+        if is_unexplained
+        else _explain_unchecked(found, poor, kinds)
+    )
     sensors = (*_list_estimates(found, kinds, unchecked), *_list_excluded(recorded))
     state, sentence = _summarise(every, sensors, len(maneuver_ids))
     return CompatibilityReport(
@@ -187,7 +202,7 @@ def _describe_fault(
 def _matters(fault: Fault, recorded: Sequence[RecordedSensors]) -> bool:
     """Whether a fault is large enough to matter."""
     one, value = fault.candidate, fault.value
-    if one.kind is FaultKind.ARM:
+    if one.kind is SensorFaultKind.ARM:
         return abs(value) > _LEAST_ARM * recorded[0].record.condition.chord
     if one.is_ratio:
         return value <= 0.0 or abs(np.log(value)) > _LEAST[one.kind]
@@ -213,12 +228,13 @@ def _explain_unchecked(
 def _list_estimates(
     found: Compatibility, kinds: Mapping[str, str], unchecked: Mapping[str, str]
 ) -> Iterator[SensorEstimate]:
-    by_sensor: dict[str, dict[FaultKind, Fault]] = {name: {} for name in found.sensors}
+    by_sensor: dict[str, dict[SensorFaultKind, Fault]] = {name: {} for name in found.sensors}
     for one in (*found.faults, *found.estimates):
-        by_sensor.get(one.candidate.sensor, {})[one.candidate.kind] = one
+        by_sensor.get(one.candidate.channel, {})[one.candidate.kind] = one
     for k, name in enumerate(found.sensors):
         delay, scale, arm = (
-            by_sensor[name].get(kind) for kind in (FaultKind.DELAY, FaultKind.SCALE, FaultKind.ARM)
+            by_sensor[name].get(kind)
+            for kind in (SensorFaultKind.DELAY, SensorFaultKind.SCALE, SensorFaultKind.ARM)
         )
         yield SensorEstimate(
             name=name,

@@ -8,7 +8,7 @@ from math import floor, log10, sqrt
 from flexsid.records.compatibility import FindingKind, SensorFinding
 from flexsid.records.maneuver import Correction, StepKind
 from flexsid.sysid.compatibility.fault_search import UNIT_FACTORS, Fault, is_unit_factor
-from flexsid.sysid.compatibility.likelihood import FaultKind
+from flexsid.sysid.compatibility.likelihood import SensorFaultKind
 from flexsid.sysid.model.sensor_models import ACCELEROMETER
 from flexsid.text import join_names
 from flexsid.workflow.measurements.flight_records import FrozenInterval, HeldChannel
@@ -32,8 +32,8 @@ def format_with_std(value: float, std: float | None) -> str:
 def describe_fault(fault: Fault, kinds: Mapping[str, str], density: float) -> SensorFinding:
     """Describe a fault by kinematics; ``density`` is that of the air [kg/m3]."""
     one, value, std = fault.candidate, fault.value, fault.std
-    name = one.sensor
-    if one.kind is FaultKind.DELAY:
+    name = one.channel
+    if one.kind is SensorFaultKind.DELAY:
         way = "late" if value > 0.0 else "early"
         size = format_with_std(1e3 * abs(value), 1e3 * std)
         return _build(
@@ -41,14 +41,14 @@ def describe_fault(fault: Fault, kinds: Mapping[str, str], density: float) -> Se
             f"Correct the delay of {name}, or declare it in its instrument.",
             Correction(channel=name, kind=StepKind.DELAY, delay_s=value, std=std, basis=_BASIS),
         )  # fmt: skip
-    if one.kind is FaultKind.ARM:
+    if one.kind is SensorFaultKind.ARM:
         side = _SIDES[one.axis][0 if value > 0.0 else 1]
         sentence = f"{name} is mounted {format_with_std(abs(value), std)} m {side} its place."
         return _build(
             fault, FindingKind.ARM, sentence,
             f"Correct the location of {name} in the aircraft record.",
         )  # fmt: skip
-    if one.kind is FaultKind.AIRSPEED:
+    if one.kind is SensorFaultKind.AIRSPEED:
         sentence = f"{name} is {format_with_std(value, std)} times true airspeed"
         meaning = _explain_airspeed(value, std, density)
         return _build(
@@ -101,16 +101,16 @@ def describe_held(held: HeldChannel) -> SensorFinding:
 
 def describe_frozen(interval: FrozenInterval) -> SensorFinding:
     """Describe an interval in which channels repeat one value."""
-    verb = "repeats" if len(interval.names) == 1 else "repeat"
+    verb = "repeats" if len(interval.channels) == 1 else "repeat"
     return SensorFinding(
         kind=FindingKind.FROZEN,
-        channel=interval.names[0],
+        channel=interval.channels[0],
         axis="",
         value=interval.stop_s - interval.start_s,
         std=None,
         gain=None,
         sentence=(
-            f"{join_names(interval.names)} {verb} one value from {interval.start_s:.4g} to "
+            f"{join_names(interval.channels)} {verb} one value from {interval.start_s:.4g} to "
             f"{interval.stop_s:.4g} s."
         ),
         remedy="Cut the maneuver before or after this interval.",
@@ -156,7 +156,7 @@ def _build(
 ) -> SensorFinding:  # fmt: skip
     return SensorFinding(
         kind=kind,
-        channel=fault.candidate.sensor,
+        channel=fault.candidate.channel,
         axis=fault.candidate.axis,
         value=fault.value,
         std=fault.std,

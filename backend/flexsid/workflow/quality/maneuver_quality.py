@@ -16,7 +16,7 @@ import numpy as np
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.compatibility import SensorFinding
+from flexsid.records.compatibility import CompatibilityState, SensorFinding
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
@@ -290,6 +290,9 @@ def _check_kinematics(store: Store, maneuver: Maneuver, missing: list[str]) -> _
     except FlexsidError as error:
         missing.append(f"Skews, scale factors and biases: {error.message}.")
         return _Redundancy(all_others=error.message)
+    if report.state is CompatibilityState.UNCHECKED:
+        missing.append(report.sentence)
+        return _Redundancy(all_others=report.sentence.removesuffix("."))
     not_checked = {
         one.name: one.not_checked for one in report.sensors if one.not_checked is not None
     }
