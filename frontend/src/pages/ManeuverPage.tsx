@@ -4,6 +4,7 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import { maneuverQuery } from "../api/queries";
 import type { Maneuver } from "../api/types";
 import { ButtonLink } from "../components/ButtonLink";
+import { CompatibilityTab } from "../components/CompatibilityTab";
 import { ConditionFacts } from "../components/ConditionFacts";
 import { Loaded } from "../components/Loaded";
 import { BodeTab } from "../components/BodeTab";
@@ -24,6 +25,7 @@ const route = getRouteApi("/maneuvers/$id");
 const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   time: "Time histories",
   quality: "Quality",
+  compatibility: "Compatibility",
   spectra: "Spectra",
   inputs: "Correlation",
   reconstruction: "Reconstruction",
@@ -98,6 +100,9 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         </Tabs.Panel>
         <Tabs.Panel value="quality" pt="md">
           <QualityTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="compatibility" pt="md">
+          <CompatibilityTab maneuver={maneuver} />
         </Tabs.Panel>
         <Tabs.Panel value="reconstruction" pt="md">
           <ReconstructionTab maneuver={maneuver} view={view} onChange={change} />
