@@ -59,7 +59,7 @@ def compute_leverage(
     sensitivity: Sensitivity,
     inverse: Float[np.ndarray, "n_theta n_theta"],
 ) -> Float[np.ndarray, "n_omega n_y"]:
-    """Compute the diagonal of J N^-1 J^H, without end states: the variance of modelled outputs.
+    """Compute the diagonal of J N^-1 J^H: the variance of modelled outputs.
 
     Parameters
     ----------
@@ -73,16 +73,34 @@ def compute_leverage(
     Q = _force_covariance(model, w, inverse)
     P = Q[:, :n_r, :n_r] + Q[:, n_r:, n_r:] + 1j * (Q[:, n_r:, :n_r] - Q[:, :n_r, n_r:])
     variance = np.real(np.sum((G @ P) * G.conj(), axis=2))
-    n_pairs = model.pair_rows.size
-    pairs, places = model.order[:n_pairs], model.order[n_pairs:]
-    for output, row, place in zip(model.own_outputs, sensitivity.own, places, strict=False):
-        table = np.zeros((n_r, len(w)))
-        np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * inverse[pairs, place])
-        by_forces = np.sum(G[:, output] * (table @ w).T, axis=1)
+    n_pairs, n_single = model.pair_rows.size, model.pair_rows.size + model.own_outputs.size
+    pairs, places, last = np.split(model.order, [n_pairs, n_single])
+    for output, row, place in zip(model.own_outputs, sensitivity.own, places, strict=True):
+        forces = _combine_forces(model, w, inverse[pairs, place])
+        by_forces = np.sum(G[:, output] * forces, axis=1)
         same = model.own_outputs == output
-        by_own = inverse[place, places[: same.size][same]] @ sensitivity.own[same]
+        by_own = inverse[place, places[same]] @ sensitivity.own[same]
         variance[:, output] += np.real(row.conj() * (2.0 * by_forces + by_own))
+    if sensitivity.ends is not None:
+        moved = sensitivity.ends @ inverse[np.ix_(last, last)]
+        for k, place in enumerate(last.tolist()):
+            forces = _combine_forces(model, w, inverse[pairs, place])
+            moved[:, :, k] += 2.0 * np.matmul(G, forces[:, :, None])[:, :, 0]
+            by_own = 2.0 * inverse[places, place, None] * sensitivity.own
+            np.add.at(moved[:, :, k].T, model.own_outputs, by_own)
+        variance += np.real(np.sum(sensitivity.ends.conj() * moved, axis=2))
     return variance
+
+
+def _combine_forces(
+    model: FrequencyDomainModel,
+    variables: Complex[np.ndarray, "n_w n_omega"],
+    weights: Float[np.ndarray, " n_pairs"],
+) -> Complex[np.ndarray, "n_omega n_r"]:
+    """Compute the forces of a change of the pairs of parameters by ``weights``."""
+    table = np.zeros((model.rows.size, len(variables)))
+    np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * weights)
+    return (table @ variables).T
 
 
 def _hold_last(

@@ -49,7 +49,9 @@ def refit_until_consistent(
     for _ in range(_SPREAD_ROUNDS):
         if not estimate.outcome.is_optimum:
             break
-        spread, before = estimate_spread(estimate, task.nuisance), spread
+        passing = estimate.nuisance.difference(task.nuisance_names)  # states at ends of records
+        own = estimate.select([name for name in estimate.names if name not in passing])
+        spread, before = estimate_spread(own, task.nuisance), spread
         if abs(np.log(spread / before)) < _SPREAD_CONVERGED:
             break
         estimate = refit(estimate, spread)
