@@ -174,19 +174,22 @@ class FrequencyDomainModel:
         extras = [extra for _, extra in self._ends]
         table = self.parameters.table(theta)
         unit = (unit_motion, outputs, one.instruments)
-        return compute_free_motion(one.model, table, one.omega, one.edges_s, extras, *unit)
+        edges_s = dict(enumerate(one.edges_s, start=one.first_end))
+        return compute_free_motion(one.model, table, one.omega, edges_s, extras, *unit)
 
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Sensitivity:
         """Compute factored sensitivities of the outputs; the next call overwrites them."""
         free = response.free
+        ends = None if free is None else free.expand_outputs()
         if free is not None:
             forces = free.unit_outputs
         else:
             forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
-            forces *= response.delayed[:, :, None]
+            forces = np.multiply(forces, response.delayed[:, :, None], out=self._forces)
+            ends = None if ends is None else ends * response.delayed[:, :, None]
         motion = response.motion.T
         n_r, n_w = motion.shape[0], self.columns.size
         n_x = 2 * n_r - self.n_rigid
@@ -205,7 +208,6 @@ class FrequencyDomainModel:
             change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
             variables[column] = -change * response.motion[:, self.n_rigid + extra.mode]
         own = self._compute_own_sensitivity(theta, response)
-        ends = None if free is None else free.expand_outputs()
         return Sensitivity(forces, variables, own, ends)
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:

@@ -58,7 +58,7 @@ def compute_leverage(
     sensitivity: Sensitivity,
     inverse: Float[np.ndarray, "n_theta n_theta"],
 ) -> Float[np.ndarray, "n_omega n_y"]:
-    """Compute the diagonal of J N^-1 J^H, without end states: the variance of modelled outputs.
+    """Compute the diagonal of J N^-1 J^H: the variance of modelled outputs.
 
     Parameters
     ----------
@@ -74,6 +74,16 @@ def compute_leverage(
     variance = np.real(np.sum((G @ P) * G.conj(), axis=2))
     shares = sensitivity.own.conj() * compute_own_covariances(model, sensitivity, inverse)
     np.add.at(variance.T, model.own_outputs, np.real(shares))
+    if sensitivity.ends is not None:
+        n_pairs, n_single = model.pair_rows.size, model.pair_rows.size + model.own_outputs.size
+        pairs, places, last = np.split(model.order, [n_pairs, n_single])
+        moved = sensitivity.ends @ inverse[np.ix_(last, last)]
+        for k, place in enumerate(last.tolist()):
+            forces = _combine_forces(model, w, inverse[pairs, place])
+            moved[:, :, k] += 2.0 * np.matmul(G, forces[:, :, None])[:, :, 0]
+            by_own = 2.0 * inverse[places, place, None] * sensitivity.own
+            np.add.at(moved[:, :, k].T, model.own_outputs, by_own)
+        variance += np.real(np.sum(sensitivity.ends.conj() * moved, axis=2))
     return variance
 
 
@@ -117,6 +127,17 @@ def _hold_single_outputs(
     result = np.zeros_like(inverse)
     result[np.ix_(forces, forces)] = 0.5 * (held + held.T)
     return result
+
+
+def _combine_forces(
+    model: FrequencyDomainModel,
+    variables: Complex[np.ndarray, "n_w n_omega"],
+    weights: Float[np.ndarray, " n_pairs"],
+) -> Complex[np.ndarray, "n_omega n_r"]:
+    """Compute the forces of a change of the pairs of parameters by ``weights``."""
+    table = np.zeros((model.rows.size, len(variables)))
+    np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * weights)
+    return (table @ variables).T
 
 
 def _force_covariance(

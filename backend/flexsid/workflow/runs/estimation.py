@@ -396,8 +396,11 @@ def _prepare_maneuver(
 ) -> ManeuverTask:
     own, body = structure.modes, find_body(structure.axis)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
+    # A frequency shape has lags, whose states at the ends are not modelled; both axes of a
+    # combined maneuver are compared at equal frequencies.
+    free_ends = not settings.aerodynamics.is_shaped and maneuver.axis != COMBINED
     measurement = read_measurement(
-        store, maneuver, aircraft, inputs, outputs, settings.band_hz, body
+        store, maneuver, aircraft, inputs, outputs, settings.band_hz, body, free_ends=free_ends
     )
     fuel = maneuver.condition.fuel_fraction
     opposed, pairs = None, {}
