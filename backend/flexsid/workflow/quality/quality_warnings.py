@@ -47,7 +47,7 @@ _ABOUT = {
     FindingKind.UNIT: "scale",
     FindingKind.SCALE: "scale",
     FindingKind.DELAY: "skew",
-    FindingKind.FROZEN: "dropout",
+    FindingKind.FROZEN: "dropouts",
     FindingKind.AIRSPEED: "condition",
 }
 _GOOD, _WARNING, _BAD = QualityVerdict.GOOD, QualityVerdict.QUESTIONABLE, QualityVerdict.BAD
@@ -67,13 +67,20 @@ def list_quality_warnings(
     decay
         Sensor with the largest motion at the end, over its motion during the excitation.
     """
+    of_samples = list(_warn_of_samples(report.channels))
+    # Frozen or clipped samples are why such a channel departs from the others.
+    damaged = {warning.channel for warning in of_samples}
+    findings = [
+        one
+        for one in report.findings
+        if one.channel not in damaged or one.kind in (FindingKind.SIGN, FindingKind.UNIT)
+    ]
+    named = {one.channel for one in findings} | damaged
     found = [
-        *_warn_of_samples(report.channels),
+        *of_samples,
         *_warn_of_signal(report.channels),
-        *_warn_of_findings(report.findings),
-        *_warn_of_redundancy(
-            report.channels, report.skew_reference, {one.channel for one in report.findings}
-        ),
+        *_warn_of_findings(findings),
+        *_warn_of_redundancy(report.channels, report.skew_reference, named),
         *_warn_of_inputs(report),
         *warn_of_surfaces(report.surfaces),
         *_warn_of_condition(report),
