@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import rigid_record
 from kinematic_flight import (
     ACCELEROMETER,
     AREA,
@@ -105,6 +106,35 @@ def test_a_planted_fault_is_the_only_one_found(
     assert abs(one.value - value) < 2.5 * one.std
     assert one.std < 0.3 * abs(value)
     assert len(named) == 1 or kind is ARM  # the place of a vane, or of the accelerometer
+
+
+def test_a_wrong_unit_is_named_in_a_short_record_of_small_redundancy() -> None:
+    # The accelerometer has three degrees of freedom of its own: what chance adds to its residual
+    # is no noise. The ratio of airspeeds that would explain the same is that of no unit.
+    columns = rigid_record.simulate(
+        12.0, lambda time: rigid_record.make_pulses(time, (0.3, 1), (0.3, -1))
+    )
+    columns["az"] *= 9.80665
+    noise = {**rigid_record.NOISE, "az": 9.80665 * rigid_record.NOISE["az"]}
+    sensors = tuple(
+        CompatibilitySensor(
+            *(name, *SENSORS[name], (0.0, 0.0, 0.0)), columns["t"], columns[name], noise[name]
+        )
+        for name in ("alpha", "q", "theta", "az")
+    )
+    condition = FlightCondition(
+        airspeed=rigid_record.AIRSPEED,
+        density=rigid_record.DENSITY,
+        mass=rigid_record.MASS,
+        pitch_inertia=rigid_record.INERTIA,
+        area=rigid_record.AREA,
+        chord=rigid_record.CHORD,
+        span=rigid_record.SPAN,
+    )
+    (found,) = check_compatibility([FlightRecord(sensors, condition)]).faults
+    assert found.candidate == FaultCandidate(SCALE, "az")
+    assert found.inseparable == ()
+    assert abs(found.value - 9.80665) < 2.5 * found.std
 
 
 def test_maneuvers_are_compared_together() -> None:

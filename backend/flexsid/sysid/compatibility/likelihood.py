@@ -22,6 +22,7 @@ _SIGNAL_OVER_NOISE = 4.0  # times the power of the noise, 6 dB, in half of the s
 _MIN_FREQUENCIES = 8
 _LEAST_FREEDOM = 0.05  # of a sensor, below which its own noise is not known
 _SHARED_NOISE = 9  # frequencies over which the noise of a vane is averaged: turbulence has a colour
+_CHANCE = 2.0  # standard deviations of the power of a residual
 _NOISE_STEPS = 8  # of the fixed-point iteration for the noise
 _NEIGHBOURS = 4  # frequencies that share the residual of an omitted effect
 _RANK = 1e-6  # of the largest singular value: motions that no sensor separates are one
@@ -241,8 +242,10 @@ class FaultLikelihood:
                 if shares_colour:
                     ratios = [_average(p) for p in power], [_average(f) for f in freedom]
                 else:
-                    total = sum(p.sum(axis=0) for p in power)
-                    free = sum(f.sum(axis=0) for f in freedom)
+                    total = np.sum([p.sum(axis=0) for p in power], axis=0)
+                    free = np.sum([f.sum(axis=0) for f in freedom], axis=0)
+                    # Power that chance explains is no noise: few degrees of freedom would grow.
+                    total = np.where(total > free + _CHANCE * np.sqrt(free), total, free)
                     ratios = (
                         [np.broadcast_to(total, p.shape) for p in power],
                         [np.broadcast_to(free, p.shape) for p in power],
