@@ -11,6 +11,7 @@ import sys
 import tomllib
 from functools import cache
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 from latex2mathml.converter import convert
@@ -213,9 +214,17 @@ def _operation(path: str, method: str, operation: dict[str, Any]) -> list[str]:
         lines.append("")
     body = operation.get("requestBody", {}).get("content", {}).get("application/json", {})
     if "example" in body:
-        written = json.dumps(body["example"], indent=2, ensure_ascii=False)
-        lines += ["```json", written, "```", ""]
+        lines += ["```json", _write(body["example"]), "```", ""]
+    for status, response in operation["responses"].items():
+        example = response.get("content", {}).get("application/json", {}).get("example")
+        if status.startswith("2") and example is not None:
+            block = indent("\n".join(["```text", _write(example), "```"]), "    ")
+            lines += [f'??? example "Response {status}"', "", block, ""]
     return lines
+
+
+def _write(example: Any) -> str:
+    return json.dumps(example, indent=2, ensure_ascii=False)
 
 
 def _shown(example: Any) -> str:

@@ -12,6 +12,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from preloaded import use_preloaded
+from tests.api.conformity import check_against
 from tests.api.team import Act
 
 from flexsid.api.app import create_app
@@ -39,12 +40,14 @@ def serve(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> Serve:
 
     def start(url: str) -> TestClient:
         app.state.settings = Settings(database=url)
-        return TestClient(
+        client = TestClient(
             app,
             base_url="http://127.0.0.1:8000",
             raise_server_exceptions=False,
             client=("192.0.2.7", 50_000),
         )
+        client.event_hooks = {"response": [check_against(app)]}
+        return client
 
     return start
 

@@ -10,6 +10,8 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
+from flexsid.api.examples import make_example
+
 FOR_PROGRAMS = {
     *("application/octet-stream", "application/pdf", "application/x-matlab-data"),
     "application/vnd.sqlite3",
@@ -46,15 +48,12 @@ def _contents(operation: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]
 def test_every_route_has_examples(described: dict[str, Any]) -> None:
     for method, path, operation in _operations(described):
         for part in _required(operation):
-            assert "example" in part, f"{method} {path}: {part['name']}, in api/description.py"
+            assert "example" in part, f"{method} {path}: {part['name']}, in api/request_examples.py"
         for what, content in _contents(operation):
-            assert "example" in content, (
-                f"{method} {path}: {what}; see api/description.py and tests/api/record_examples.py"
-            )
+            assert "example" in content, f"{method} {path}: {what}; see api/request_examples.py"
 
 
 def test_examples_conform_to_description(described: dict[str, Any]) -> None:
-    """The examples are recorded responses, so this also checks the description."""
     known = {"components": described["components"]}
     wrong = []
     for method, path, operation in _operations(described):
@@ -88,3 +87,37 @@ def test_example_bodies_are_valid(client: TestClient, described: dict[str, Any])
         )
         if response.status_code >= 300:
             assert response.json()["code"] != "invalid-request", f"{method} {path}: {response.text}"
+
+
+def test_an_example_has_the_values_that_a_schema_allows() -> None:
+    components = {
+        "Item": {
+            "type": "object",
+            "properties": {
+                "count": {"type": "integer", "minimum": 5},
+                "share": {"type": "number", "maximum": 0.5},
+                "run_ids": {"type": "array", "items": {"type": "integer"}},
+                "kind": {"enum": ["second", "first"]},
+                "priority": {"type": "integer", "default": 0},
+                "parts": {"type": "array", "items": {"$ref": "#/components/schemas/Item"}},
+                "whole": {"anyOf": [{"$ref": "#/components/schemas/Item"}, {"type": "null"}]},
+                "pair": {"type": "array", "prefixItems": [{"type": "string"}, {"type": "boolean"}]},
+                "states": {
+                    "type": "object",
+                    "propertyNames": {"enum": ["queued"]},
+                    "additionalProperties": {"type": "integer"},
+                },
+            },
+        }
+    }
+    assert make_example({"$ref": "#/components/schemas/Item"}, components) == {
+        "count": 5,
+        "share": 0.5,
+        "run_ids": [1],
+        "kind": "second",
+        "priority": 0,
+        "parts": [],
+        "whole": None,
+        "pair": ["text", False],
+        "states": {"queued": 1},
+    }
