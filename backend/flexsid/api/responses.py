@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass
 
 from flexsid.api.errors import Problem
+from flexsid.api.response_models import response_of
 from flexsid.jobs.health import PartHealth, PartState
-from flexsid.records.aircraft import DerivativePrediction
+from flexsid.nomenclature import Symbol
+from flexsid.records.aircraft import DerivativePrediction, DerivativeValue
 from flexsid.records.maneuver import (
     Channel,
     Maneuver,
 )
-from flexsid.records.modal_data import ModalTable, ModeAtFuel, SensorSight
+from flexsid.records.modal_data import (
+    DrawnShape,
+    ModalTable,
+    ModeAtFuel,
+    ResponseFunction,
+)
 from flexsid.records.model_structure import StructureVersion
 from flexsid.records.views import DefaultChannels
 from flexsid.storage.quality_list import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import Upload
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,15 +95,6 @@ class ModalTableDetail(ModalTable):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DerivativeValue:
-    """One predicted derivative."""
-
-    name: str
-    value: float
-    std_error: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PredictionDetail(DerivativePrediction):
     """A prediction with its derivatives at one fuel fraction."""
 
@@ -108,15 +102,11 @@ class PredictionDetail(DerivativePrediction):
     derivatives: list[DerivativeValue]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(Symbol, without=("html", "is_frequency"))
 class GlossaryEntry:
     """One quantity of the glossary, with the stored unit and the displayed unit."""
 
-    symbol: str
-    unit: str
     display_unit: str
-    label: str
-    meaning: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,40 +137,19 @@ class ModeList:
     items: list[ModeAtFuel]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(DrawnShape)
 class ModeShape:
     """The shape of one mode at a fuel fraction; see ``DrawnShape``."""
 
-    modal_table_id: int
-    number: int
-    name: str
-    fuel: float
-    frequency_hz: float
-    n_nodes: int
     nodes_m: list[tuple[float, float, float]]
     displacement_m: list[tuple[float, float, float]]
     lines: list[tuple[int, int]]
-    largest_m: float
-    span_m: float
-    sensors: list[SensorSight]
     quadrature_m: list[tuple[float, float, float]] | None
-    collinearity: float | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(ResponseFunction)
 class MeasuredFunction:
     """One measured frequency response; see ``ResponseFunction``."""
-
-    title: str
-    quantity: str
-    output: str
-    reference: str
-    frequency_hz: list[float]
-    real: list[float]
-    imaginary: list[float]
-    std: list[float] | None
-    multiple_coherence: list[float] | None
-    ordinary_coherence: list[float] | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,12 +169,3 @@ class ChangedRecords:
     """Ids of the records that an action changed."""
 
     ids: tuple[int, ...]
-
-
-T = TypeVar("T", bound="DataclassInstance")
-
-
-def extend_record(detail: type[T], record: Any, **more: Any) -> T:
-    """Make a response of the values given, and of the fields that it shares with a record."""
-    names = [field.name for field in fields(detail) if field.name not in more]
-    return detail(**{name: getattr(record, name) for name in names}, **more)

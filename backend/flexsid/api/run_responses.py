@@ -5,23 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 
-from flexsid.api.responses import extend_record
+from flexsid.api.response_models import extend_record, response_of
 from flexsid.nomenclature import describe
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
-    Derivation,
     EstimationRun,
     Fit,
-    Limits,
-    Method,
     ModelAdequacy,
     ParameterEstimate,
     Pole,
-    Progress,
     ProposalBasis,
     RetainedModes,
-    RunSettings,
-    RunState,
 )
 from flexsid.records.run_template import RunTemplate
 from flexsid.storage.content import find_changes
@@ -51,19 +44,10 @@ class RunBlock:
     outputs: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(RunTemplate, without=("original_id",))
 class RunTemplateItem:
     """A template of runs in one revision; ``id`` is that of all its revisions."""
 
-    id: int
-    aircraft_id: int
-    name: str
-    method: Method
-    settings: RunSettings
-    note: str
-    author: str
-    revision: int
-    is_deleted: bool
     created_at: datetime
 
 
@@ -77,7 +61,10 @@ class UsedTemplate:
     changed_settings: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(
+    EstimationRun,
+    without=("result", "rests_on", "result_hash", "run_template_id", "run_template_revision"),
+)
 class Run:
     """An estimation run; ``parameters``, ``fit`` and ``poles`` are present once it succeeded.
 
@@ -90,17 +77,6 @@ class Run:
     requested before.
     """
 
-    id: int
-    maneuver_id: int
-    method: Method
-    state: RunState
-    structure: Structure
-    settings: RunSettings
-    modal_table_id: int | None
-    damping_table_id: int | None
-    prediction_id: int | None
-    structure_id: int | None
-    structure_version: int | None
     parameters: list[RunParameter]
     fit: Fit | None
     adequacy: ModelAdequacy | None
@@ -110,25 +86,9 @@ class Run:
     residualized_prediction: dict[str, float] | None
     retained: RetainedModes | None
     error: JobError | None
-    progress: Progress | None
-    versions: dict[str, str] | None
-    attempt: int
-    author: str
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
-    deleted_at: datetime | None
-    priority: int
-    limits: Limits | None
-    after_run_id: int | None
-    data_hash: str | None
-    input_hash: str | None
-    worker: str | None
-    altered: bool
     changed_since: tuple[str, ...] | None
     proposal: ProposalBasis | None = None
-    derived_from_run_id: int | None
-    derivation: Derivation | None
+    created_at: datetime
     template: UsedTemplate | None
     repeated: bool
 

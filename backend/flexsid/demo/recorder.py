@@ -11,6 +11,7 @@ import numpy as np
 from flexsid.demo.aircraft import build_thrust_table
 from flexsid.demo.truth_flight import RATE_HZ
 from flexsid.records.aircraft import Aircraft, Sensor
+from flexsid.records.live import StreamChannel
 from flexsid.records.maneuver import Role
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.instruments import Butterworth, Instrument
@@ -36,13 +37,9 @@ _UNITS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FlownChannel:
+class FlownChannel(StreamChannel):
     """One recorded channel in its native unit; ``samples`` (n,) as recorded."""
 
-    name: str
-    unit: str
-    role: Role
-    rate_hz: float
     samples: np.ndarray
 
     def save(self, put: Callable[[np.ndarray, str], str]) -> dict[str, Any]:

@@ -255,6 +255,15 @@ class UnsteadyPrediction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DerivativeValue:
+    """One predicted derivative."""
+
+    name: str
+    value: float
+    std_error: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DerivativePrediction:
     """Derivatives by name against fuel; ``values`` is the hash of a (F, len(names)) array.
 

@@ -73,16 +73,22 @@ class CandidateScore:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FittedRun:
+class RunLabel:
+    """A run with its maneuver, for messages and figures."""
+
+    run_id: int
+    maneuver_id: int
+    method: str
+    label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FittedRun(RunLabel):
     """A run of the model at its condition, in the order of the variables.
 
     ``is_outlying`` runs are excluded from the fit.
     """
 
-    run_id: int
-    maneuver_id: int
-    label: str
-    method: str
     condition: tuple[float, ...]
     is_outlying: bool
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from flexsid.records.maneuver import Role
 from flexsid.records.run import Iteration, Method, Pole
+from flexsid.sysid.excitation.targets import Target
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -400,7 +401,7 @@ class ExpectedMode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TargetMode:
+class TargetMode(Target):
     """A mode that a design targets, its frequency [Hz] and damping ratio in flight.
 
     ``group`` is PH, SP, DR, RS, LE or HE of Table 1, or "all" for a structural mode and a design
@@ -409,13 +410,6 @@ class TargetMode:
     ``high_hz``.
     """
 
-    number: int | None
-    name: str
-    group: str
-    frequency_hz: float
-    damping: float | None
-    low_hz: float
-    high_hz: float
     in_band: bool
     harmonics_per_surface: int
 

@@ -18,7 +18,7 @@ from flexsid.api.decision_requests import (
 )
 from flexsid.api.decision_responses import DecisionDetail, DecisionItem, StaleProposal
 from flexsid.api.errors import Problem
-from flexsid.api.responses import extend_record
+from flexsid.api.response_models import extend_record
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
@@ -19,6 +18,7 @@ from flexsid.api.design_requests import (
 )
 from flexsid.api.queries import query_as
 from flexsid.api.requests import Title
+from flexsid.api.response_models import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
 from flexsid.api.submission import submit_job
@@ -29,6 +29,7 @@ from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
 from flexsid.records.views import TargetModes
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
+from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
@@ -64,19 +65,11 @@ Rate = Annotated[
 TheTargetQuery = Annotated[TargetQuery, Depends(query_as(TargetQuery))]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(FlightTestAid)
 class CatalogueRow:
     """One row of Table 1; numbers of harmonics by input, ``periods``: duration in units of T."""
 
-    number: int
     numbers: tuple[int, int, int]
-    axis: str
-    periods: int
-    surfaces: int
-    throttles: int
-    harmonics_per_input: int
-    throttle_harmonics: int
-    targets: str
     inputs: list[str]
 
 
@@ -127,7 +120,11 @@ def import_multisines(
 @router.get("/catalogue", response_model=Page[CatalogueRow])
 def list_catalogue() -> Json:
     """List the 24 designs of Table 1."""
-    return Json(Page(items=list(excitation_designs.list_flight_test_aids())))
+    rows = [
+        extend_record(CatalogueRow, aid, inputs=[*sum(aid.input_names(), ())])
+        for aid in CATALOGUE.values()
+    ]
+    return Json(Page(items=rows))
 
 
 @router.get("/catalogue/targets", response_model=Page[RowTargets])

@@ -8,12 +8,13 @@ from typing import Annotated
 from fastapi import Query, status
 
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.response_models import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Identity, Json, Limit, Reference
 from flexsid.records.job import JobEvent
 from flexsid.records.run import RunState
 from flexsid.storage import job_list, job_log, leases, queue
-from flexsid.storage.job_list import JobItem
+from flexsid.storage.job_list import JobItem, Throughput
 from flexsid.storage.paging import Items, Page
 from flexsid.text import split_ids
 
@@ -36,18 +37,14 @@ class WorkerPool:
     valid_until: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(Throughput)
 class QueueStatus:
     """The queue: jobs by state, recently ended ones, and estimated time until it is empty.
 
     ``typical_s`` is the median computing time of recent jobs of each kind. [s]
     """
 
-    states: dict[RunState, int]
-    ended: int
-    window_s: float
     remaining_s: float | None
-    typical_s: dict[str, float]
     worker_pool: WorkerPool | None
 
 
@@ -83,12 +80,9 @@ def get_queue_status(store: TheStore) -> Json:
     rate = job_list.count_throughput(store)
     pool = leases.status(store)
     return Json(
-        QueueStatus(
-            states=rate.states,
-            ended=rate.ended,
-            window_s=rate.window_s,
-            remaining_s=rate.remaining_s,
-            typical_s=rate.typical_s,
+        extend_record(
+            QueueStatus,
+            rate,
             # A dispatcher of another version may report more.
             worker_pool=None
             if pool is None

@@ -15,11 +15,11 @@ from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.queries import query_as
 from flexsid.api.requests import Id, Request, Text, Title
+from flexsid.api.response_models import extend_record
 from flexsid.api.responses import (
     ModalTableDetail,
     ModeList,
     ModeShape,
-    extend_record,
 )
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (

@@ -9,12 +9,13 @@ from fastapi import Query, status
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.prediction_requests import ComputePredictionRequest
-from flexsid.api.responses import DerivativeValue, PredictionDetail, extend_record
+from flexsid.api.response_models import extend_record
+from flexsid.api.responses import PredictionDetail
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.api.submission import submit_job
 from flexsid.jobs.kinds import PREDICTION
-from flexsid.records.aircraft import DerivativePrediction
+from flexsid.records.aircraft import DerivativePrediction, DerivativeValue
 from flexsid.storage.job_list import JobItem
 from flexsid.storage.paging import Page
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction

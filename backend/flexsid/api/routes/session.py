@@ -20,12 +20,13 @@ from flexsid.api.authorization import (
 )
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.requests import Id, Title
+from flexsid.api.response_models import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
 from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import Conflict, UnknownRecord
-from flexsid.records.account import AccountRole, ApiToken, OpenIdProvider
+from flexsid.records.account import AccountRole, ApiToken, LoginSession, OpenIdProvider
 from flexsid.settings import Mode, Settings
 from flexsid.storage.paging import Items
 from flexsid.workflow.accounts import accounts, sessions
@@ -103,29 +104,17 @@ class SessionState:
     frequency_unit: FrequencyUnit | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(LoginSession, without=("account_id", "secret_hash"))
 class SessionItem:
     """A session of the account; ``is_current`` is the one that asks."""
 
-    id: int
-    address: str
-    created_at: datetime | None
-    used_at: datetime
-    expires_at: datetime
     is_current: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@response_of(ApiToken, without=("account_id", "secret_hash"))
 class TokenItem:
     """A token without its secret, which is shown once, when it is created."""
 
-    id: int
-    name: str
-    role: AccountRole
-    aircraft_id: int | None
-    created_at: datetime | None
-    expires_at: datetime
-    used_at: datetime | None
     secret: str | None = None
 
 
@@ -255,14 +244,7 @@ def list_sessions(request: Request, store: TheStore) -> Items[SessionItem]:
     identity = _require_account(request)
     return Items(
         items=[
-            SessionItem(
-                id=one.id or 0,
-                address=one.address,
-                created_at=one.created_at,
-                used_at=one.used_at,
-                expires_at=one.expires_at,
-                is_current=one.id == identity.session_id,
-            )
+            extend_record(SessionItem, one, is_current=one.id == identity.session_id)
             for one in sessions.list_sessions(store, identity.account)
         ]
     )
@@ -413,13 +395,4 @@ def _describe(settings: Settings, identity: sessions.Identity | None) -> Session
 
 def _describe_token(token: ApiToken, secret: str | None = None) -> TokenItem:
     assert token.id is not None
-    return TokenItem(
-        id=token.id,
-        name=token.name,
-        role=token.role,
-        aircraft_id=token.aircraft_id,
-        created_at=token.created_at,
-        expires_at=token.expires_at,
-        used_at=token.used_at,
-        secret=secret,
-    )
+    return extend_record(TokenItem, token, secret=secret)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -338,11 +338,3 @@ def export_design(design: ExcitationDesign, form: str, level: int = DEFAULT_LEVE
     if form == "json":
         return export.write_recipe(design.specification, multisine).encode()
     raise BadInput(f"no export format {form!r}; select one of {', '.join(export.FORMATS)}")
-
-
-def list_flight_test_aids() -> list[dict[str, object]]:
-    """Return the rows of Table 1 with the names of their inputs."""
-    return [
-        asdict(aid) | {"numbers": aid.numbers, "inputs": [*sum(aid.input_names(), ())]}
-        for aid in CATALOGUE.values()
-    ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Annotated
 
 import numpy as np
@@ -201,13 +201,7 @@ def _compare(
 ) -> tuple[TargetMode, ...]:
     return tuple(
         TargetMode(
-            number=target.number,
-            name=target.name,
-            group=target.group,
-            frequency_hz=target.frequency_hz,
-            damping=target.damping,
-            low_hz=target.low_hz,
-            high_hz=target.high_hz,
+            **asdict(target),
             in_band=band[0] <= target.frequency_hz <= band[1],
             harmonics_per_surface=count_harmonics(harmonics, duration_s, target),
         )

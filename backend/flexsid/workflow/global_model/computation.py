@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import product
 
 import numpy as np
@@ -20,6 +20,7 @@ from flexsid.records.global_model import (
     GlobalModelSummary,
     NextCondition,
     Outlier,
+    RunLabel,
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.sysid.global_model.fit import RunEstimates
@@ -30,7 +31,7 @@ from flexsid.sysid.global_model.outlying_runs import (
     find_outlying_runs,
 )
 from flexsid.sysid.global_model.selection import SelectedModel, select_global_model
-from flexsid.workflow.global_model.estimates import GlobalModelTask, RunLabel, interpolate_table
+from flexsid.workflow.global_model.estimates import GlobalModelTask, interpolate_table
 
 _DRIFT_LEVEL = 0.05  # probability of a false drift in a campaign
 _SEARCH_SHARE = 0.5  # of the progress, for outlying runs
@@ -95,10 +96,7 @@ def compute_global_model(
             outliers=tuple(_describe_outlier(one, task.runs[one.index]) for one in found),
             runs=tuple(
                 FittedRun(
-                    run_id=run.run_id,
-                    maneuver_id=run.maneuver_id,
-                    label=run.label,
-                    method=run.method,
+                    **asdict(run),
                     condition=tuple(condition.tolist()),
                     is_outlying=not inside,
                 )

@@ -13,7 +13,7 @@ from flexsid.allowed import Allowed, Id, RunIds
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.decision import LimitedQuantity
-from flexsid.records.global_model import PredictionTable
+from flexsid.records.global_model import PredictionTable, RunLabel
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
@@ -51,16 +51,6 @@ class GlobalModelQuery:
         """Sort the runs: the same set is the same request."""
         object.__setattr__(self, "run_ids", tuple(sorted(set(self.run_ids))))
         object.__setattr__(self, "variables", tuple(dict.fromkeys(self.variables)))
-
-
-@dataclass(frozen=True, slots=True)
-class RunLabel:
-    """A run with its maneuver, for messages and figures."""
-
-    run_id: int
-    maneuver_id: int
-    method: str
-    label: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,7 +136,12 @@ def prepare_global_model(store: Store, query: GlobalModelQuery) -> GlobalModelTa
         aircraft_id=own_maneuvers[0].aircraft_id,
         modes=runs[0].structure.modes,
         runs=tuple(
-            RunLabel(run.id or 0, run.maneuver_id, run.method.value, maneuver.label)
+            RunLabel(
+                run_id=run.id or 0,
+                maneuver_id=run.maneuver_id,
+                method=run.method.value,
+                label=maneuver.label,
+            )
             for run, maneuver in zip(runs, own_maneuvers, strict=True)
         ),
         estimates=RunEstimates(
