@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from pydantic import Field, StringConstraints
 
 from flexsid.api.requests import Id, Line, Lines, Number, Request, Title, Version
-from flexsid.records.decision import LimitedQuantity, LinkedComparison, ModelProposal, Vote
+from flexsid.records.decision import (
+    LimitedQuantity,
+    LinkedComparison,
+    ModelProposal,
+    StructureReference,
+    Vote,
+)
 from flexsid.records.note import NoteSubject
 from flexsid.request_models import body_of
-from flexsid.text import LONGEST_NAME, LONGEST_NOTE
+from flexsid.text import LONGEST_NOTE
 
 # Stored permanently, therefore not blank.
 RequiredText = Annotated[
     str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NOTE), Lines
 ]
-RequiredLine = Annotated[
-    str, StringConstraints(strip_whitespace=True, min_length=1, max_length=LONGEST_NAME), Line
-]
-Ids = Annotated[tuple[Id, ...], Field(max_length=200)]
 
 
+@body_of(StructureReference)
 class ReferenceRequest(Request):
     """One version of one model structure."""
-
-    id: Id
-    version: Version
 
 
 @body_of(LinkedComparison)
@@ -34,6 +35,7 @@ class ComparisonRequest(Request):
     """Runs and predictions to compare, for one coefficient or all."""
 
 
+@body_of(ModelProposal, without=("limits",))
 class ProposalRequest(Request):
     """A proposed model structure or global model, with its reasoning and evidence.
 
@@ -41,23 +43,15 @@ class ProposalRequest(Request):
     A global model is proposed for the envelope of its runs, which are its evidence.
     """
 
-    title: RequiredLine
-    structure: ReferenceRequest | None = None
-    global_model_id: Id | None = None
-    reasoning: RequiredText
-    changes: ReferenceRequest | None = None
     limits: dict[LimitedQuantity, tuple[Number, Number]] | None = None
-    run_ids: Ids = ()
-    comparisons: Annotated[tuple[ComparisonRequest, ...], Field(max_length=50)] = ()
-    figure_ids: Annotated[tuple[Id, ...], Field(max_length=50)] = ()
 
     def to_record(self) -> ModelProposal:
         """Return the proposal to be stored."""
-        return self.make_record(
-            ModelProposal,
-            limits=self.limits or {},
-            run_ids=tuple(dict.fromkeys(self.run_ids)),
-            figure_ids=tuple(dict.fromkeys(self.figure_ids)),
+        proposal = self.make_record(ModelProposal, limits=self.limits or {})
+        return replace(
+            proposal,
+            run_ids=tuple(dict.fromkeys(proposal.run_ids)),
+            figure_ids=tuple(dict.fromkeys(proposal.figure_ids)),
         )
 
 
