@@ -69,6 +69,25 @@ def test_normal_matrix_equals_the_explicit_one(line_model, kind):
     assert np.abs((g - g_explicit) / scale).max() < 1e-12 * np.abs(g_explicit / scale).max()
 
 
+def test_products_with_other_columns_and_leverages_equal_the_explicit_ones(line_model):
+    model, theta = line_model
+    sensitivity = model.sensitivity(theta, model.respond(theta))
+    J = model.jacobian(sensitivity)
+    rng = np.random.default_rng(7)
+    blocks = rng.uniform(0.5, 2.0, size=(1, J.shape[1]))
+    weights = SpectralMatrix(blocks, np.zeros(len(J), dtype=int))
+    X = rng.normal(size=(*J.shape[:2], 3)) + 1j * rng.normal(size=(*J.shape[:2], 3))
+    explicit = np.real(np.einsum("kyi,y,kyj->ij", J.conj(), blocks[0], X))
+    cross = NormalForm(model).cross(sensitivity, X, weights)
+    assert np.abs(cross - explicit).max() < 1e-12 * np.abs(explicit).max()
+
+    half = rng.normal(size=(theta.size, theta.size))
+    inverse = half @ half.T / np.outer(*2 * [np.linalg.norm(J, axis=(0, 1))])
+    explicit = np.real(np.einsum("kyi,ij,kyj->ky", J, inverse, J.conj()))
+    leverage = jackknife.compute_leverage(model, sensitivity, inverse)
+    assert np.abs(leverage / explicit - 1.0).max() < 1e-10
+
+
 def test_gradients_of_single_outputs_add_up(line_model):
     model, theta = line_model
     response = model.respond(theta)

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from flexsid.errors import Conflict
-from flexsid.records.run import EstimationRun, Method
+from flexsid.errors import BadInput, Conflict
+from flexsid.records.run import Batch, EstimationRun, Method
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import run_identity
+from flexsid.workflow.runs.batch import queue_batch
 from flexsid.workflow.runs.identified_models import load_identified_model as identified_model
 from flexsid.workflow.runs.run_identity import add_hashes
 
@@ -85,3 +86,22 @@ def test_deleted_maneuver_starts_no_run(flown):
         add_hashes(flown, build_run(flown))
     change_maneuvers(flown, [1], Action.RESTORE)
     assert add_hashes(flown, build_run(flown)).input_hash is not None
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "said"),
+    [
+        ("settings", {"max_iterations": 0}, "max_iterations is 0; expected "),
+        ("settings", {"prior_spread": -1.0}, "prior_spread is -1.0; expected "),
+        ("structure", {"axis": "vertical"}, "axis is 'vertical'; expected "),
+    ],
+)
+def test_a_run_that_no_door_has_checked_is_refused(flown, part, change, said):
+    wrong = build_run(flown)
+    wrong = replace(wrong, **{part: replace(getattr(wrong, part), **change)})
+    with pytest.raises(BadInput, match=said):
+        add_hashes(flown, wrong)
+    with pytest.raises(BadInput, match=said):
+        queue_batch(
+            *(flown, Batch(name="wrong"), [1], [Method.EE], [wrong]), from_equation_error=False
+        )

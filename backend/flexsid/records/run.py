@@ -499,6 +499,8 @@ class ModeInBand:
 
     ``air_frequency_hz`` and ``half_power_hz`` (full width at half power) are predicted at the
     condition of the maneuver; without a prediction the width is that in vacuo.
+    ``determined_share`` is the mean share of the prior variances of the derivatives of its equation
+    that the data are expected to remove; None where it was not computed. [1]
     """
 
     number: int
@@ -508,6 +510,7 @@ class ModeInBand:
     half_power_hz: float
     in_band: bool
     proposed: bool
+    determined_share: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,6 +3,7 @@ import type { Run } from "../api/types";
 import { fixed, withError } from "../lib/format";
 import { DataTable, numeric, type Column } from "./DataTable";
 import { DerivativeName } from "./DerivativeName";
+import { Sentence } from "./Quantity";
 
 type Retained = NonNullable<Run["retained"]>;
 type Nuisance = Retained["parameters"][number];
@@ -22,8 +23,14 @@ const COLUMNS: Column<Nuisance>[] = [
   },
 ];
 
-/** Prior and estimate of the derivatives of out-of-band modes, which are no results. */
-export function NuisanceParameters({ retained }: { retained: Retained }) {
+interface Props {
+  retained: Retained;
+  /** Why the run has the modes that it estimates. */
+  reasons: readonly string[];
+}
+
+/** Prior and estimate of the derivatives of retained modes, which are no results. */
+export function NuisanceParameters({ retained, reasons }: Props) {
   return (
     <Accordion variant="contained" className="panel" bg="var(--page-surface)" mt="md" order={2}>
       <Accordion.Item value="nuisance">
@@ -37,6 +44,11 @@ export function NuisanceParameters({ retained }: { retained: Retained }) {
             was estimated from the derivatives of the modes in the band. These values are no
             results; their uncertainty is part of every σ.
           </Text>
+          {reasons.length > 0 && (
+            <Text size="sm" mb="sm" data-testid="nuisance-reasons">
+              <Sentence text={reasons.join(" ")} />
+            </Text>
+          )}
           <DataTable
             label="Nuisance parameters"
             columns={COLUMNS}

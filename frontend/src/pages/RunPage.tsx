@@ -179,7 +179,9 @@ function Results({ run }: { run: Run }) {
             }}
           />
         </div>
-        {run.retained !== null && <NuisanceParameters retained={run.retained} />}
+        {run.retained !== null && (
+          <NuisanceParameters retained={run.retained} reasons={run.proposal?.reasons ?? []} />
+        )}
       </Tabs.Panel>
       <Tabs.Panel value="fit" pt="md">
         <FitTab run={run} view={view} onChange={change} />

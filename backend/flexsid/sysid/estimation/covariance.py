@@ -14,6 +14,7 @@ from flexsid.sysid.estimation.error_components import scale_rows
 from flexsid.sysid.estimation.frequency_domain_model import Sensitivity
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.leave_one_out import compute_leave_one_out_residuals
+from flexsid.sysid.estimation.real_products import sum_products
 
 _WEAKEST = 1e-13  # of the largest eigenvalue of the scaled information: singular below
 _PART = 1e-3  # least component of a parameter in a direction; smaller ones are rounding
@@ -215,8 +216,7 @@ def score_covariance(final: FinalSpectra) -> Float[np.ndarray, "n_theta n_theta"
     if experiment.source is not None and experiment.gain is not None:
         weighted = final.weights.times(final.form.model.jacobian(final.sensitivity))
         A, S = weight_score_noise(final, weighted)
-        n_theta = A.shape[2]
-        return np.real(A.reshape(-1, n_theta).conj().T @ S.times(A).reshape(-1, n_theta))
+        return sum_products(A, S.times(A))
     middle = estimate_noise(final).between(final.weights)
     return final.form.matrix(final.sensitivity, middle)
 

@@ -307,10 +307,12 @@ def expand_sensitivity(
     """Expand all sensitivities of a factored form."""
     G, w = sensitivity.forces, sensitivity.variables.T
     n_pairs = model.pair_rows.size
+    pairs = G[:, :, model.pair_rows]
+    pairs *= (w[:, model.pair_columns] * model.scale)[:, None, :]
+    if n_pairs == model.order.size and (model.order[1:] > model.order[:-1]).all():
+        return pairs
     J = np.zeros((*G.shape[:2], model.order.size), dtype=complex)
-    J[:, :, model.order[:n_pairs]] = (
-        G[:, :, model.pair_rows] * (w[:, model.pair_columns] * model.scale)[:, None, :]
-    )
+    J[:, :, model.order[:n_pairs]] = pairs
     n_single = n_pairs + model.own_outputs.size
     J[:, model.own_outputs, model.order[n_pairs:n_single]] = sensitivity.own.T
     if sensitivity.ends is not None:

@@ -20,6 +20,7 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     Sensitivity,
 )
 from flexsid.sysid.estimation.noise import SpectralMatrix
+from flexsid.sysid.estimation.real_products import sum_products
 
 
 class NormalForm:
@@ -93,6 +94,38 @@ class NormalForm:
             pull = weights.times(residuals[:, :, None]).conj()
             g = np.append(g, np.real(np.sum(pull * sensitivity.ends, axis=(0, 1))))
         return g if self._in_order else g[np.argsort(model.order)]
+
+    def cross(
+        self,
+        sensitivity: Sensitivity,
+        columns: Complex[np.ndarray, "n_omega n_y n"],
+        weights: SpectralMatrix,
+    ) -> Float[np.ndarray, "n_theta n"]:
+        """Compute Re sum J^H W X of other columns X."""
+        own = self._factored.own_outputs
+        weighted = weights.times(sensitivity.forces, out=self._weighted)
+        np.conjugate(weighted, out=weighted)
+        parts = [self._pull(weighted, columns, sensitivity.variables).T]
+        if own.size or sensitivity.ends is not None:
+            loads = weights.times(columns)
+            E = sensitivity.own.conj()
+            parts.append(np.real(np.einsum("ek,kec->ec", E, loads[:, own])))
+            if sensitivity.ends is not None:
+                parts.append(sum_products(sensitivity.ends, loads))
+        return self._order_rows(np.concatenate(parts))
+
+    def _pull(
+        self,
+        weighted: Complex[np.ndarray, "n_omega n_y n_r"],
+        columns: Complex[np.ndarray, "n_omega n_y n"],
+        w: Complex[np.ndarray, "n_w n_omega"],
+    ) -> Float[np.ndarray, "n n_pairs"]:
+        """Compute Re sum X^H W J of the pairs; ``weighted`` is the conjugate of W G."""
+        model = self._factored
+        loads = np.matmul(weighted.transpose(0, 2, 1), columns).transpose(2, 1, 0)
+        cross = _multiply_real(np.ascontiguousarray(loads).reshape(-1, w.shape[1]), w)
+        cross = cross.reshape(columns.shape[2], weighted.shape[2], w.shape[0])
+        return cross[:, model.pair_rows, model.pair_columns] * model.scale
 
     def scores(
         self,
@@ -181,15 +214,10 @@ class NormalForm:
 
         ``weighted`` is the conjugate of W G.
         """
-        model, n_ends = self._factored, ends.shape[2]
-        loads = np.matmul(weighted.transpose(0, 2, 1), ends).transpose(2, 1, 0)
-        cross = _multiply_real(np.ascontiguousarray(loads).reshape(-1, w.shape[1]), w)
-        cross = cross.reshape(n_ends, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
-        N[-n_ends:, :-n_ends] = cross * model.scale
+        n_ends = ends.shape[2]
+        N[-n_ends:, :-n_ends] = self._pull(weighted, ends, w)
         N[:-n_ends, -n_ends:] = N[-n_ends:, :-n_ends].T
-        flat, other = (a.reshape(-1, n_ends) for a in (ends, weights.times(ends)))
-        real = np.real(flat).T @ np.real(other) + np.imag(flat).T @ np.imag(other)
-        N[-n_ends:, -n_ends:] = real
+        N[-n_ends:, -n_ends:] = sum_products(ends, weights.times(ends))
 
     def _sum_by_rows(
         self, A: Complex[np.ndarray, "n_r2 n_omega"], w: Complex[np.ndarray, "n_w n_omega"]

@@ -19,13 +19,16 @@ from flexsid.errors import Cancelled
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, append_stage
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, ModelResponse
+from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import (
     FitSettings,
     Report,
     describe_outcome,
     maximize,
 )
+from flexsid.sysid.estimation.noise import SpectralMatrix
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.real_products import sum_products
 from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
 from flexsid.sysid.model.derivatives import DerivativeTable
 
@@ -140,15 +143,21 @@ def remove_leakage(
     response = model.respond(theta)
     E = build_leakage_columns(model, response, theta)
     residuals = experiment.measured - response.outputs
-    used = slice(None) if held_out is None else ~held_out
+    used = np.ones(len(E), dtype=bool) if held_out is None else ~held_out
     level = np.sqrt(np.mean(np.abs(residuals[used]) ** 2, axis=0) / 2.0)
-    level = np.where(level > 0.0, level, np.inf)
-    J = model.jacobian(model.sensitivity(theta, response))
-    both = _stacked(np.concatenate([E[used], J[used]], axis=2), level)
-    target = _stacked(residuals[used][:, :, None], level)[:, 0]
-    size = np.linalg.norm(both, axis=0)
+    information = np.divide(1.0, level**2, out=np.zeros_like(level), where=level > 0.0)
+    W = SpectralMatrix(information[None], np.zeros(used.size, dtype=int))
+    if held_out is not None:
+        W = SpectralMatrix(information * used[:, None], np.arange(used.size))
+    form, sensitivity = NormalForm(model), model.sensitivity(theta, response)
+    loads = W.times(E)
+    N, g = form.equations(sensitivity, residuals, W)
+    cross = form.cross(sensitivity, E, W)
+    both = np.block([[sum_products(E, loads), cross.T], [cross, N]])
+    target = np.append(sum_products(loads, residuals[:, :, None])[:, 0], g)
+    size = np.sqrt(np.diag(both))
     size = np.where(size > 0.0, size, 1.0)
-    normal, right = both.T @ both / np.outer(size, size), both.T @ target / size
+    normal, right = both / np.outer(size, size), target / size
     n_edge = E.shape[2]
     state = _solve(normal, right)[:n_edge]
     # Reduction of the squared residuals beyond that of other parameter values.
@@ -162,14 +171,6 @@ def remove_leakage(
 def _solve(normal: Float[np.ndarray, "n n"], right: Float[np.ndarray, " n"]) -> np.ndarray:
     """Solve normal equations of columns at unit length that may be nearly dependent."""
     return np.linalg.solve(normal + _RIDGE * np.eye(right.size), right)
-
-
-def _stacked(
-    values: Complex[np.ndarray, "n_omega n_y n"], level: Float[np.ndarray, " n_y"]
-) -> Float[np.ndarray, "n_rows n"]:
-    """Real and imaginary parts below each other, in units of the residuals."""
-    flat = (values / level[:, None]).reshape(-1, values.shape[2])
-    return np.concatenate([np.real(flat), np.imag(flat)])
 
 
 def build_leakage_columns(

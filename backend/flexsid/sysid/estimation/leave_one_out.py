@@ -54,6 +54,37 @@ def compute_leave_one_out_residuals(
     return residuals + np.matmul(G, moved[:, :, None])[:, :, 0]
 
 
+def compute_leverage(
+    model: FrequencyDomainModel,
+    sensitivity: Sensitivity,
+    inverse: Float[np.ndarray, "n_theta n_theta"],
+) -> Float[np.ndarray, "n_omega n_y"]:
+    """Compute the diagonal of J N^-1 J^H, without end states: the variance of modelled outputs.
+
+    Parameters
+    ----------
+    model, sensitivity
+        At the estimate.
+    inverse
+        Inverse of the normal matrix.
+    """
+    G, w = sensitivity.forces, sensitivity.variables
+    n_r = G.shape[2]
+    Q = _force_covariance(model, w, inverse)
+    P = Q[:, :n_r, :n_r] + Q[:, n_r:, n_r:] + 1j * (Q[:, n_r:, :n_r] - Q[:, :n_r, n_r:])
+    variance = np.real(np.sum((G @ P) * G.conj(), axis=2))
+    n_pairs = model.pair_rows.size
+    pairs, places = model.order[:n_pairs], model.order[n_pairs:]
+    for output, row, place in zip(model.own_outputs, sensitivity.own, places, strict=False):
+        table = np.zeros((n_r, len(w)))
+        np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * inverse[pairs, place])
+        by_forces = np.sum(G[:, output] * (table @ w).T, axis=1)
+        same = model.own_outputs == output
+        by_own = inverse[place, places[: same.size][same]] @ sensitivity.own[same]
+        variance[:, output] += np.real(row.conj() * (2.0 * by_forces + by_own))
+    return variance
+
+
 def _hold_last(
     inverse: Float[np.ndarray, "n_theta n_theta"], count: int
 ) -> Float[np.ndarray, "n n"]:

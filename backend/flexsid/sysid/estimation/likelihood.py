@@ -48,6 +48,8 @@ from flexsid.sysid.estimation.steps import (
 Report = Callable[[int, float], None]
 _GOOD_REDUCTION = 0.75  # of the predicted cost reduction: no further trial is made
 _CONVERGING = 0.3  # ratio of successive steps below which they converge
+_ALIGNED = 0.9  # cosine of two steps with one direction
+_LARGEST_RATIO = 0.97  # of successive steps, for their extrapolation
 _QUICK = 4  # iterations after which a fit counts as slow
 _ALONG = 0.1  # of a step: distance of the differences for its geodesic acceleration
 _POOR_START = 0.4  # share of the measured power in the residuals
@@ -183,6 +185,7 @@ class _Problem:
             )
         steps = [IterationStep(0, state.cost, np.inf)]
         damping = _DAMPING_AT_START
+        pace: np.ndarray | None = None
         outcome = Outcome.ITERATION_LIMIT
         for iteration in range(1, self.settings.max_iterations + 1):
             near, slow = steps[-1].step < _NEAR, iteration > _QUICK
@@ -198,6 +201,7 @@ class _Problem:
                 outcome = Outcome.CONVERGED if small else Outcome.DIVERGED
                 break
             trial, damping = found
+            trial, pace = self._extrapolate(state, trial, around.N, pace)
             size = compute_step_size(around.N, trial.theta - state.theta)
             state = trial
             steps.append(IterationStep(iteration, state.cost, size))
@@ -293,6 +297,30 @@ class _Problem:
                 return best, max(0.1 * damping, 1e-12)
             damping *= 10.0
         return None
+
+    def _extrapolate(
+        self, state: _State, trial: _State, N: np.ndarray, before: np.ndarray | None
+    ) -> tuple[_State, np.ndarray | None]:
+        """Change the length of a step along the one before; the step to compare the next with.
+
+        Notes
+        -----
+        Without the second derivatives of the model the iteration converges linearly where
+        residuals are large: steps keep their direction and change by a constant ratio r, which is
+        -0.95 where the curvature is half of the true one, so that each step overshoots. The sum of
+        all further steps is 1 / (1 - r) times the first (Aitken's extrapolation).
+        """
+        step = trial.theta - state.theta
+        if before is None or not before.any():
+            return trial, step
+        scaled = N @ step
+        along, own, other = before @ scaled, step @ scaled, before @ N @ before
+        ratio = along / other
+        is_linear = abs(ratio) > _CONVERGING and ratio < 1.0
+        if not is_linear or along**2 < _ALIGNED**2 * own * other:
+            return trial, step
+        summed = self.at(state.theta + step / (1.0 - min(ratio, _LARGEST_RATIO)))
+        return (summed, None) if summed.cost < trial.cost else (trial, step)
 
     def _is_poor_start(self, state: _State) -> bool:
         """Whether the residuals exceed ``_POOR_START`` of the measured power on average."""

@@ -23,8 +23,9 @@ from flexsid.sysid.estimation.equation_error import (
 )
 from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors, scale_rows
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.noise import smooth_density
+from flexsid.sysid.estimation.noise import SpectralMatrix, smooth_density
 from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.real_products import sum_products
 from flexsid.sysid.estimation.reconstruction import (
     ReconstructedMotion,
     SensorEquations,
@@ -156,6 +157,64 @@ class _MarginalSolution:
         return float(np.max(np.abs(self.step) / np.sqrt(np.diag(self.covariance))))
 
 
+@dataclass(frozen=True, slots=True)
+class _Sensitivity:
+    """Change of all residuals with the nuisance parameters, in standard deviations of residuals.
+
+    Coefficient c of out-of-band mode o changes the residuals of the sensors by the product of
+    ``per_force`` of the mode and variable c, so that sums over sensors are of the modes alone, of
+    which there are few: the dense matrix takes five times as long. ``of_equations`` has the
+    residuals of the equations. ``places`` are mode and coefficient of ``parameters`` in the flat
+    table of ``variables``; other parameters do not change the residuals of sensors.
+    """
+
+    per_force: Complex[np.ndarray, "n_omega n_y n_o"]
+    variables: Complex[np.ndarray, "n_omega n_o n_c"]
+    of_equations: Complex[np.ndarray, "n_omega n_i n_nu"]
+    parameters: np.ndarray
+    places: np.ndarray
+
+    def square(self, S: SpectralMatrix | None) -> Float[np.ndarray, "n_nu n_nu"]:
+        """Compute Re sum V^H S V of the sensitivity V; S is one where it is None."""
+        E, adjoint = self.of_equations, self.per_force.conj().transpose(0, 2, 1)
+        n_y = self.per_force.shape[1]
+        if S is None:
+            result = sum_products(E, E)
+            of_modes = adjoint @ self.per_force
+        else:
+            blocks = S.expand_blocks()
+            result = sum_products(E, blocks[:, n_y:, n_y:] @ E)
+            left = adjoint @ blocks[:, :n_y]
+            mixed = self._sum_over_frequencies(left[:, :, n_y:] @ E)
+            result[self.parameters] += mixed
+            result[:, self.parameters] += mixed.T
+            of_modes = left[:, :, :n_y] @ self.per_force
+        every = of_modes[..., None] * self.variables[:, None]
+        pairs = self._sum_over_frequencies(every.reshape(*of_modes.shape[:2], -1))
+        result[np.ix_(self.parameters, self.parameters)] += pairs[:, self.places]
+        return result
+
+    def _sum_over_frequencies(
+        self, of_modes: Complex[np.ndarray, "n_omega n_o n"]
+    ) -> Float[np.ndarray, "n_out n"]:
+        """Sum the products of every mode with its variables."""
+        each = [
+            sum_products(self.variables[:, o], of_modes[:, o]) for o in range(of_modes.shape[1])
+        ]
+        return np.concatenate(each)[self.places]
+
+    def project(
+        self, residuals: Complex[np.ndarray, "n_omega n_e"]
+    ) -> Float[np.ndarray, "n_nu n_omega"]:
+        """Compute Re V^H times the residuals of every frequency."""
+        n_y = self.per_force.shape[1]
+        result = np.real(np.einsum("kin,ki->nk", self.of_equations.conj(), residuals[:, n_y:]))
+        of_modes = np.matmul(self.per_force.conj().transpose(0, 2, 1), residuals[:, :n_y, None])
+        each = np.real(self.variables.conj() * of_modes).reshape(len(residuals), -1)
+        result[self.parameters] += each[:, self.places].T
+        return result
+
+
 class _MarginalProblem:
     """Equations of one maneuver; constant quantities are computed once."""
 
@@ -255,12 +314,6 @@ class _MarginalProblem:
         rows, columns = (
             places[self.nuisance] for places in (self.parameters.rows, self.parameters.columns)
         )
-        per_variable = np.zeros((*every.shape, rows.size), dtype=complex)
-        out = self.of_rows
-        per_variable[:, :, out] = per_coefficient[:, :, rows[out] - n_i]
-        direct = np.flatnonzero(rows < n_i)
-        per_variable[:, n_y + rows[direct], direct] = -1.0
-        projected = per_variable * shape_regressors(X, self.shape, rows, columns)[:, None]
         per_error = np.concatenate([np.zeros((len(K), n_y, K.shape[2])), K], axis=1)
         if self.input_noise is not None:
             control = self._get_control(theta)
@@ -268,25 +321,43 @@ class _MarginalProblem:
             per_input[:, n_y:] = -control[:, :n_i]
             per_error = np.concatenate([per_error, per_input], axis=2)
         common = per_error @ noise.spread.conj().transpose(0, 2, 1)
+        of_equations = np.zeros((len(K), n_i, rows.size), dtype=complex)
+        out = self.of_rows
+        of_equations[:, :, out] = per_coefficient[:, n_y:, rows[out] - n_i]
+        direct = np.flatnonzero(rows < n_i)
+        of_equations[:, rows[direct], direct] = -1.0
+        of_equations *= shape_regressors(X, self.shape, rows, columns)[:, None]
         slope = np.zeros((self.own.size, rows.size))
         for row, fit in regressions.items():
             mine = np.flatnonzero(held.rows == row)
             variance[:, n_y + row] = fit.variance
             Xr = shape_regressors(X, self.shape, row, held.columns[mine])
             weights = Xr.conj() / fit.variance[:, None]
-            slope[mine] = fit.inverse @ np.real(weights.T @ projected[:, n_y + row])
-            projected[:, n_y + row] -= Xr @ slope[mine]
-        weighted = projected / np.sqrt(variance)[:, :, None]
-        scaled = every / np.sqrt(variance)
-        flat = weighted.reshape(-1, rows.size)
-        information = 2.0 * np.real(flat.conj().T @ flat)
-        by_frequency = 2.0 * np.real(np.einsum("kin,ki->nk", weighted.conj(), scaled))
+            slope[mine] = fit.inverse @ np.real(weights.T @ of_equations[:, row])
+            of_equations[:, row] -= Xr @ slope[mine]
+        std = np.sqrt(variance)
+        scaled = every / std
+        sensitivity = _Sensitivity(
+            per_coefficient[:, :n_y] / std[:, :n_y, None],
+            np.broadcast_to(X[:, None], (len(X), self.P.shape[2] - n_i, X.shape[1]))
+            if self.shape is None
+            else X[:, None] * self.shape[:, n_i:],
+            of_equations / std[:, n_y:, None],
+            out,
+            (rows[out] - n_i) * X.shape[1] + columns[out],
+        )
+        information = 2.0 * sensitivity.square(None)
+        by_frequency = 2.0 * sensitivity.project(scaled)
         # The errors of motion and inputs are part of residuals and variables alike.
         conjugate = None if self.shape is None else self.shape.conj()
-        biased = per_variable.conj() * common[:, :, columns] / variance[:, :, None]
+        weighted = common / variance[:, :, None]
+        moved = per_coefficient.conj().transpose(0, 2, 1) @ weighted
         if conjugate is not None:
-            biased = biased * conjugate[:, None, rows, columns]
-        by_frequency -= 2.0 * np.real(biased.sum(axis=1)).T
+            moved, weighted = moved * conjugate[:, n_i:], weighted[:, n_y:] * conjugate[:, :n_i]
+        else:
+            weighted = weighted[:, n_y:]
+        by_frequency[out] -= 2.0 * np.real(moved[:, rows[out] - n_i, columns[out]]).T
+        by_frequency[direct] += 2.0 * np.real(weighted[:, rows[direct], columns[direct]]).T
         for row, fit in regressions.items():
             mine = np.flatnonzero(held.rows == row)
             moment = shape_regressors(common[:, n_y + row], conjugate, row, held.columns[mine])
@@ -294,8 +365,7 @@ class _MarginalProblem:
             by_frequency += 2.0 * slope[mine].T @ np.real(moment).T
         gradient = by_frequency.sum(axis=1)
         density = smooth_density(scaled, np.zeros(self.omega.size, dtype=int), 1)
-        spread = density.times(weighted).reshape(flat.shape)
-        scores = 2.0 * np.real(flat.conj().T @ spread)
+        scores = 2.0 * sensitivity.square(density)
         total = information + np.diag(self.information)
         scale = 1.0 / np.sqrt(np.diag(total))
         inverse = np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale)

@@ -34,6 +34,7 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     expand_sensitivity,
 )
 from flexsid.sysid.estimation.kronecker import NormalForm
+from flexsid.sysid.estimation.leave_one_out import compute_leverage
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.residual_power import compute_band_powers
@@ -583,8 +584,7 @@ def _test_residual_powers(
         if experiment.source is not None:
             continue  # responses share the noise of the record: their scatter is not its noise
         size = np.sqrt(final.weights.expand_blocks())
-        X = final.form.model.jacobian(final.sensitivity) * size[:, :, None]
-        leverage = np.real(np.sum((X @ inverse) * X.conj(), axis=2))
+        leverage = compute_leverage(final.form.model, final.sensitivity, inverse) * size**2
         residuals = (final.residuals - _compute_change(final, step)) * size
         for one in compute_band_powers(experiment.omega, experiment.inputs, residuals, leverage):
             name = experiment.model.outputs[one.output]

@@ -13,8 +13,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import linalg, special
 
-from flexsid.sysid.estimation.covariance import FinalSpectra, weight_score_noise
+from flexsid.sysid.estimation.covariance import FinalSpectra, score_covariance, weight_score_noise
 from flexsid.sysid.estimation.frequency_domain_model import expand_sensitivity
+from flexsid.sysid.estimation.real_products import sum_products
 
 _RIDGE = 1e-10  # of unit diagonal: nearly dependent normal equations stay solvable
 _LEAST_INFORMATION = 1e-8  # of a direction, left by the other outputs: not identifiable below
@@ -85,26 +86,27 @@ def compute_sensor_influences(
     A new measure of the effective number of tests, Genetic Epidemiology 33.
     """
     n_theta = prior_information.size
-    jacobians = [expand_sensitivity(fit.form.model, fit.sensitivity) for fit in fits]
-    weights = [fit.weights.expand_blocks() for fit in fits]
     outputs = list(dict.fromkeys(name for fit in fits for name in _list_outputs(fit)))
     parts = np.zeros((len(outputs), n_theta, n_theta))
     gradients = np.zeros((len(outputs), n_theta))
-    for fit, J, w in zip(fits, jacobians, weights, strict=True):
+    weighted = []
+    for fit in fits:
+        J = expand_sensitivity(fit.form.model, fit.sensitivity)
+        root = np.sqrt(fit.weights.expand_blocks())
+        J *= root[:, :, None]
         for column, name in enumerate(_list_outputs(fit)):
-            own, weighted = J[:, column], w[:, column, None] * J[:, column]
-            o = outputs.index(name)
-            parts[o] += np.real(own.conj().T @ weighted)
-            gradients[o] += np.real(weighted.conj().T @ fit.residuals[:, column])
+            own, o = J[:, column], outputs.index(name)
+            parts[o] += sum_products(own, own)
+            scaled = root[:, column] * fit.residuals[:, column]
+            gradients[o] += sum_products(own, scaled[:, None])[:, 0]
+        J *= root[:, :, None]
+        weighted.append(J)
     T = _factor_inverse(parts.sum(axis=0) + np.diag(prior_information))
     g = T.T @ (gradients.sum(axis=0) + prior_gradient)
     own_variance = np.sum(T**2, axis=1)[reported]
     inverse = T @ T.T
-    scores = [
-        _compute_score_covariances(fit, w[:, :, None] * J @ T, inverse)
-        for fit, J, w in zip(fits, jacobians, weights, strict=True)
-    ]
-    whole_score = np.sum([score for one in scores for score, _ in one.values()], axis=0)
+    noises = [_WeightedNoise(fit, A, inverse) for fit, A in zip(fits, weighted, strict=True)]
+    whole_score = np.sum([noise.compute_score_covariance() for noise in noises], axis=0)
     result = []
     for o, name in enumerate(outputs):
         share, V = np.linalg.eigh(T.T @ parts[o] @ T)
@@ -118,13 +120,12 @@ def compute_sensor_influences(
         more = (rows * growth) @ V.T  # (N - N_o)^-1 - N^-1, in the coordinates of T
         whole = (rows * np.where(lost, 0.0, 1.0 / left)) @ V.T
         change = more @ g - whole @ (T.T @ gradients[o])
-        own = -T[reported] - more
-        shared = np.sum([one[name][0] for one in scores if name in one], axis=0)
-        alone = np.sum([one[name][1] for one in scores if name in one], axis=0)
-        mixed = own @ shared @ more.T
-        noise = more @ whole_score @ more.T + mixed + mixed.T + own @ alone @ own.T
-        by_priors = more @ T.T
-        covariance = 0.5 * (overlap * noise + by_priors * prior_information @ by_priors.T)
+        by_whole, by_own = more @ T.T, (-T[reported] - more) @ T.T
+        noise = by_whole @ whole_score @ by_whole.T
+        for one in noises:
+            noise += one.compute_change_covariance(name, by_own, by_whole)
+        by_priors = by_whole * prior_information
+        covariance = 0.5 * (overlap * noise + by_priors @ by_whole.T)
         variance = np.diag(covariance)
         is_known &= variance > _LEAST_VARIANCE * own_variance
         if not is_known.any():
@@ -152,26 +153,43 @@ def compute_sensor_influences(
     return result
 
 
-def _compute_score_covariances(
-    fit: FinalSpectra,
-    weighted: Complex[np.ndarray, "n_omega n_y n_theta"],
-    inverse: Float[np.ndarray, "n_theta n_theta"],
-) -> dict[str, tuple[Float[np.ndarray, "n_theta n_theta"], Float[np.ndarray, "n_theta n_theta"]]]:
-    """Compute Re sum A_o^H (S A)_o and Re sum A_o^H S_oo A_o of every output o of a maneuver.
+class _WeightedNoise:
+    """Weighted sensitivities A of a maneuver, and S A with the density S of the noise."""
 
-    A are the weighted sensitivities. The sum of the first over the outputs is Re sum A^H S A, so
-    that the covariance of a change needs no further sum over frequencies.
-    """
-    alone = fit if fit.shares_noise else fit.with_leave_one_out_residuals(inverse)
-    A, S = weight_score_noise(alone, weighted)
-    noise = S.times(A)
-    density = np.real(np.einsum("bii->bi", S.blocks))[S.block]
-    result = {}
-    for column, name in enumerate(_list_outputs(fit)):
-        own = A[:, column]
-        shared = np.real(own.conj().T @ noise[:, column])
-        result[name] = shared, np.real((own.conj() * density[:, column, None]).T @ own)
-    return result
+    def __init__(
+        self,
+        fit: FinalSpectra,
+        weighted: Complex[np.ndarray, "n_omega n_y n_theta"],
+        inverse: Float[np.ndarray, "n_theta n_theta"],
+    ) -> None:
+        self.fit = fit if fit.shares_noise else fit.with_leave_one_out_residuals(inverse)
+        self.A, S = weight_score_noise(self.fit, weighted)
+        self.noise = S.times(self.A)
+        self.density = np.real(np.einsum("bii->bi", S.blocks))[S.block]
+        self.outputs = _list_outputs(fit)
+
+    def compute_score_covariance(self) -> Float[np.ndarray, "n_theta n_theta"]:
+        """Compute Re sum A^H S A, twice the covariance of the scores."""
+        if self.fit.shares_noise:
+            return sum_products(self.A, self.noise)
+        return score_covariance(self.fit)
+
+    def compute_change_covariance(
+        self,
+        output: str,
+        own: Float[np.ndarray, "n n_theta"],
+        whole: Float[np.ndarray, "n n_theta"],
+    ) -> Float[np.ndarray, "n n"]:
+        """Compute the part of twice the covariance of a change that one output has.
+
+        The change is ``own`` times the score of this output plus ``whole`` times that of all.
+        """
+        if output not in self.outputs:
+            return np.zeros((len(own), len(own)))
+        column = self.outputs.index(output)
+        moved, noise = self.A[:, column] @ own.T, self.noise[:, column] @ whole.T
+        mixed = sum_products(moved, noise)
+        return mixed + mixed.T + sum_products(moved, self.density[:, column, None] * moved)
 
 
 def _list_outputs(fit: FinalSpectra) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.default_band import set_default_band
-from flexsid.workflow.runs.run_identity import RunHasher
+from flexsid.workflow.runs.run_identity import RunHasher, check_ranges
 from flexsid.workflow.runs.run_proposal import apply_proposal
 
 MAX_RUNS = 20_000
@@ -81,6 +81,7 @@ def queue_batch(
     complete = apply_proposal if by_proposal else set_default_band
     ordered = sorted(set(methods), key=lambda method: method is not Method.EE)
     for template in templates:  # an error common to all runs is raised here
+        check_ranges(template)
         for method in ordered:
             run = replace(template, maneuver_id=maneuvers[0], method=method)
             estimation.prepare(store, complete(store, run))

@@ -13,6 +13,7 @@ import sqlalchemy as sa
 from flexsid.errors import BadInput, UnknownRecord
 from flexsid.records.run import Aerodynamics, EstimationRun, OutOfBandModes, Provenance
 from flexsid.records.sealed_names import with_sealed_names
+from flexsid.request_models import check_request
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.content import hash_content, hash_maneuvers, hash_record, hash_records
 from flexsid.storage.store import Store
@@ -117,16 +118,33 @@ class RunHasher:
 
 
 def add_hashes(store: Store, run: EstimationRun) -> EstimationRun:
-    """Return one run with its hashes.
+    """Return one run that is requested with its hashes.
 
     Raises
     ------
+    BadInput
+        If a setting or the structure has a value that its class does not allow.
     Conflict
         If a maneuver was deleted.
     """
+    check_ranges(run)
     with store.reading():
         refuse_deleted(store, (run.maneuver_id, *run.settings.additional_maneuver_ids))
         return _add_hashes(store, run)
+
+
+def check_ranges(run: EstimationRun) -> None:
+    """Refuse structure, settings and limits that a run may not have, by whichever door it came.
+
+    A run of an earlier release, which had other ranges, is computed and shown as it was stored.
+
+    Raises
+    ------
+    BadInput
+        With the field, its value and what is allowed.
+    """
+    for part in (run.structure, run.settings, run.limits):
+        check_request(part)
 
 
 def _add_hashes(store: Store, run: EstimationRun) -> EstimationRun:

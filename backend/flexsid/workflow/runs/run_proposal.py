@@ -13,6 +13,7 @@ from flexsid.records.maneuver import COMBINED, Maneuver
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
+    Method,
     ModeInBand,
     ProposalBasis,
     ProposalSource,
@@ -39,6 +40,7 @@ from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_t
 from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, require_baseline
 from flexsid.workflow.runs.default_band import find_default_band, set_default_band
 from flexsid.workflow.runs.estimation import select_inputs_and_outputs
+from flexsid.workflow.runs.resolved_modes import LEAST_DETERMINED, compute_mode_shares
 
 LISTED_BAND_RATIO = 2.5
 """Modes up to this multiple of the highest excited frequency are listed."""
@@ -66,6 +68,10 @@ class _BandAndModes:
         hz = self.frequencies.omega / (2.0 * np.pi)
         return float(hz.min()), float(hz.max())
 
+    def describe_band(self) -> str:
+        low, high = self.band_hz
+        return f"{low:.3g} to {high:.3g} Hz were excited"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssumedRecords:
@@ -87,7 +93,8 @@ def propose_run(
 
     The model structure is the one approved for the condition; else the saved one that the
     newest successful run of this flight test aid used; else the symmetric modes whose resonance,
-    in vacuo or predicted in air, ends below the highest excited frequency. A resonance ends a
+    in vacuo or predicted in air, ends below the highest excited frequency, and whose derivatives
+    the data are expected to determine better than the prediction. A resonance ends a
     half-power bandwidth above its frequency: with less the data contain only one flank of it.
 
     Parameters
@@ -129,18 +136,25 @@ def _propose(
     )
     first = maneuvers[0]
     settings = RunSettings(band_hz=band if band_hz is None else found.band_hz)
-    structure, basis = _select_structure(store, maneuver_ids, first, found, body)
-    aircraft = found.aircraft
-    inputs, outputs = select_inputs_and_outputs(store, first, aircraft, structure)
-    if not structure.inputs and first.excitation is not None:
-        excited = tuple(name for name in inputs if first.excitation.harmonics.get(name))
-        if excited and excited != inputs and basis.source is ProposalSource.BAND:
-            inputs, structure = excited, replace(structure, inputs=excited)
+    chosen = _find_chosen_structure(store, maneuver_ids, first, found, body)
+    if chosen is None:
+        found = _determine_modes(store, maneuver_ids, found, settings, body, assumed)
+        chosen = _select_modes(found, body)
+    structure, basis = chosen
+    inputs, outputs = select_inputs_and_outputs(store, first, found.aircraft, structure)
+    if basis.source is ProposalSource.BAND and inputs != (excited := _pick_excited(first, inputs)):
+        inputs, structure = excited, replace(structure, inputs=excited)
     if not structure.inputs and first.axis == COMBINED:
         structure = replace(structure, inputs=inputs)  # parts of the recorded surfaces
     modes = tuple(replace(m, proposed=m.number in structure.modes) for m in found.modes)
     names = tuple(output.name for output in outputs)
     return _describe_proposal(first, structure, settings, basis, inputs, names, modes, found)
+
+
+def _pick_excited(maneuver: Maneuver, inputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Pick the inputs with harmonics; all where the harmonics are not known."""
+    harmonics = {} if maneuver.excitation is None else maneuver.excitation.harmonics
+    return tuple(name for name in inputs if harmonics.get(name)) or inputs
 
 
 def apply_proposal(store: Store, run: EstimationRun) -> EstimationRun:
@@ -197,15 +211,15 @@ def _read_band_and_modes(
     return _BandAndModes(maneuver, aircraft, frequencies, modes)
 
 
-def _select_structure(
+def _find_chosen_structure(
     store: Store,
     maneuver_ids: tuple[int, ...],
     first: Maneuver,
     found: _BandAndModes,
     body: RigidBody,
-) -> tuple[Structure, ProposalBasis]:
-    low, high = found.band_hz
-    excited = f"{low:.3g} to {high:.3g} Hz were excited"
+) -> tuple[Structure, ProposalBasis] | None:
+    """Find the approved model structure, or the saved one that was last used; None for neither."""
+    excited = found.describe_band()
     baselines = [
         find_baseline(store, store.maneuvers.get(number), body.axis) for number in maneuver_ids
     ]
@@ -227,7 +241,48 @@ def _select_structure(
         return structure, replace(
             basis, band_hz=found.band_hz, reasons=(*basis.reasons, f"{excited}.")
         )
-    inside = [mode for mode in found.modes if mode.in_band]
+    return None
+
+
+def _determine_modes(
+    store: Store,
+    maneuver_ids: tuple[int, ...],
+    found: _BandAndModes,
+    settings: RunSettings,
+    body: RigidBody,
+    assumed: AssumedRecords,
+) -> _BandAndModes:
+    """Add how far the data are expected to determine each mode in the band."""
+    inside = tuple(mode.number for mode in found.modes if mode.in_band)
+    if not inside:
+        return found
+    structure = Structure(modes=inside, fixed={}, axis=body.axis)
+    first = store.maneuvers.get(maneuver_ids[0])
+    inputs, _ = select_inputs_and_outputs(store, first, found.aircraft, structure)
+    run = EstimationRun(
+        maneuver_id=maneuver_ids[0],
+        method=Method.OE,
+        structure=replace(structure, inputs=_pick_excited(first, inputs)),
+        settings=replace(settings, additional_maneuver_ids=maneuver_ids[1:]),
+        modal_table_id=assumed.modal_table_id,
+        damping_table_id=assumed.damping_table_id,
+        prediction_id=assumed.prediction_id,
+    )
+    shares = compute_mode_shares(store, run)
+    modes = tuple(replace(m, determined_share=shares.get(m.number)) for m in found.modes)
+    return replace(found, modes=modes)
+
+
+def _is_result(mode: ModeInBand) -> bool:
+    share = mode.determined_share
+    return mode.in_band and (share is None or share >= LEAST_DETERMINED)
+
+
+def _select_modes(found: _BandAndModes, body: RigidBody) -> tuple[Structure, ProposalBasis]:
+    """Select the modes in the band that the data determine."""
+    excited = found.describe_band()
+    inside = [mode for mode in found.modes if _is_result(mode)]
+    unseen = [mode for mode in found.modes if mode.in_band and mode not in inside]
     above = next((mode for mode in found.modes if not mode.in_band), None)
     reasons = [
         f"{excited}; "
@@ -235,8 +290,15 @@ def _select_structure(
             f"{', '.join(_describe_mode(mode) for mode in inside)} "
             f"{'ends' if len(inside) == 1 else 'end'} below its upper limit."
             if inside
-            else f"no {body.symmetry} mode ends below its upper limit: the model is rigid."
+            else f"no {body.symmetry} mode {'is determined' if unseen else 'ends'} below its "
+            "upper limit: the model is rigid."
         )
+    ]
+    reasons += [
+        f"{_describe_mode(mode)} lies in the band but is retained as a nuisance mode: the data are "
+        f"expected to remove {mode.determined_share:.0%} of the prior variances of the derivatives "
+        f"of its equation ({LEAST_DETERMINED:.0%} for a result)."
+        for mode in unseen
     ]
     if above is not None:
         reasons.append(f"{_describe_mode(above)} lies at that limit or above it and is omitted.")
