@@ -8,8 +8,8 @@ from enum import StrEnum
 from itertools import chain
 from typing import Annotated
 
-from flexsid.allowed import Allowed, Id, Number, Version
-from flexsid.text import LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
+from flexsid.allowed import Allowed, Id, Number, RequiredName, RequiredText, Version
+from flexsid.text import check_line
 
 
 class LimitedQuantity(StrEnum):
@@ -53,16 +53,12 @@ class ModelProposal:
     global model are evidence of its proposal.
     """
 
-    title: Annotated[
-        str, Allowed(min_length=1, max_length=LONGEST_NAME, check=lambda t: check_line(t).strip())
-    ]
+    title: RequiredName
     structure: StructureReference | None = None
     changes: StructureReference | None = None
     global_model_id: Id | None = None
     limits: Limits
-    reasoning: Annotated[
-        str, Allowed(min_length=1, max_length=LONGEST_NOTE, check=lambda t: check_lines(t).strip())
-    ]
+    reasoning: RequiredText
     run_ids: Annotated[tuple[Id, ...], Allowed(max_length=200)] = ()
     comparisons: Annotated[tuple[LinkedComparison, ...], Allowed(max_length=50)] = ()
     figure_ids: Annotated[tuple[Id, ...], Allowed(max_length=50)] = ()
