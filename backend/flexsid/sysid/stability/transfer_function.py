@@ -73,16 +73,17 @@ class TransferFunctionForm:
 
 
 @dataclass(frozen=True, slots=True)
-class PolynomialRoot:
+class TransferFunctionRoot:
     """A zero or pole; of a pair, that above the real axis. [rad/s]
 
-    ``frequency`` is its modulus and ``damping`` its damping ratio, of a real root 1 or -1;
-    standard errors are to first order.
+    ``frequency_rad_s`` is its modulus, of a real root the inverse of its time constant, and
+    ``damping`` its damping ratio, of a real root 1 or -1; standard errors are to first order.
     """
 
-    value: complex
-    frequency: float
-    frequency_std: float
+    real_rad_s: float
+    imag_rad_s: float
+    frequency_rad_s: float
+    frequency_std_rad_s: float
     damping: float
     damping_std: float
 
@@ -124,8 +125,8 @@ class TransferFunctionFit:
     covariance: Float[np.ndarray, "p p"]
     gain: float
     gain_std: float
-    zeros: tuple[PolynomialRoot, ...]
-    poles: tuple[PolynomialRoot, ...]
+    zeros: tuple[TransferFunctionRoot, ...]
+    poles: tuple[TransferFunctionRoot, ...]
     mismatch: float
     cost: float
     cost_beyond_noise: float
@@ -430,7 +431,7 @@ class _ResponseProblem:
 
 def _compute_roots(
     coefficients: Float[np.ndarray, " n_1"], covariance: Float[np.ndarray, "n_c n_c"]
-) -> tuple[PolynomialRoot, ...]:
+) -> tuple[TransferFunctionRoot, ...]:
     """Compute the roots of a polynomial of rising powers with standard errors to first order.
 
     The covariance is that of its first coefficients; the others are exact.
@@ -448,8 +449,8 @@ def _compute_roots(
         for rows in (by_modulus, by_damping)
     ]
     return tuple(
-        PolynomialRoot(
-            complex(root), float(abs(root)), f, float(-root.real / max(abs(root), 1e-300)), z
+        TransferFunctionRoot(
+            root.real, root.imag, abs(root), f, -root.real / max(abs(root), 1e-300), z
         )
-        for root, f, z in zip(roots, *stds, strict=True)
+        for root, f, z in zip(roots.tolist(), *stds, strict=True)
     )
