@@ -68,7 +68,8 @@ def select_global_model(
     -----
     The score is the log predictive density of each flight by the others. Terms above the
     degree that is selected remain in the model, with a prior of zero mean.
-    Source: A. Gelman et al., Statistics and Computing 24, 997 (2014).
+    Source: A. Gelman et al., Statistics and Computing 24, 997 (2014),
+    doi:10.1007/s11222-013-9416-2.
     """
     best: SelectedModel | None = None
     scores: list[tuple[PredictiveScore, ...]] = []

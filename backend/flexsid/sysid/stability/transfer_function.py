@@ -176,8 +176,8 @@ def fit_transfer_function(
     v_k = sigma_k^2 + mu^2 |H(j omega_k)|^2: noise, and a mismatch mu of a transfer function of
     too low an order, which is relative as the errors of decibels and degrees are. mu makes the sum
     equal its degrees of freedom (Mandel and Paule, 1970), zero where noise alone does. Weights
-    and mu alternate with Levenberg-Marquardt steps from linear fits (Sanathanan and Koerner,
-    1963) over a grid of delays. With J the derivatives of H and w = 1/v,
+    and mu alternate with Levenberg-Marquardt steps from linear fits (Sanathanan and Koerner, 1963,
+    doi:10.1109/TAC.1963.1105517) over a grid of delays. With J the derivatives of H and w = 1/v,
     N = 2 Re sum J^H w J and Cov = N^-1 (2 Re sum J^H w S w J) N^-1, S from the residuals at
     neighbouring frequencies. The mismatch cost is 20 mean(dB^2 + 0.02 deg^2), with equal weights
     of equal ratios of frequency. A relative mismatch mu of the complex response has mu^2 / 2 in
