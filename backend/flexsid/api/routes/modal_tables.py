@@ -13,14 +13,14 @@ from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.queries import query_as
-from flexsid.api.requests import Id, Request, Title
-from flexsid.api.response_models import extend_record
-from flexsid.api.responses import (
+from flexsid.api.models.requests import Id, Request, Title
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import (
     ModalTableDetail,
     ModeList,
     ModeShape,
 )
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,

@@ -1,4 +1,4 @@
-"""Query parameters of the size, font and title of a figure as it is printed."""
+"""Query parameters of the display units of a response, and of the format of a printed figure."""
 
 from __future__ import annotations
 
@@ -6,10 +6,26 @@ from typing import Annotated
 
 from fastapi import Depends, Query
 
+from flexsid.display_units import DisplayUnits, FrequencyUnit, UnitSystem
 from flexsid.figures.print_format import PrintFormat
 
 
 # Asynchronous, so that no thread of the pool is needed.
+async def _read_units(
+    units: Annotated[
+        UnitSystem,
+        Query(description="Display units: metric with deg and g, US customary, or SI with rad."),
+    ] = UnitSystem.METRIC,
+    frequency_unit: Annotated[
+        FrequencyUnit, Query(description="Display unit of frequencies.")
+    ] = FrequencyUnit.HERTZ,
+) -> DisplayUnits:
+    return DisplayUnits(units, frequency_unit)
+
+
+TheUnits = Annotated[DisplayUnits, Depends(_read_units)]
+
+
 async def _read_print_format(
     width_mm: Annotated[
         float | None,

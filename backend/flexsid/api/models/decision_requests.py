@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, StringConstraints
 
-from flexsid.api.requests import Id, Line, Lines, Number, Request, Title, Version
+from flexsid.api.models.requests import Id, Line, Lines, Number, Request, Title, Version
 from flexsid.records.decision import (
     LimitedQuantity,
     LinkedComparison,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexsid.api.errors import Problem
-from flexsid.api.response_models import response_of
+from flexsid.api.models.response_models import response_of
 from flexsid.jobs.health import PartHealth, PartState
 from flexsid.nomenclature import Symbol
 from flexsid.records.aircraft import DerivativePrediction, DerivativeValue

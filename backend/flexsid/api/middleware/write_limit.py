@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack
 import anyio
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from flexsid.api.body_limit import READING, is_upload
+from flexsid.api.middleware.body_limit import READING, is_upload
 
 THREADS = 5
 """Threads of requests. The database driver and numpy hold the interpreter lock; more threads only

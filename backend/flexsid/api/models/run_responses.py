@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 
-from flexsid.api.response_models import extend_record, response_of
+from flexsid.api.models.response_models import extend_record, response_of
 from flexsid.nomenclature import describe
 from flexsid.records.run import (
     EstimationRun,

@@ -6,8 +6,8 @@ from typing import Any
 
 from fastapi import FastAPI
 
-from flexsid.api.examples import find_field_example, make_example
-from flexsid.api.request_examples import BODIES, PARAMETERS
+from flexsid.api.openapi.examples import find_field_example, make_example
+from flexsid.api.openapi.request_examples import BODIES, PARAMETERS
 
 _PROBLEM = "application/problem+json"
 

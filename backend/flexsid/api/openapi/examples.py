@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from flexsid.api.request_examples import FIELDS
+from flexsid.api.openapi.request_examples import FIELDS
 
 _REFERENCE = "#/components/schemas/"
 _TEXTS = {"date-time": "2026-11-22T18:00:00Z", "date": "2026-11-22"}

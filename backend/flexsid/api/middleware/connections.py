@@ -12,7 +12,7 @@ from typing import Any
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from flexsid.api.errors import make_problem
-from flexsid.api.request_log import LARGEST_HEADERS, refuse_headers
+from flexsid.api.middleware.request_log import LARGEST_HEADERS, refuse_headers
 
 # Those of Apache (mod_reqtimeout): a request must begin and have its headers, and a body must
 # begin, within this time; a body may take longer by the time that its bytes need at this rate.

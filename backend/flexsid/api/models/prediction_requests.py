@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from flexsid.api.requests import Number, Request, Text, Title
+from flexsid.api.models.requests import Number, Request, Text, Title
 from flexsid.request_models import body_of
 from flexsid.workflow.modal_data.computed_predictions import (
     PlanformPanel,

@@ -1,7 +1,7 @@
 """Size limits of request bodies: 512 MB for uploads, 2 MB for all other requests.
 
 Only uploads are passed on before they have arrived, to be written into files. Other bodies are
-received here, where they take no thread and no place of ``api/write_limit.py``.
+received here, where they take no thread and no place of ``api/middleware/write_limit.py``.
 """
 
 from __future__ import annotations

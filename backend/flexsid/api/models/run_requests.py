@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from flexsid.api.requests import (
+from flexsid.api.models.requests import (
     Author,
     Id,
     Request,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flexsid.api.requests import Id, Name, Request, Text, Title
+from flexsid.api.models.requests import Id, Name, Request, Text, Title
 from flexsid.errors import BadInput
 from flexsid.request_models import body_of
 from flexsid.storage.store import Store
