@@ -30,6 +30,7 @@ _LIBRARY = {
     "Excitation": ["excitation"],
     "The model": ["model"],
     "Preparation": ["preparation"],
+    "Compatibility": ["compatibility"],
     "Estimation": ["estimation"],
     "Model structure determination": ["structure_determination"],
     "Stability": ["stability"],

@@ -224,6 +224,7 @@ export const BODE_PLANES = ["bode", "nichols", "nyquist", "loops"] as const;
 export const MANEUVER_TABS = [
   "time",
   "quality",
+  "compatibility",
   "spectra",
   "inputs",
   "reconstruction",

@@ -46,7 +46,7 @@ def simulate_doublet() -> dict[str, np.ndarray]:
 
 
 def simulate(
-    duration_s: float, deflect: Callable[[np.ndarray], np.ndarray]
+    duration_s: float, deflect: Callable[[np.ndarray], np.ndarray], seed: int = 1
 ) -> dict[str, np.ndarray]:
     """Integrate the short period from trim, and add noise of the sensors."""
     rate = RATE_HZ * _STEPS
@@ -67,7 +67,7 @@ def simulate(
         half = states[k] + (system @ states[k] + effect * elevator[k]) / (2 * rate)
         states[k + 1] = states[k] + (system @ half + effect * between) / rate
     turn = states @ system.T + elevator[:, None] * effect
-    rng = np.random.default_rng(1)
+    rng = np.random.default_rng(seed)
     columns = {"t": time, "elevator": elevator, "alpha": states[:, 0], "q": states[:, 1]}
     columns |= {"theta": states[:, 2], "az": AIRSPEED * (turn[:, 0] - states[:, 1])}
     columns = {name: values[::_STEPS] for name, values in columns.items()}

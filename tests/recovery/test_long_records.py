@@ -106,7 +106,7 @@ def estimate(store: Store, number: int, method: Method):
 def test_a_record_of_small_motion_gives_every_derivative_and_the_phugoid(
     store: Store, tmp_path: Path, method: Method, tolerance: float
 ) -> None:
-    found = estimate(store, add_record(store, tmp_path, scale=0.01), method)
+    found = estimate(store, add_record(store, tmp_path, scale=0.002), method)
     values = dict(zip(found.estimate.names, found.estimate.values.tolist(), strict=True))
     truth = FLIGHT.derivatives()
     assert values.keys() == truth.keys()

@@ -86,6 +86,22 @@ def test_a_run_without_a_band_contains_the_short_period(doublet: Doublet, method
         assert std < 0.05 * abs(true), name
 
 
+def test_a_step_that_is_held_to_the_end_gives_right_values(
+    doublet: Doublet, tmp_path: Path
+) -> None:
+    number = doublet.add(tmp_path, simulate(4.0, lambda time: make_pulses(time, (9.0, 1))))
+    requested = [doublet.request(maneuver_id=number, method=method) for method in ("OE", "EE")]
+    for one in requested:
+        run = doublet.client.wait_for_end(f"runs/{one['id']}")
+        assert run["state"] == "succeeded", run["error"]
+        assert run["adequacy"]["state"] == "consistent", run["adequacy"]["reason"]
+        found = {one["name"]: one for one in run["parameters"]}
+        for name, true in DERIVATIVES.items():
+            error, std = found[name]["value"] - true, found[name]["std_error"]
+            assert abs(error) < 3 * std, (run["method"], name)
+            assert std < 0.25 * abs(true), (run["method"], name)
+
+
 def run_by_request(doublet: Doublet) -> Any:
     return doublet.request()
 

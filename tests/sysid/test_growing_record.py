@@ -219,6 +219,6 @@ def test_end_states_need_plain_derivatives(make_case):
         stream.instruments[k],
         edges_s=found.edges_s,
     )
-    delayed = case.free(extras=(f"delay_{case.model.outputs[0]}",))
+    tuned = case.free(extras=("omega_7",))
     with pytest.raises(BadInput, match="whole maneuver"):
-        fit_growing_record(replace(experiment), delayed, found.duration_s)
+        fit_growing_record(replace(experiment), tuned, found.duration_s)

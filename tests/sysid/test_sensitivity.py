@@ -2,28 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.sysid.conftest import add_noise
 
 from flexsid.sysid.estimation import leave_one_out as jackknife
+from flexsid.sysid.estimation.end_states import add_end_states, list_end_state_names
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.noise import SpectralMatrix
 from flexsid.sysid.estimation.parameters import select_parameters
 
-EXTRAS = ("delay_q", "delay_alpha", "scale_alpha", "omega_7", "zeta_9", "shape_az_cf_7")
+EXTRA_VALUES = {
+    **{"delay_q": 0.004, "delay_alpha": -0.002, "scale_alpha": 1.1},
+    **{"omega_7": 1.05, "zeta_9": 0.9, "shape_az_cf_7": 1.2},
+    **{"shape_error_az_cf_9": 0.1, "shape_error_alpha_7": -0.2, "rotation_error_alpha_7": 0.3},
+}
 
 
-@pytest.fixture
-def line_model(make_case):
+@pytest.fixture(params=["whole maneuver", "begun and ended in motion"])
+def line_model(make_case, request):
     case = make_case(2, n_outputs=8)
     u, y = case.spectra(1)
     z = add_noise(y, 0.05, np.random.default_rng(2))
-    parameters = case.free(EXTRAS, off=0.2)
+    experiment = case.experiment(u, z)
+    if request.param == "whole maneuver":
+        parameters = case.free(tuple(EXTRA_VALUES), off=0.2)
+        values = list(EXTRA_VALUES.values())
+    else:
+        extras = list(EXTRA_VALUES)[:3]
+        experiment = replace(experiment, edges_s=(0.7, 31.0), first_end=1)
+        parameters = add_end_states(case.free(tuple(extras), off=0.2), [experiment])
+        n_ends = len(list_end_state_names(parameters))
+        states = np.random.default_rng(8).uniform(-1.0, 1.0, n_ends)
+        values = [*(EXTRA_VALUES[name] for name in extras), *states]
     theta = parameters.start.copy()
-    theta[-len(EXTRAS) :] = [0.004, -0.002, 1.1, 1.05, 0.9, 1.2]
-    return FrequencyDomainModel(case.experiment(u, z), parameters), theta
+    theta[-len(values) :] = values
+    return FrequencyDomainModel(experiment, parameters), theta
 
 
 def test_sensitivities_equal_differences(line_model):

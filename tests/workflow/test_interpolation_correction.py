@@ -13,8 +13,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.stability.poles import NamedPole
 from flexsid.workflow.fits.estimation_task import get_first_start, select_free_parameters
+from flexsid.workflow.fits.experiments import build_experiments
 from flexsid.workflow.fits.likelihood_fit import (
-    build_experiments,
     compute_interpolation_bias,
     correct_interpolation,
 )

@@ -245,7 +245,7 @@ def test_impossible_corrections_store_nothing(store: Store, maneuver: Maneuver):
 def test_maneuver_without_modal_table_is_partly_assessed(store: Store, maneuver: Maneuver):
     found = assess_quality(store, maneuver.id or 0)
     assert found.report.not_checked
-    assert any("modal table" in reason for reason in found.report.not_checked)
+    assert any("1 sensor for 1 motion" in reason for reason in found.report.not_checked)
     assert {c.name for c in found.report.channels} == {"bfs", "q"}
 
 

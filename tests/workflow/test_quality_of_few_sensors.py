@@ -78,14 +78,21 @@ def test_a_scale_factor_and_a_sign_are_found_among_few(store: Store):
     assert list_severe_warnings(assess_quality(store, turned.id or 0)) == {("sign", "az_tal")}
 
 
-def test_record_without_modal_table_is_not_good(store: Store):
-    found = flown(store, RIGID, has_table=False, kind="doublet")
+def test_sensors_of_a_flexible_aircraft_without_modal_table_are_not_compared(store: Store):
+    found = flown(store, TAILED_40_FT, has_table=False, kind="doublet")
     assert found.verdict is QualityVerdict.UNCHECKED
-    assert "modal table" in found.summary
+    assert "import a modal table" in found.summary
     for channel in found.report.channels:
         if channel.role == "output":
             assert channel.not_checked is not None
             assert "modal table" in channel.not_checked
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.05])
+def test_sensors_of_a_rigid_aircraft_without_modal_table_are_compared(store: Store, delay_s: float):
+    faults = {"alpha": Fault(delay_s=delay_s)} if delay_s else {}
+    found = flown(store, RIGID, has_table=False, kind="doublet", faults=faults)
+    assert list_severe_warnings(found) == ({("skew", "alpha")} if delay_s else set())
 
 
 @pytest.mark.parametrize("kind", ["doublet", "3-2-1-1"])

@@ -227,6 +227,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_transfer_function_options(
         add("transfer-function", "transfer_function:fit_transfer_functions", summary)
     )
+    summary = "compare the sensors of maneuvers by kinematics, and name faults"
+    _add_compatibility_options(add("compatibility", "compatibility:check_compatibility", summary))
     summary = "sample the posterior of output-error runs, and check their standard errors"
     meaning = "ids of succeeded output-error runs"
     add("posterior", "validation:check_posterior", summary).add_argument(
@@ -284,6 +286,15 @@ def _add_transfer_function_options(command: argparse.ArgumentParser) -> None:
         option(f"--{name}", type=int, help=f"number of {what}; default: usual for the output")
     option("--no-delay", action="store_true", help="without an equivalent delay")
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
+
+
+def _add_compatibility_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "ids of maneuvers of one aircraft and recorder, compared together"
+    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
+    option("--each", action="store_true", help="compare each maneuver separately")
+    meaning = "correct the faults of samples in all maneuvers of the aircraft"
+    option("--correct", action="store_true", help=meaning)
 
 
 def _add_run_options(command: argparse.ArgumentParser) -> None:

@@ -528,6 +528,16 @@ class Workbench:
             "transfer-functions", maneuver_id=maneuver_id, input=input, output=output, **options
         )
 
+    def check_compatibility(self, maneuver_ids: Iterable[int]) -> dict[str, Any]:
+        """Compare the sensors of maneuvers by kinematics; return their faults with corrections.
+
+        Parameters
+        ----------
+        maneuver_ids
+            Maneuvers of one aircraft and recorder; a fault is common to all.
+        """
+        return self.compute("compatibility", maneuver_ids=list(maneuver_ids))
+
     def cross_predict(
         self, run_ids: Iterable[int], maneuver_ids: Iterable[int] = ()
     ) -> pandas.DataFrame:

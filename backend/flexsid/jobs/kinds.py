@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from flexsid.jobs.kind import Kind, Kinds, save_records
+from flexsid.records.compatibility import CompatibilityReport
 from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
@@ -46,7 +47,7 @@ from flexsid.workflow.modal_data import (
     orthogonality,
     response_estimation,
 )
-from flexsid.workflow.quality import maneuver_quality
+from flexsid.workflow.quality import compatibility, maneuver_quality
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
@@ -96,6 +97,12 @@ def _send_predicted_maneuvers(
 
 def _send_maneuver(store: Store, job: Job, query: Any) -> SnapshotTask:
     return SnapshotTask(take_snapshot(store, maneuver_ids=(query.maneuver_id,)), query)
+
+
+def _send_maneuvers(
+    store: Store, job: Job, query: compatibility.CompatibilityQuery
+) -> SnapshotTask:
+    return SnapshotTask(take_snapshot(store, maneuver_ids=query.maneuver_ids), query)
 
 
 def _send_design(store: Store, job: Job, query: Any) -> SnapshotTask:
@@ -330,6 +337,15 @@ QUALITY = Kind(
         }
     ),
     priority=-1,  # analysts wait for the others
+)
+COMPATIBILITY = Kind(
+    name="compatibility",
+    label="Compatibility of sensors",
+    request=compatibility.CompatibilityQuery,
+    prepare=_send_maneuvers,
+    compute=_in_snapshot(compatibility.compute_compatibility),
+    result=CompatibilityReport,
+    identify=compatibility.identify_compatibility,
 )
 PREDICTION = Kind(
     name="derivative-prediction",

@@ -216,7 +216,9 @@ class Correction:
     """One correction of one channel; fields of other kinds have defaults.
 
     ``stretches`` are the first sample and the sample after the last of each repair.
-    ``std`` is the standard error of the delay [s] or of the scale factor [1].
+    ``std`` is the standard error of the delay [s] or of the scale factor [1]. What ``is_shared``
+    is a fault of the recorder: it holds for all maneuvers of the aircraft with the channel, also
+    later ones.
     """
 
     channel: Name
@@ -227,6 +229,7 @@ class Correction:
     stretches: Annotated[tuple[tuple[Sample, Sample], ...], Allowed(max_length=1000)] = ()
     std: Annotated[float | None, Allowed(ge=0.0, le=LARGEST["number"])] = None
     basis: Annotated[str, Allowed(max_length=500, check=check_lines)] = ""
+    is_shared: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from flexsid.records.compatibility import SensorFinding
+
 
 class QualityVerdict(StrEnum):
     """Whether a maneuver may be estimated from; ``unchecked`` where this cannot be concluded."""
@@ -153,7 +155,10 @@ class Figures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class QualityReport:
-    """Quality report of a maneuver; ``not_checked`` lists omitted checks with reasons."""
+    """Quality report of a maneuver; ``not_checked`` lists omitted checks with reasons.
+
+    ``findings`` are faults of sensors by kinematics, of an aircraft without modal table.
+    """
 
     channels: tuple[ChannelQuality, ...]
     condition: FlightConditionQuality
@@ -163,6 +168,7 @@ class QualityReport:
     skew_band_hz: tuple[float, float] | None
     not_checked: tuple[str, ...]
     surfaces: tuple[SurfaceQuality, ...] = ()
+    findings: tuple[SensorFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ import { ButtonLink } from "../components/controls/ButtonLink";
 import { ConditionFacts } from "../components/display/ConditionFacts";
 import { Loaded } from "../components/display/Loaded";
 import { BodeTab } from "../components/maneuvers/BodeTab";
+import { CompatibilityTab } from "../components/maneuvers/CompatibilityTab";
 import { ManeuverRuns } from "../components/maneuvers/ManeuverRuns";
 import { Notes } from "../components/display/Notes";
 import { PageHead } from "../components/frame/PageHead";
@@ -24,6 +25,7 @@ const route = getRouteApi("/maneuvers/$id");
 const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   time: "Time histories",
   quality: "Quality",
+  compatibility: "Compatibility",
   spectra: "Spectra",
   inputs: "Correlation",
   reconstruction: "Reconstruction",
@@ -98,6 +100,9 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         </Tabs.Panel>
         <Tabs.Panel value="quality" pt="md">
           <QualityTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="compatibility" pt="md">
+          <CompatibilityTab maneuver={maneuver} />
         </Tabs.Panel>
         <Tabs.Panel value="reconstruction" pt="md">
           <ReconstructionTab maneuver={maneuver} view={view} onChange={change} />

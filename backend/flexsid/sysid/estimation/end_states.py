@@ -9,7 +9,7 @@ that end almost at rest.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from flexsid.sysid.model.sensors import ACCELERATION, RATE
 STATE = "state"
 """Kind of these parameters: ``output`` is the number of the end, ``mode`` that of the state."""
 
+_BESIDE = ("delay", "scale")  # kinds of parameters that change outputs only
 _QUASI_STATIC = 1.2  # of the highest frequency: modes above follow the forces without free motion
 
 
@@ -100,38 +101,66 @@ class FreeMotion:
         return outputs
 
 
-def add_end_states(parameters: Parameters, experiment: Experiment) -> Parameters:
-    """Add the states at the ends of a record to the parameters of its fit.
+def add_end_states(parameters: Parameters, experiments: Sequence[Experiment]) -> Parameters:
+    """Add the states at the ends of records to the parameters of their fit.
 
     Parameters
     ----------
     parameters
-        Derivatives of the model.
-    experiment
-        Record with the times at which it begins or ends in motion.
+        Derivatives of the model; delays and scale factors of outputs.
+    experiments
+        Records with the times at which they begin or end in motion, numbered by ``number_ends``.
 
     Raises
     ------
     BadInput
-        If a parameter is no derivative, or the derivatives have a frequency shape.
+        If another parameter is free, or the derivatives have a frequency shape.
     """
-    model = experiment.model
-    if parameters.extras or model.shape is not None:
+    if not has_end_states(parameters, experiments):
         raise BadInput(
             "a record that begins or ends in motion is fitted with quasi-steady derivatives only; "
-            "delays, scale factors and structural parameters need a whole maneuver",
+            "structural parameters need a whole maneuver",
             code="not-in-method",
         )
-    states = list_end_states(model, float(experiment.omega.max()))
-    names = model.state_space(parameters.base).states
-    ends = range(len(experiment.edges_s))
-    found = [(f"{names[k]}_at_end_{end}", end, k) for end in ends for k in states]
+    found: list[tuple[str, int, int]] = []
+    for one in experiments:
+        names = one.model.state_space(parameters.base).states
+        states = list_end_states(one.model, float(one.omega.max()))
+        ends = range(one.first_end, one.first_end + len(one.edges_s))
+        found += [(f"{names[k]}_at_end_{end}", end, k) for end in ends for k in states]
     return replace(
         parameters,
         names=(*parameters.names, *(name for name, _, _ in found)),
         start=np.concatenate([parameters.start, np.zeros(len(found))]),
-        extras=tuple(Extra(STATE, end, k) for _, end, k in found),
+        extras=(*parameters.extras, *(Extra(STATE, end, k) for _, end, k in found)),
     )
+
+
+def list_end_state_names(parameters: Parameters) -> tuple[str, ...]:
+    """List the names of the states at the ends of records among the parameters."""
+    extras = zip(parameters.names[parameters.rows.size :], parameters.extras, strict=True)
+    return tuple(name for name, extra in extras if extra.kind == STATE)
+
+
+def drop_end_states(parameters: Parameters) -> Parameters:
+    """Return the parameters without states at the ends of records."""
+    extras = tuple(extra for extra in parameters.extras if extra.kind != STATE)
+    count = parameters.rows.size + len(extras)
+    names, start = parameters.names[:count], parameters.start[:count]
+    return replace(parameters, names=names, start=start, extras=extras)
+
+
+def has_end_states(parameters: Parameters, experiments: Sequence[Experiment]) -> bool:
+    """Whether the states at the ends of records can be parameters beside the free ones."""
+    quasi_steady = all(one.model.shape is None for one in experiments)
+    return quasi_steady and all(extra.kind in _BESIDE for extra in parameters.extras)
+
+
+def number_ends(experiments: Sequence[Experiment]) -> list[Experiment]:
+    """Number the ends of the records of a joint fit."""
+    firsts = np.cumsum([0, *(len(one.edges_s) for one in experiments)]).tolist()
+    pairs = zip(experiments, firsts, strict=False)
+    return [replace(one, first_end=first) for one, first in pairs]
 
 
 def list_end_states(model: AeroelasticModel, max_omega: float) -> list[int]:
@@ -152,7 +181,7 @@ def compute_free_motion(
     model: AeroelasticModel,
     derivatives: DerivativeTable,
     omega: Float[np.ndarray, " n_omega"],
-    edges_s: Sequence[float],
+    edges_s: Mapping[int, float],
     extras: Sequence[Extra],
     unit_motion: Complex[np.ndarray, "n_omega n_r n_r"],
     unit_outputs: Complex[np.ndarray, "n_omega n_y n_r"],
@@ -167,9 +196,9 @@ def compute_free_motion(
     omega
         Frequencies. [rad/s]
     edges_s
-        Times of the ends. [s]
+        Times of the ends of the record by number. [s]
     extras
-        End states, of ``add_end_states``.
+        End states, of ``add_end_states``; those of other records have no effect.
     unit_motion, unit_outputs
         Motion and recorded outputs under a unit force in each row.
     instruments
@@ -181,7 +210,8 @@ def compute_free_motion(
     P = model.sensors.polynomial
     impulse = np.eye(n_r)
     impulse[:first, :first] = np.linalg.inv(model.force_matrix()[:first, :first])
-    at = np.array([edges_s[extra.output] for extra in extras])
+    at = np.array([edges_s.get(extra.output, 0.0) for extra in extras])
+    own = np.array([float(extra.output in edges_s) for extra in extras])
     place = np.argsort(np.concatenate([inert, integrated]))
     return FreeMotion(
         s=1j * omega,
@@ -192,6 +222,6 @@ def compute_free_motion(
         coupling=system.A[np.ix_(inert, integrated)],
         direct=system.C[:, integrated],
         initial=np.concatenate([P[RATE, :, :first], P[ACCELERATION, :, first:]], axis=1),
-        phase=np.exp(-1j * np.outer(omega, at)),
+        phase=own * np.exp(-1j * np.outer(omega, at)),
         place=place[[extra.mode for extra in extras]],
     )

@@ -22,7 +22,9 @@ class Experiment:
     group for OE, one per input for FRE. For data computed from other data points, ``source``
     is the latter, and ``gain`` the factor of their noise in each frequency here. ``edges_s``
     are the times at which the record may begin or end in motion, ``window_s`` begin and end
-    of the transformed record, None if unknown. [s]
+    of the transformed record, None if unknown. [s] With ``free_ends`` nothing was assumed of the
+    motion there; else attitudes keep their last level. ``first_end`` is the number of the first
+    of these times among those of all experiments of a fit.
     """
 
     name: str
@@ -37,6 +39,8 @@ class Experiment:
     gain: Complex[np.ndarray, "n_omega n_source"] | None = None
     edges_s: tuple[float, ...] = ()
     window_s: tuple[float, float] | None = None
+    free_ends: bool = False
+    first_end: int = 0
 
     def noise_correlation(self) -> Complex[np.ndarray, "n_omega n_omega"] | None:
         """Compute the correlation between frequencies of white noise of the record, if any.

@@ -3,7 +3,7 @@
 The derivatives enter force rows only, so the sensitivity of every output to
 derivative (i, j) is G_i w_j: the output's response to a unit force in row i times
 the variable j. A factor on a mode's frequency or damping acts like one more variable
-of that mode's row; a delay or scale factor affects one output only.
+of that mode's row; a delay, a scale factor or an error of a mode shape affects one output only.
 
 With a frequency shape the variable j of row i is s_ij w_j: every row has variables of its own.
 """
@@ -19,7 +19,8 @@ from jaxtyping import Complex, Float
 from flexsid.sysid.estimation.elimination import Elimination
 from flexsid.sysid.estimation.end_states import STATE, FreeMotion, compute_free_motion
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.parameters import SHAPE_ERRORS, Parameters
+from flexsid.sysid.estimation.shape_errors import ShapeErrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +108,8 @@ class FrequencyDomainModel:
         ordered = [*self._modal, *own, *self._ends]
         self.order = np.array([*range(first), *(k for k, _ in ordered)])
         self._own = own
+        errors = [(row, k, e) for row, (k, e) in enumerate(own) if e.kind in SHAPE_ERRORS]
+        self._shape_errors = ShapeErrors(experiment, errors) if errors else None
         # Reserved once: new memory takes as long to obtain as to fill.
         self._forces = np.empty(self.sensors.shape, dtype=complex)
         self._elimination = Elimination(*self.dynamics.shape[:2])
@@ -133,7 +136,7 @@ class FrequencyDomainModel:
         # The columns of the inverse are the motion under unit forces.
         unit_motion = self._elimination.inverse(K)
         motion = np.matmul(unit_motion, load[:, :, None])[:, :, 0]
-        sensors = self._scale_shapes(theta) if self._shapes else self.sensors
+        sensors = self._change_shapes(theta)
         outputs = np.matmul(sensors, motion[:, :, None])[:, :, 0]
         free = free_variables = None
         if self._ends:
@@ -171,19 +174,22 @@ class FrequencyDomainModel:
         extras = [extra for _, extra in self._ends]
         table = self.parameters.table(theta)
         unit = (unit_motion, outputs, one.instruments)
-        return compute_free_motion(one.model, table, one.omega, one.edges_s, extras, *unit)
+        edges_s = dict(enumerate(one.edges_s, start=one.first_end))
+        return compute_free_motion(one.model, table, one.omega, edges_s, extras, *unit)
 
     def sensitivity(
         self, theta: Float[np.ndarray, " n_theta"], response: ModelResponse
     ) -> Sensitivity:
         """Compute factored sensitivities of the outputs; the next call overwrites them."""
         free = response.free
+        ends = None if free is None else free.expand_outputs()
         if free is not None:
             forces = free.unit_outputs
         else:
             forces = np.matmul(response.sensors, response.unit_motion, out=self._forces)
         if response.delayed is not None:
-            forces *= response.delayed[:, :, None]
+            forces = np.multiply(forces, response.delayed[:, :, None], out=self._forces)
+            ends = None if ends is None else ends * response.delayed[:, :, None]
         motion = response.motion.T
         n_r, n_w = motion.shape[0], self.columns.size
         n_x = 2 * n_r - self.n_rigid
@@ -202,7 +208,6 @@ class FrequencyDomainModel:
             change = self._differentiate_mode(theta, extra.kind, extra.mode, theta[k])
             variables[column] = -change * response.motion[:, self.n_rigid + extra.mode]
         own = self._compute_own_sensitivity(theta, response)
-        ends = None if free is None else free.expand_outputs()
         return Sensitivity(forces, variables, own, ends)
 
     def jacobian(self, sensitivity: Sensitivity) -> Complex[np.ndarray, "n_omega n_y n_theta"]:
@@ -243,12 +248,17 @@ class FrequencyDomainModel:
             return 2.0 * z * damping[mode] * w * self.s + 2.0 * value * w**2
         return 2.0 * z * w * frequency[mode] * self.s
 
-    def _scale_shapes(
+    def _change_shapes(
         self, theta: Float[np.ndarray, " n_theta"]
     ) -> Complex[np.ndarray, "n_omega n_y n_r"]:
+        """Return the outputs per motion with the factors and errors of mode shapes."""
+        if not self._shapes and self._shape_errors is None:
+            return self.sensors
         sensors = self.sensors.copy()
         for k, extra in self._shapes:
             sensors[:, extra.output, self.n_rigid + extra.mode] *= theta[k]
+        if self._shape_errors is not None:
+            self._shape_errors.add(theta, sensors)
         return sensors
 
     def _compute_delay_factors(
@@ -273,12 +283,14 @@ class FrequencyDomainModel:
                 np.multiply(-self.s, response.outputs[:, extra.output], out=row)
             elif extra.kind == "scale":
                 np.divide(response.outputs[:, extra.output], theta[k], out=row)
-            else:
+            elif extra.kind == "shape":
                 mode = self.n_rigid + extra.mode
                 seen = response.sensors[:, extra.output, mode] / theta[k]
                 np.multiply(seen, response.motion[:, mode], out=row)
                 if response.delayed is not None:
                     row *= response.delayed[:, extra.output]
+        if self._shape_errors is not None:
+            self._shape_errors.differentiate(response.motion, response.delayed, own)
         return own
 
 

@@ -54,8 +54,11 @@ def fuse_estimates(estimates: Sequence[Estimate], labels: Sequence[str]) -> Esti
         for estimate, label in zip(estimates, labels, strict=True)
         for block in estimate.lines
     )
+    worst = next((one for one in estimates if not one.outcome.is_optimum), estimates[0])
     return replace(
         estimates[0],
+        outcome=worst.outcome,
+        message=worst.message,
         values=values * scale,
         covariance=plain * outer,
         corrected_covariance=covariance * outer,

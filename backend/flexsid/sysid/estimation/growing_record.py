@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.feedback_noise import (
     has_feedback_noise,
     remove_feedback_noise,
 )
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.free_motion import subtract_free_motion
 from flexsid.sysid.estimation.joint_noise import estimate_joint_noise_of_part
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
@@ -161,7 +161,7 @@ def fit_growing_record(
     Frequencies closer than 1/T share noise: as after the flight, variances are multiplied by the
     number of frequencies per 1/T.
     """
-    first = add_end_states(parameters, experiment)
+    first = add_end_states(parameters, [experiment])
     n_theta = len(parameters.names)
     settings = FitSettings(max_iterations=max_iterations, priors=priors)
     before = before or GrowingStart(parameters.start, None)
@@ -198,7 +198,7 @@ def fit_growing_record(
             found = replace(found, outcome=Outcome.ITERATION_LIMIT, message=_ALTERNATING)
         if not is_weighted and found.outcome.is_optimum and duration_s < _FIRST_ERRORS_S:
             found = replace(found, message=_TOO_SHORT)
-    complete = _remove_free_motion(data, whole, found.values)
+    complete = subtract_free_motion(data, whole, found.values)
     overlap = max(1.0, _compute_resolution_overlap(experiment.omega, duration_s))
     estimate = found.select(parameters.names).scale_covariance(overlap)
     if not estimate.outcome.is_optimum or not (is_weighted or duration_s >= _FIRST_ERRORS_S):
@@ -252,17 +252,6 @@ def _fit_without_feedback_noise(
     base = replace(base, outcome=Outcome.CONVERGED)
     estimate = weight_by_noise_spectrum(corrected, at_optimum, base, settings, known=found.noise)
     return corrected[0], estimate.scale_covariance(max(1.0, found.residual_power))
-
-
-def _remove_free_motion(
-    experiment: Experiment, parameters: Parameters, theta: Float[np.ndarray, " n_theta"]
-) -> Experiment:
-    """Subtract the free motion from the end states: the response to the inputs alone remains."""
-    model = FrequencyDomainModel(experiment, parameters)
-    at_rest = theta.copy()
-    at_rest[parameters.rows.size :] = 0.0
-    moved = model.respond(theta).outputs - model.respond(at_rest).outputs
-    return replace(experiment, measured=experiment.measured - moved, edges_s=())
 
 
 def _compute_resolution_overlap(omega: Float[np.ndarray, " n_omega"], duration_s: float) -> float:

@@ -199,25 +199,27 @@ class NormalForm:
             N[:p, p:last] = N[p:last, :p].T
             N[p:last, p:last] = _multiply_own(E, own, weights)
         if sensitivity.ends is not None:
-            self._append_ends(N, sensitivity.ends, w, weighted, weights)
+            self._append_ends(N, sensitivity, weighted, weights)
         return self._reorder(N)
 
     def _append_ends(
         self,
         N: Float[np.ndarray, "n_theta n_theta"],
-        ends: Complex[np.ndarray, "n_omega n_y n_ends"],
-        w: Complex[np.ndarray, "n_w n_omega"],
+        sensitivity: Sensitivity,
         weighted: Complex[np.ndarray, "n_omega n_y n_r"],
         weights: SpectralMatrix,
     ) -> None:
-        """Fill the last rows and columns, of end states; fits with them have no own columns.
-
-        ``weighted`` is the conjugate of W G.
-        """
-        n_ends = ends.shape[2]
-        N[-n_ends:, :-n_ends] = self._pull(weighted, ends, w)
+        """Fill the last rows and columns, of end states; ``weighted`` is the conjugate of W G."""
+        ends = sensitivity.ends
+        assert ends is not None
+        loads = weights.times(ends)
+        n_ends, p, own = ends.shape[2], self._factored.pair_rows.size, self._factored.own_outputs
+        N[-n_ends:, :p] = self._pull(weighted, ends, sensitivity.variables)
+        N[-n_ends:, p:-n_ends] = np.real(
+            np.einsum("kec,ek->ce", loads[:, own].conj(), sensitivity.own)
+        )
         N[:-n_ends, -n_ends:] = N[-n_ends:, :-n_ends].T
-        N[-n_ends:, -n_ends:] = sum_products(ends, weights.times(ends))
+        N[-n_ends:, -n_ends:] = sum_products(ends, loads)
 
     def _sum_by_rows(
         self, A: Complex[np.ndarray, "n_r2 n_omega"], w: Complex[np.ndarray, "n_w n_omega"]

@@ -16,6 +16,7 @@ from jaxtyping import Bool, Complex, Float
 from scipy import linalg
 
 from flexsid.errors import Cancelled
+from flexsid.sysid.estimation.end_states import list_end_state_names
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, append_stage
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel, ModelResponse
@@ -47,6 +48,8 @@ def compute_leakage_responses(
     omega: Float[np.ndarray, " n_omega"],
     edges_s: Sequence[float],
     delays_s: Float[np.ndarray, " n_y"],
+    *,
+    free_ends: bool = False,
 ) -> Complex[np.ndarray, "n_omega n_y n_edge_states"]:
     """Compute the free response of the outputs to each state at each end of the record.
 
@@ -61,13 +64,16 @@ def compute_leakage_responses(
     delays_s
         Delay of each output's recording; its record ends with the motion that much
         earlier. [s]
+    free_ends
+        Whether nothing was assumed of the motion at the ends.
 
     Notes
     -----
-    The pitch angle is excluded: it need not return to trim, and its record is extended with its
-    last value before the transform. Where the motion would grow or decay by more than
-    ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned. With a frequency
-    shape the responses are those of the oscillations, two for each: lags decay within the delays.
+    The pitch angle is excluded unless ends are free: it need not return to trim, and its record
+    is extended with its last value before the transform. Where the motion would grow or decay by
+    more than ``_LARGEST_GROWTH`` between the ends of two outputs, no column is returned. With a
+    frequency shape the responses are those of the oscillations, two for each: lags decay within
+    the delays.
     """
     system = model.state_space(derivatives)
     if model.shape is not None:
@@ -78,7 +84,7 @@ def compute_leakage_responses(
         return np.empty((omega.size, delays_s.size, 0), dtype=complex)
     n = system.A.shape[0]
     body = model.body
-    excluded = () if body.acts_by_gravity else (body.attitude,)
+    excluded = () if free_ends or body.acts_by_gravity else (body.attitude,)
     states = [k for k, name in enumerate(system.states) if name not in excluded]
     s = 1j * omega
     identity = np.broadcast_to(np.eye(n, dtype=complex), (s.size, n, n))
@@ -135,9 +141,9 @@ def remove_leakage(
     Returns
     -------
     Experiment
-        The same one where the states do not reduce the residuals significantly.
+        The same one where the states do not reduce the residuals significantly, or are parameters.
     """
-    if not experiment.edges_s:
+    if not experiment.edges_s or (experiment.free_ends and list_end_state_names(parameters)):
         return experiment
     model = FrequencyDomainModel(experiment, parameters)
     response = model.respond(theta)
@@ -183,7 +189,10 @@ def build_leakage_columns(
         model.parameters.table(theta),
         experiment.omega,
         experiment.edges_s,
-        compute_delays(experiment.instruments, experiment.omega),
+        np.zeros(len(experiment.model.outputs))
+        if experiment.free_ends  # of a window of the motion, whatever its recording
+        else compute_delays(experiment.instruments, experiment.omega),
+        free_ends=experiment.free_ends,
     )
     E *= experiment.instruments[:, :, None]
     return E if response.delayed is None else E * response.delayed[:, :, None]

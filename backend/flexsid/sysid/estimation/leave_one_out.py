@@ -40,8 +40,7 @@ def compute_leave_one_out_residuals(
     Q (I - B Q)^-1 G^H W nu. Parameters of single outputs, as delays, and end
     states are taken as known.
     """
-    if sensitivity.ends is not None:
-        inverse = _hold_last(inverse, sensitivity.ends.shape[2])
+    inverse = _hold_single_outputs(model, inverse)
     G = sensitivity.forces
     weighted = weights.times(G).conj().transpose(0, 2, 1)
     B = _as_real(weighted @ G)
@@ -59,7 +58,7 @@ def compute_leverage(
     sensitivity: Sensitivity,
     inverse: Float[np.ndarray, "n_theta n_theta"],
 ) -> Float[np.ndarray, "n_omega n_y"]:
-    """Compute the diagonal of J N^-1 J^H, without end states: the variance of modelled outputs.
+    """Compute the diagonal of J N^-1 J^H: the variance of modelled outputs.
 
     Parameters
     ----------
@@ -73,25 +72,72 @@ def compute_leverage(
     Q = _force_covariance(model, w, inverse)
     P = Q[:, :n_r, :n_r] + Q[:, n_r:, n_r:] + 1j * (Q[:, n_r:, :n_r] - Q[:, :n_r, n_r:])
     variance = np.real(np.sum((G @ P) * G.conj(), axis=2))
-    n_pairs = model.pair_rows.size
-    pairs, places = model.order[:n_pairs], model.order[n_pairs:]
-    for output, row, place in zip(model.own_outputs, sensitivity.own, places, strict=False):
-        table = np.zeros((n_r, len(w)))
-        np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * inverse[pairs, place])
-        by_forces = np.sum(G[:, output] * (table @ w).T, axis=1)
-        same = model.own_outputs == output
-        by_own = inverse[place, places[: same.size][same]] @ sensitivity.own[same]
-        variance[:, output] += np.real(row.conj() * (2.0 * by_forces + by_own))
+    shares = sensitivity.own.conj() * compute_own_covariances(model, sensitivity, inverse)
+    np.add.at(variance.T, model.own_outputs, np.real(shares))
+    if sensitivity.ends is not None:
+        n_pairs, n_single = model.pair_rows.size, model.pair_rows.size + model.own_outputs.size
+        pairs, places, last = np.split(model.order, [n_pairs, n_single])
+        moved = sensitivity.ends @ inverse[np.ix_(last, last)]
+        for k, place in enumerate(last.tolist()):
+            forces = _combine_forces(model, w, inverse[pairs, place])
+            moved[:, :, k] += 2.0 * np.matmul(G, forces[:, :, None])[:, :, 0]
+            by_own = 2.0 * inverse[places, place, None] * sensitivity.own
+            np.add.at(moved[:, :, k].T, model.own_outputs, by_own)
+        variance += np.real(np.sum(sensitivity.ends.conj() * moved, axis=2))
     return variance
 
 
-def _hold_last(
-    inverse: Float[np.ndarray, "n_theta n_theta"], count: int
-) -> Float[np.ndarray, "n n"]:
-    """Return the inverse for known last parameters; the leverage of the others is below one."""
-    cross, own = inverse[:-count, -count:], inverse[-count:, -count:]
-    held = inverse[:-count, :-count] - cross @ np.linalg.lstsq(own, cross.T, rcond=1e-13)[0]
-    return 0.5 * (held + held.T)
+def compute_own_covariances(
+    model: FrequencyDomainModel,
+    sensitivity: Sensitivity,
+    inverse: Float[np.ndarray, "n_theta n_theta"],
+) -> Complex[np.ndarray, "n_own n_omega"]:
+    """Compute v with which the parameters of single outputs complete J N^-1 J^H of an output.
+
+    That of the forces and Re sum v E^H over the sensitivities E of these parameters.
+    """
+    G, w = sensitivity.forces, sensitivity.variables
+    n_pairs, outputs = model.pair_rows.size, model.own_outputs
+    pairs, places = model.order[:n_pairs], model.order[n_pairs : n_pairs + outputs.size]
+    tables = np.zeros((outputs.size, G.shape[2], len(w)))
+    cross = inverse[np.ix_(places, pairs)] * model.scale
+    np.add.at(tables.transpose(1, 2, 0), (model.pair_rows, model.pair_columns), cross.T)
+    forces = (tables.reshape(-1, len(w)) @ w).reshape(*tables.shape[:2], w.shape[1])
+    found = 2.0 * np.sum(G.transpose(1, 2, 0)[outputs] * forces, axis=1)
+    same = np.where(outputs[:, None] == outputs, inverse[np.ix_(places, places)], 0.0)
+    return found + same @ sensitivity.own
+
+
+def _hold_single_outputs(
+    model: FrequencyDomainModel, inverse: Float[np.ndarray, "n_theta n_theta"]
+) -> Float[np.ndarray, "n_theta n_theta"]:
+    """Return the inverse for known parameters of single outputs and end states.
+
+    The leverage of the others is then below one.
+    """
+    forces, known = np.split(model.order, [model.pair_rows.size])
+    if not known.size:
+        return inverse
+    cross, own = inverse[np.ix_(forces, known)], inverse[np.ix_(known, known)]
+    # Parameters differ in size by orders of magnitude.
+    size = np.sqrt(np.maximum(np.diag(own), np.finfo(float).tiny))
+    scaled = cross / size
+    held = inverse[np.ix_(forces, forces)]
+    held -= scaled @ np.linalg.lstsq(own / np.outer(size, size), scaled.T, rcond=1e-13)[0]
+    result = np.zeros_like(inverse)
+    result[np.ix_(forces, forces)] = 0.5 * (held + held.T)
+    return result
+
+
+def _combine_forces(
+    model: FrequencyDomainModel,
+    variables: Complex[np.ndarray, "n_w n_omega"],
+    weights: Float[np.ndarray, " n_pairs"],
+) -> Complex[np.ndarray, "n_omega n_r"]:
+    """Compute the forces of a change of the pairs of parameters by ``weights``."""
+    table = np.zeros((model.rows.size, len(variables)))
+    np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * weights)
+    return (table @ variables).T
 
 
 def _force_covariance(

@@ -38,6 +38,7 @@ from flexsid.sysid.signals import FrequencyData, check_finite, check_signal
 _ITERATIONS = 12  # of the nuisance parameters
 _CONVERGED = 0.1  # largest step of a nuisance parameter, in its standard errors
 _HALVINGS = 6  # of a step that does not reduce the cost
+_UNSETTLED = 0.5  # further change of a derivative of the band, in standard errors: no optimum
 _LARGEST_STEP = 3.0  # of a nuisance parameter, in standard deviations of its prior
 
 
@@ -48,6 +49,16 @@ class _OutOfBandMotion:
     T: Complex[np.ndarray, "n_omega n_o n_i"]
     t: Complex[np.ndarray, "n_omega n_o"]
     per_force: Complex[np.ndarray, "n_omega n_o n_o"]
+
+
+_SOLVED = (
+    "Solved by one linear regression per coefficient, with the derivatives of out-of-band modes as "
+    "nuisance parameters."
+)
+_NOT_SOLVED = (
+    "The derivatives of out-of-band modes did not converge: a further step would move a derivative "
+    "by {:.2g} standard errors. Add outputs, or retain fewer modes."
+)
 
 
 def marginal_equation_error(
@@ -503,6 +514,11 @@ class _MarginalProblem:
             components[self.own] = solution.conditional.components.noise[0]
         plain[own] += solution.conditional.covariance
         corrected[own] += solution.conditional.corrected_covariance
+        change = np.abs(solution.slope @ solution.step)
+        moved = float(np.max(change / np.sqrt(np.diag(corrected)[self.own])))
+        outcome, message = Outcome.CONVERGED, _SOLVED
+        if not moved < _UNSETTLED:
+            outcome, message = Outcome.ITERATION_LIMIT, _NOT_SOLVED.format(moved)
         return replace(
             solution.conditional,
             names=self.parameters.names,
@@ -510,9 +526,8 @@ class _MarginalProblem:
             start=self.parameters.start,
             covariance=plain,
             corrected_covariance=corrected,
-            outcome=Outcome.CONVERGED,
-            message="Solved by one linear regression per coefficient, with the derivatives of "
-            "out-of-band modes as nuisance parameters.",
+            outcome=outcome,
+            message=message,
             components=ErrorComponents(
                 (self.omega,),
                 (components + J @ solution.components,),

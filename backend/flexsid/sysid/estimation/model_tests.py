@@ -34,7 +34,7 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     expand_sensitivity,
 )
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.leave_one_out import compute_leverage
+from flexsid.sysid.estimation.leave_one_out import compute_leverage, compute_own_covariances
 from flexsid.sysid.estimation.likelihood import build_prior
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.residual_power import compute_band_powers
@@ -436,7 +436,9 @@ class _Fit:
             np.concatenate([sensitivity.forces, *shapes], axis=2),
             np.array(variables),
             np.array(own).reshape(len(own), model.s.size),
+            sensitivity.ends,
         )
+        n_ends = 0 if sensitivity.ends is None else sensitivity.ends.shape[2]
         factored = FactoredModel(
             rows=np.ones(n_r + len(modes)),
             columns=np.ones(len(variables)),
@@ -444,7 +446,7 @@ class _Fit:
             pair_columns=np.array([j for _, j in pairs], dtype=int),
             scale=np.array(scale),
             own_outputs=np.array(outputs, dtype=int),
-            order=np.arange(len(pairs) + len(own)),
+            order=np.arange(len(pairs) + len(own) + n_ends),
             sensors=self.sensitivity.forces,
             s=model.s,
         )
@@ -453,8 +455,9 @@ class _Fit:
         n_theta = model.order.size
         terms = [places for one in self.held for places in one.terms]
         self.columns = np.zeros((factored.order.size, n_theta + len(terms)))
-        n_pairs = model.pair_rows.size
-        position = np.r_[:n_pairs, len(pairs) : len(pairs) + n_theta - n_pairs]
+        n_pairs, n_places = model.pair_rows.size, factored.order.size
+        first_held = len(pairs) + n_theta - n_pairs - n_ends
+        position = np.r_[:n_pairs, len(pairs) : first_held, n_places - n_ends : n_places]
         self.columns[position, model.order] = 1.0
         for k, places in enumerate(terms, start=n_theta):
             self.columns[list(places), k] = 1.0
@@ -608,12 +611,13 @@ def _compute_change(
     model, sensitivity = final.form.model, final.sensitivity
     n_pairs = model.pair_rows.size
     table = np.zeros((sensitivity.forces.shape[2], len(sensitivity.variables)))
-    pairs, own = model.order[:n_pairs], model.order[n_pairs:]
+    n_single = n_pairs + model.own_outputs.size
+    pairs, own, ends = np.split(model.order, [n_pairs, n_single])
     np.add.at(table, (model.pair_rows, model.pair_columns), model.scale * step[pairs])
     load = (table @ sensitivity.variables).T
     change = np.matmul(sensitivity.forces, load[:, :, None])[:, :, 0]
     np.add.at(change.T, model.own_outputs, sensitivity.own * step[own, None])
-    return change
+    return change if sensitivity.ends is None else change + sensitivity.ends @ step[ends]
 
 
 def _compute_fit_covariance(
@@ -624,7 +628,7 @@ def _compute_fit_covariance(
 ) -> Float[np.ndarray, " n_y"]:
     """Compute tr(M J N^-1 J^H) of every output over its local size.
 
-    Only of parameters that act as forces, and of frequencies that have a weight.
+    Without end states, and only of frequencies that have a weight.
     """
     model, G, w = final.form.model, final.sensitivity.forces, final.sensitivity.variables.T
     n_omega, n_y, n_r = G.shape
@@ -657,6 +661,11 @@ def _compute_fit_covariance(
         moved = np.matmul(G[m], couple(k, m))
         values = np.sum(moved * G[k].conj(), axis=2) / (local[k] * local[m])
         total += 2.0 * np.real(upper.data[part] @ values)
+    outputs = model.own_outputs
+    if outputs.size:
+        of_own = compute_own_covariances(model, final.sensitivity, inverse)
+        left, right = (part.T / local[:, outputs] for part in (final.sensitivity.own, of_own))
+        np.add.at(total, outputs, np.real(np.sum(left.conj() * (M @ right), axis=0)))
     return total
 
 

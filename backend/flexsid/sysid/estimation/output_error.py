@@ -17,6 +17,8 @@ def output_error(
     name: str = "OE",
     edges_s: tuple[float, ...] = (),
     window_s: tuple[float, float] | None = None,
+    *,
+    free_ends: bool = False,
 ) -> Experiment:
     """Set up output error for one maneuver.
 
@@ -36,6 +38,8 @@ def output_error(
         Times at which the record begins or ends and the aircraft may move. [s]
     window_s
         Begin and end of the transformed record; None for independent frequencies. [s]
+    free_ends
+        Whether nothing was assumed of the motion at the ends.
 
     Raises
     ------
@@ -62,4 +66,5 @@ def output_error(
         group_names=(name,),
         edges_s=edges_s,
         window_s=window_s,
+        free_ends=free_ends,
     )

@@ -12,7 +12,9 @@ from jaxtyping import Float
 from flexsid.errors import BadInput
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
 
-_EXTRA = re.compile(r"^(delay|scale|omega|zeta|shape)_(.+)$")
+_EXTRA = re.compile(r"^(delay|scale|omega|zeta|shape_error|rotation_error|shape)_(.+)$")
+SHAPE_ERROR, ROTATION_ERROR = SHAPE_ERRORS = ("shape_error", "rotation_error")
+"""Kinds of errors of mode shapes at outputs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +23,9 @@ class Extra:
 
     ``delay`` [s] and ``scale`` [1] belong to an output; ``omega`` and ``zeta``
     are factors on the table's frequency and damping of a mode; ``shape`` is a
-    factor on the shape of one mode at one output. An index that a kind does not
-    need is 0.
+    factor on the shape of one mode at one output, ``shape_error`` is added to it,
+    relative to the largest shape of any mode there, and ``rotation_error`` to the
+    rotation of a flow vane. An index that a kind does not need is 0.
     """
 
     kind: str
@@ -32,7 +35,7 @@ class Extra:
     @property
     def neutral(self) -> float:
         """Value without effect."""
-        return 0.0 if self.kind == "delay" else 1.0
+        return 0.0 if self.kind in ("delay", *SHAPE_ERRORS) else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,7 @@ def select_parameters(
         Names of the outputs of delays and scale factors.
     extras
         Names such as ``delay_q``, ``scale_alpha``, ``omega_7``, ``zeta_7``,
-        ``shape_q_7``.
+        ``shape_q_7``, ``shape_error_q_7``.
     fixed
         Values of derivatives that are fixed at another value than the start.
 
@@ -147,7 +150,7 @@ def _parse_extra(name: str, outputs: tuple[str, ...], modes: tuple[int, ...]) ->
     output, mode = rest, None
     if kind in ("omega", "zeta"):
         output, mode = None, rest
-    elif kind == "shape":
+    elif kind in ("shape", *SHAPE_ERRORS):
         output, _, mode = rest.rpartition("_")
         if not (output and mode.isdigit()):
             raise BadInput(

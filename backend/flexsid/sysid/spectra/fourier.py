@@ -8,9 +8,11 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy import fft
 
-from flexsid.sysid.spectra.quadrature import correct_ends
+from flexsid.errors import BadInput
+from flexsid.sysid.spectra.quadrature import END_SAMPLES, compute_cut_weights, correct_ends
 
 _MANY_FREQUENCIES = 128  # from here on a chirp-z transform is cheaper than a matrix
+_ROUNDING = 1e-6  # of a sample: a time this close to one is its own
 _LARGEST_MATRIX = 2_000_000  # elements; 32 MB for sine and cosine
 
 
@@ -80,6 +82,51 @@ def finite_fourier_transform(
     if start_s:
         transform *= np.exp(-1j * omega * start_s)[:, None]
     return transform
+
+
+def integrate_between(
+    samples: Float[np.ndarray, "n_samples n_channels"],
+    rate_hz: float,
+    omega: Float[np.ndarray, " n_omega"],
+    start_s: float,
+    window_s: tuple[float, float],
+) -> Complex[np.ndarray, "n_omega n_channels"]:
+    """Integrate sampled channels between two times, which need not be those of samples.
+
+    Parameters
+    ----------
+    samples, rate_hz, omega, start_s
+        As of ``finite_fourier_transform``.
+    window_s
+        Begin and end, from the first sample to the last. [s]
+
+    Returns
+    -------
+    array
+        Integral of x exp(-j omega t) over the window. [channel unit * s]
+
+    Raises
+    ------
+    BadInput
+        If the window has too few samples.
+    """
+    begin, end = ((time_s - start_s) * rate_hz for time_s in window_s)
+    first, last = int(np.floor(begin + _ROUNDING)), int(np.ceil(end - _ROUNDING))
+    part = samples[first : last + 1]
+    count = END_SAMPLES + 1
+    if len(part) < 2 * count:
+        raise BadInput(
+            f"a record of {len(part)} samples is too short to integrate; it needs at least "
+            f"{2 * count}",
+            code="record-too-short",
+        )
+    theta = omega / rate_hz
+    transform = finite_fourier_transform(part, rate_hz, omega)
+    head = compute_cut_weights(theta, max(begin - first, 0.0), count)
+    tail = compute_cut_weights(theta, max(last - end, 0.0), count).conj()
+    turn = np.exp(-1j * theta * (len(part) - 1))
+    transform += (head @ part[:count] + turn[:, None] * (tail @ part[: -count - 1 : -1])) / rate_hz
+    return transform * np.exp(-1j * omega * (start_s + first / rate_hz))[:, None]
 
 
 def compute_harmonic_frequencies(

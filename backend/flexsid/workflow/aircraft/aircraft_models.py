@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor
@@ -185,6 +186,43 @@ def build_model(
         polynomials.append(total)
     sensors = rows.stack_rows([output.name for output in outputs], polynomials)
     return AeroelasticModel(flight, modes, inputs, sensors, body)
+
+
+def compute_shape_sizes(
+    aircraft: Aircraft,
+    condition: Condition,
+    modes: StructuralModes,
+    outputs: tuple[OutputDefinition, ...],
+    body: RigidBody = LONGITUDINAL,
+) -> Float[np.ndarray, "4 n_y n_modes"]:
+    """Compute the sensor equations for shapes of their root mean square at every point.
+
+    That of each component of translation and rotation over the points of the table, and of strain
+    over the gauges; the coefficients of 1/s, 1, s and s2 are the roots of their sums of squares.
+    """
+    translation, rotation = (
+        np.sqrt(np.mean(shape**2, axis=0)) for shape in (modes.translation, modes.rotation)
+    )
+    empty = replace(
+        modes,
+        translation=np.zeros_like(modes.translation),
+        rotation=np.zeros_like(modes.rotation),
+        strain=np.zeros_like(modes.strain),
+    )
+    parts = [replace(empty, strain=empty.strain + np.sqrt(np.mean(modes.strain**2, axis=0)))]
+    for component in range(3):
+        for name, size in (("translation", translation), ("rotation", rotation)):
+            shape = np.zeros_like(modes.translation)
+            shape[:, component] = size[component]
+            parts.append(replace(empty, **{name: shape}))
+    flight = build_flight_condition(aircraft, condition)
+    sizes = np.zeros((len(parts), 4, len(outputs), len(modes.numbers)))
+    for own, one in zip(sizes, parts, strict=True):
+        for column, output in enumerate(outputs):
+            for sensor, weight in output.terms:  # errors of both sides may be equal
+                row = _build_sensor_row(sensor, flight, one, body)[:, body.size :]
+                own[:, column] += np.abs(weight * row)
+    return np.sqrt(np.sum(sizes**2, axis=0))
 
 
 def get_output_instrument(aircraft: Aircraft, output: OutputDefinition) -> Instrument:

@@ -96,9 +96,9 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
     limited = {name for name, out in zip(estimate.names, at_limit, strict=True) if out}
     if retained is not None:
         warnings += warn_of_poor_prediction(spread)
-        estimate = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
         of_retained = set(task.mode_names[len(task.structure.modes) :])
         poles = tuple(pole for pole in poles if pole.name not in of_retained)
+    estimate = estimate.select([n for n in estimate.names if n not in estimate.nuisance])
     return ComputedRun(
         estimate=estimate,
         poles=poles,

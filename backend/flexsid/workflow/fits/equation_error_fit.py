@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexsid.errors import NotIdentifiable
+from flexsid.records.run import Method
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.estimate import Estimate, Outcome
+from flexsid.sysid.estimation.free_motion import add_errors, fit_free_motion
 from flexsid.sysid.estimation.fusion import fuse_estimates
 from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
+from flexsid.sysid.estimation.regression_start import regress_parts
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
+from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
 from flexsid.workflow.measurements.recording import MeasuredSpectra
 
 _MAX_SCALE_STD = 0.005  # standard deviation of the sensors' scale factors that raises a warning
@@ -34,7 +39,63 @@ class EquationErrorFit:
 def fit_equation_error(
     task: EstimationTask, parameters: Parameters, spread: float = PRIOR_SPREAD
 ) -> EquationErrorFit:
-    """Estimate all maneuvers by equation error, retained modes with a prior of this spread."""
+    """Estimate all maneuvers by equation error, retained modes with a prior of this spread.
+
+    From records without an assumption about their ends the free motion from the states there is
+    subtracted before, which output error estimates from these values; its errors are included.
+    """
+    free = [data.measured.free_ends for data in task.maneuvers]
+    if not any(free):
+        return fit_whole_maneuvers(task, parameters, spread)
+    experiments = [one for one in build_experiments(task, Method.OE) if one.free_ends]
+    started = replace(parameters, start=estimate_starting_values(task, parameters))
+    motion = fit_free_motion(experiments, started, build_fit_settings(task, spread))
+
+    def fit_without(
+        outputs: Iterable[np.ndarray], parameters: Parameters = started
+    ) -> EquationErrorFit:
+        each = iter(outputs)
+        data = tuple(
+            _subtract_outputs(one, next(each)) if is_free else one
+            for one, is_free in zip(task.maneuvers, free, strict=True)
+        )
+        return fit_whole_maneuvers(replace(task, corrected=data), parameters, spread)
+
+    found = fit_without(motion.outputs)
+    estimate = found.estimate
+    if not motion.converged:
+        message = "The states at the ends of the record have not converged."
+        estimate = replace(estimate, outcome=Outcome.ITERATION_LIMIT, message=message)
+    near = replace(parameters, start=estimate.values)
+    changes = [
+        fit_without(map(np.add, motion.outputs, error), near).estimate.values - estimate.values
+        for error in zip(*motion.errors, strict=True)
+    ]
+    changes = np.array(changes).reshape(-1, estimate.values.size)
+    records = np.flatnonzero(free).tolist()
+    return replace(found, estimate=add_errors(estimate, changes, motion.noise, records))
+
+
+def estimate_starting_values(task: EstimationTask, parameters: Parameters) -> np.ndarray:
+    """Estimate starting values of the derivatives by equation error."""
+    experiments = build_experiments(task, Method.OE)
+    if task.nuisance is None and all(one.free_ends for one in experiments):
+        return regress_parts(experiments, parameters)
+    return fit_whole_maneuvers(task, parameters).estimate.values
+
+
+def _subtract_outputs(data: ManeuverData, outputs: np.ndarray) -> ManeuverData:
+    """Subtract known motion from the spectra of a record; what remains ends at rest."""
+    spectra = data.measured
+    rest = replace(spectra.outputs, values=spectra.outputs.values - outputs)
+    measured = replace(spectra, outputs=rest, free_ends=False, record_ends_s=())
+    return replace(data, measured=measured)
+
+
+def fit_whole_maneuvers(
+    task: EstimationTask, parameters: Parameters, spread: float = PRIOR_SPREAD
+) -> EquationErrorFit:
+    """Estimate all maneuvers by equation error as if they began and ended at rest."""
     labels = [data.label for data in task.maneuvers]
     estimates, warnings = [], []
     if task.nuisance is None:

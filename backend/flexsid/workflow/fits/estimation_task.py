@@ -71,7 +71,8 @@ class EstimationTask:
     retained modes, which follow those of the model structure in every model. ``modal_std`` are
     the standard deviations of derivatives due to the modal table, which the data do not reduce.
     ``corrected`` are the data of the maneuvers in place of those of their transforms, if any;
-    ``spread`` is that of the nuisance prior with which the fit starts.
+    ``spread`` is that of the nuisance prior with which the fit starts. ``shape_errors`` are the
+    standard deviations of the errors of mode shapes at the outputs, by parameter.
     """
 
     method: Method
@@ -91,6 +92,7 @@ class EstimationTask:
     nuisance: NuisancePrior | None = None
     corrected: tuple[ManeuverData, ...] = ()
     spread: float = PRIOR_SPREAD
+    shape_errors: Mapping[str, float] = field(default_factory=dict[str, float])
 
     @property
     def retained(self) -> tuple[int, ...]:
@@ -103,11 +105,18 @@ class EstimationTask:
         own = set(list_own_derivatives(self))
         return tuple(name for name in self.model.derivative_names if name not in own)
 
+    @property
+    def marginalised(self) -> frozenset[str]:
+        """Names of all parameters that are no results: with errors of mode shapes."""
+        return frozenset(self.nuisance_names) | self.shape_errors.keys()
+
     def list_priors(self, spread: float) -> dict[str, tuple[float, float]]:
-        """Return the priors of the analyst, and those of the nuisance parameters."""
+        """Return the priors of the analyst, and those of the parameters that are no results."""
+        of_shapes = {name: (0.0, std) for name, std in self.shape_errors.items()}
         if self.nuisance is None:
-            return self.priors
-        return self.nuisance.list_priors(self.nuisance_names, spread) | self.priors
+            return of_shapes | self.priors
+        of_modes = self.nuisance.list_priors(self.nuisance_names, spread)
+        return of_modes | of_shapes | self.priors
 
     @property
     def model(self) -> AeroelasticModel:
@@ -132,10 +141,14 @@ class EstimationTask:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Names of free parameters that are no derivatives; equation error holds the delays."""
-        delayed = self.structure.free_delays and self.method is not Method.EE
-        delays = self.model.outputs if delayed else ()
-        named = (*(f"delay_{name}" for name in delays), *self.structure.extra_parameters)
+        """Names of free parameters that are no derivatives.
+
+        Equation error holds the delays and the mode shapes.
+        """
+        is_likelihood = self.method is not Method.EE
+        delays = self.model.outputs if self.structure.free_delays and is_likelihood else ()
+        shapes = self.shape_errors if is_likelihood else ()
+        named = (*(f"delay_{name}" for name in delays), *self.structure.extra_parameters, *shapes)
         return tuple(dict.fromkeys(named))
 
 

@@ -15,6 +15,11 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.extensions import ESTIMATORS, ExtensionFailed, load_extensions
 from flexsid.records.run import AdequacyState, Method, ModelAdequacy, Progress, ReportProgress
+from flexsid.sysid.estimation.end_states import (
+    add_end_states,
+    drop_end_states,
+    has_end_states,
+)
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.fusion import apply_priors
@@ -33,11 +38,10 @@ from flexsid.workflow.fits.estimation_task import (
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
 from flexsid.workflow.fits.feedback_correction import CorrectedFit, fit_without_feedback_noise
 from flexsid.workflow.fits.likelihood_fit import (
     PROGRESS_BEFORE_WEIGHTING,
-    build_experiments,
-    build_fit_settings,
     compute_interpolation_bias,
     maximize_from_starts,
     refit_with_interpolation_correction,
@@ -191,10 +195,17 @@ def fit_likelihood(
     if fit is not None:
         return _complete_corrected_fit(fit)
     experiments = build_experiments(task)
+    candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
     parameters, start, estimate = maximize_from_starts(
         task, experiments, report, candidates=candidates
     )
     return complete_likelihood_fit(task, experiments, parameters, estimate, start, report)
+
+
+def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Parameters:
+    """Free the states at the ends of records, where nothing else was assumed of them."""
+    free = [one for one in experiments if one.free_ends]
+    return add_end_states(parameters, free) if has_end_states(parameters, free) else parameters
 
 
 def _complete_corrected_fit(fit: CorrectedFit) -> EstimatorFit:
@@ -264,6 +275,8 @@ def complete_likelihood_fit(
         warnings = (*warnings, reason)
         if not is_suspect:
             adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
+    parameters = drop_end_states(parameters)
+    weighted = weighted.select(parameters.names)
     return EstimatorFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
 
 

@@ -22,9 +22,8 @@ from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import assign_commands
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
+from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
 from flexsid.workflow.fits.likelihood_fit import (
-    build_experiments,
-    build_fit_settings,
     correct_interpolation,
 )
 from flexsid.workflow.fits.nuisance_parameters import refit_until_consistent
@@ -153,7 +152,7 @@ def _fit_corrected(
         steps=found.steps,
         outcome=Outcome.CONVERGED,
         message=f"Converged in {count_iterations(found.steps[-1].iteration)}.",
-        nuisance=frozenset(task.nuisance_names),
+        nuisance=task.marginalised,
     )
     known = found.noise if task.method is Method.OE else None
     estimate = weight_by_noise_spectrum(experiments, parameters, base, settings, known=known)

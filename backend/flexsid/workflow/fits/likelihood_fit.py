@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from flexsid.errors import Cancelled
-from flexsid.records.run import Method, Progress, ReportProgress
+from flexsid.records.run import Progress, ReportProgress
+from flexsid.sysid.estimation.end_states import list_end_state_names
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.experiment import Experiment
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
-from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.leakage import correct_leakage, join_histories
-from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.output_error import output_error
+from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.estimation_task import (
@@ -23,6 +22,7 @@ from flexsid.workflow.fits.estimation_task import (
     compute_poles,
     select_moved_poles,
 )
+from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
 from flexsid.workflow.fits.starting_values import collect_starting_points
 
 _PROGRESS_BEFORE_REFITS = 0.9  # progress when fits from perturbed starts or new priors remain
@@ -35,44 +35,6 @@ _SMALL_BIAS = 0.1  # of a frequency response by interpolation, in standard devia
 _PERTURBED_STARTS = 3
 _PERTURBATION = 0.3  # of a start value, relative to it
 _SAME_COST = 1e-3  # optima whose costs differ by less are the same
-
-
-def build_experiments(task: EstimationTask, method: Method | None = None) -> list[Experiment]:
-    """Build one OE or FRE experiment for each maneuver, by default of the method of the task."""
-    method = task.method if method is None else method
-    several = len(task.maneuvers) > 1
-    result = []
-    for data in task.maneuvers:
-        name = data.label if several else method.value
-        spectra = data.measured
-        if method is Method.OE:
-            result.append(
-                output_error(
-                    data.model,
-                    spectra.inputs,
-                    spectra.outputs,
-                    spectra.instruments,
-                    name,
-                    spectra.record_ends_s,
-                    spectra.window_s,
-                )
-            )
-        else:
-            through = np.ones_like(spectra.instruments)
-            source = output_error(
-                data.model,
-                spectra.inputs,
-                spectra.true_outputs(),
-                through,
-                name,
-                window_s=spectra.window_s,
-            )
-            experiment = frequency_response_error(data.model, spectra.responses(), name, source)
-            if several:
-                groups = tuple(f"{name} {group}" for group in experiment.group_names)
-                experiment = replace(experiment, group_names=groups)
-            result.append(experiment)
-    return result
 
 
 def compute_interpolation_bias(
@@ -142,16 +104,6 @@ def correct_interpolation(
     ]
 
 
-def build_fit_settings(task: EstimationTask, spread: float | None = None) -> FitSettings:
-    """Build the settings of the likelihood maximisation of a task, by default with its spread."""
-    settings = task.settings
-    return FitSettings(
-        max_iterations=settings.max_iterations,
-        noise=settings.noise,
-        priors=task.list_priors(task.spread if spread is None else spread),
-    )
-
-
 def maximize_from_starts(
     task: EstimationTask,
     experiments: list[Experiment],
@@ -185,7 +137,8 @@ def maximize_from_starts(
         estimate = maximize(experiments, parameters, settings, report_iteration)
         if estimate.outcome is Outcome.CANCELLED:
             raise Cancelled(estimate.message)
-        return parameters, name, replace(estimate, nuisance=frozenset(task.nuisance_names))
+        nuisance = task.marginalised | frozenset(list_end_state_names(parameters))
+        return parameters, name, replace(estimate, nuisance=nuisance)
 
     ends = [
         attempt(name, parameters, number / len(candidates))

@@ -33,7 +33,7 @@ from flexsid.sysid.estimation.sensor_influence import SensorInfluence
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
-from flexsid.workflow.fits.likelihood_fit import build_experiments
+from flexsid.workflow.fits.experiments import build_experiments
 
 _MOST_REASONS = 2
 

@@ -49,7 +49,9 @@ def refit_until_consistent(
     for _ in range(_SPREAD_ROUNDS):
         if not estimate.outcome.is_optimum:
             break
-        spread, before = estimate_spread(estimate, task.nuisance), spread
+        passing = estimate.nuisance.difference(task.nuisance_names)  # states at ends of records
+        own = estimate.select([name for name in estimate.names if name not in passing])
+        spread, before = estimate_spread(own, task.nuisance), spread
         if abs(np.log(spread / before)) < _SPREAD_CONVERGED:
             break
         estimate = refit(estimate, spread)
@@ -66,10 +68,12 @@ def marginalise(
     if task.nuisance is None:
         return None
     reported = [name for name in estimate.names if name not in estimate.nuisance]
-    estimate = estimate.select([*reported, *task.nuisance_names])
+    known = [name for name in estimate.names if name in task.marginalised]
+    estimate = estimate.select([*reported, *known])  # end states have no prior
     priors = task.list_priors(spread)
     share = compute_noise_share(estimate, priors, overlap)
     std = dict(zip(estimate.names, estimate.std_errors, strict=True))
     for name in share.keys() & task.modal_std.keys():
         share[name] /= 1.0 + (task.modal_std[name] / std[name]) ** 2
+    estimate = estimate.select([*reported, *task.nuisance_names])
     return ComputedRetainedModes(task.retained, spread, estimate, priors, share)

@@ -12,7 +12,7 @@ from flexsid.sysid.estimation.delays import estimate_delays
 from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
 from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.workflow.fits.equation_error_fit import fit_equation_error
+from flexsid.workflow.fits.equation_error_fit import estimate_starting_values
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
     get_first_start,
@@ -36,7 +36,7 @@ def collect_starting_points(task: EstimationTask, report: ReportProgress) -> dic
         report(Progress(message="Estimating starting values by equation error"))
         parameters = select_free_parameters(task, get_first_start(task), ())
         try:
-            values = fit_equation_error(task, parameters).estimate.values
+            values = estimate_starting_values(task, parameters)
             name, table = _regularise_start(task, parameters, values)
             tables = {name: table, **tables}
         except NotIdentifiable:

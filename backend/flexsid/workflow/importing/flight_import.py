@@ -63,6 +63,7 @@ from flexsid.workflow.importing.parsed_files import (
     parse_upload,
     refuse_guesses,
 )
+from flexsid.workflow.measurements.conditioning import add_shared_corrections
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
 BYTES_AT_ONCE = 16 * 1024**2
@@ -532,6 +533,7 @@ def store_upload(
                 maneuver = store_maneuver(store, aircraft, flight, upload.maneuver)
                 build = partial(Channel, maneuver_id=maneuver.id)
                 _store_channels(store, upload, store.channels, build)
+                add_shared_corrections(store, maneuver)
         tables = tuple(
             _store_modal_table(store, aircraft, part, sources) for part in mapping.modal_tables
         )

@@ -36,6 +36,7 @@ from flexsid.units import si_unit, to_si
 from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_airspeed_ratio
 from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
 from flexsid.workflow.importing.flight_import import build_excitation, correlate_inputs
+from flexsid.workflow.measurements.conditioning import add_shared_corrections
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
 TRIM_S = 2.0
@@ -204,6 +205,7 @@ def store_cut(
                 for (channel, _), name in zip(pieces, hashes, strict=True)
             ]
         )
+        add_shared_corrections(store, stored)
     return stored
 
 

@@ -17,7 +17,11 @@ from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensor_models import ATTITUDE
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
-from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
+from flexsid.workflow.aircraft.aircraft_models import (
+    OutputDefinition,
+    compute_input_corrections,
+    get_output_instrument,
+)
 from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.recording import (
     ManeuverMeasurement,
@@ -26,6 +30,8 @@ from flexsid.workflow.measurements.recording import (
     list_command_names,
     select_frequencies,
 )
+
+_LOW_OMEGA = 0.1  # far below the corner of any instrument: the phase is that of a lag [rad/s]
 
 
 def load_channels(
@@ -116,11 +122,15 @@ def read_measurement(
     outputs: tuple[OutputDefinition, ...],
     band_hz: tuple[float, float] | None = None,
     body: RigidBody = LONGITUDINAL,
+    *,
+    free_ends: bool = False,
 ) -> ManeuverMeasurement:
     """Read the inputs, outputs and recorded excitation of a maneuver for the model of a body.
 
     Excited inputs that are not named are read, too. An input that was not recorded itself is
-    computed from single surfaces; it has the harmonics of them all, and their commands.
+    computed from single surfaces; it has the harmonics of them all, and their commands. With
+    ``free_ends`` a record without known harmonics is transformed over the window that all channels
+    cover, at multiples of its 1/T, without an assumption about the motion at its ends.
 
     Raises
     ------
@@ -145,11 +155,35 @@ def read_measurement(
     has_commands = all(roles.get(name) is Role.COMMAND for name in commanded)
     names = (*every, *(output.name for output in outputs), *(commands if has_commands else ()))
     recording = read_recording(store, maneuver, aircraft, names, body)
+    if free_ends and maneuver.excitation is None:
+        recording = recording.with_common_window(_find_lags(recording, aircraft, every, outputs))
+        assert recording.window_s is not None
+        begin_s, last_s = recording.window_s
+        frequencies = select_frequencies(maneuver, band_hz, last_s - begin_s)
     own = _assign_inputs(frequencies, inputs)
     recording.check(own)
     return ManeuverMeasurement(
         recording, aircraft, inputs, outputs, own, _assign_inputs(frequencies, every), has_commands
     )
+
+
+def _find_lags(
+    recording: Recording,
+    aircraft: Aircraft,
+    inputs: Sequence[str],
+    outputs: Sequence[OutputDefinition],
+) -> dict[str, float]:
+    """Find the times by which the instruments of channels record slow motion later. [s]"""
+    low = np.array([_LOW_OMEGA])
+    lags = {}
+    for output in outputs:
+        phase = np.angle(get_output_instrument(aircraft, output).response(low)[0])
+        lags |= {part: -phase / _LOW_OMEGA for part, _ in recording.parts[output.name]}
+    for name, factor in zip(
+        inputs, compute_input_corrections(aircraft, inputs, low)[0], strict=True
+    ):
+        lags |= {part: np.angle(factor) / _LOW_OMEGA for part, _ in recording.parts[name]}
+    return lags
 
 
 def _check_recorded(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +13,11 @@ from flexsid.records.maneuver import Channel, Maneuver
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
+from flexsid.sysid.spectra.fourier import (
+    compute_harmonic_frequencies,
+    finite_fourier_transform,
+    integrate_between,
+)
 from flexsid.sysid.spectra.response import estimate_bare_airframe_responses
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -55,9 +59,13 @@ class SpectrumFrequencies:
 
 
 def select_frequencies(
-    maneuver: Maneuver, band_hz: tuple[float, float] | None = None
+    maneuver: Maneuver,
+    band_hz: tuple[float, float] | None = None,
+    duration_s: float | None = None,
 ) -> SpectrumFrequencies:
     """Select the excited harmonics, or all multiples of 1/duration where none are known.
+
+    The duration is that of the maneuver by default. [s]
 
     Raises
     ------
@@ -72,9 +80,10 @@ def select_frequencies(
                 "the excitation of this maneuver is not known; give the band to analyse (band_hz)",
                 code="band-needed",
             )
-        first = max(1, int(np.ceil(band_hz[0] * maneuver.duration_s - 1e-9)))
-        last = int(np.floor(band_hz[1] * maneuver.duration_s + 1e-9))
-        omega = compute_harmonic_frequencies(np.arange(first, last + 1), maneuver.duration_s)
+        duration_s = maneuver.duration_s if duration_s is None else duration_s
+        first = max(1, int(np.ceil(band_hz[0] * duration_s - 1e-9)))
+        last = int(np.floor(band_hz[1] * duration_s + 1e-9))
+        omega = compute_harmonic_frequencies(np.arange(first, last + 1), duration_s)
         frequencies = SpectrumFrequencies(omega, np.full(omega.size, -1), ())
         return frequencies.within(band_hz)
     inputs = tuple(excitation.harmonics)
@@ -122,7 +131,9 @@ class Recording:
 
     ``parts`` are the recorded channels behind each name, with their weights;
     ``attitudes`` the channels that need not return to trim; ``conditioning`` the
-    active corrections by channel.
+    active corrections by channel. With ``window_s``, the common window of the motion, channels are
+    integrated over it and nothing is assumed of the motion outside; ``lags_s`` are the times by
+    which instruments record later.
     """
 
     maneuver: Maneuver
@@ -130,6 +141,32 @@ class Recording:
     parts: dict[str, tuple[tuple[str, float], ...]]
     attitudes: frozenset[str]
     conditioning: dict[str, Conditioning]
+    window_s: tuple[float, float] | None = None
+    lags_s: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    def with_common_window(self, lags_s: Mapping[str, float]) -> Recording:
+        """Return the recording with the window of the motion that every channel covers.
+
+        Raises
+        ------
+        BadInput
+            If there is none.
+        """
+        recording = replace(self, lags_s=lags_s)
+        late = [(channel, recording.get_lag(channel.name)) for channel, _ in self.channels]
+        start_s = max(channel.start_s - lag for channel, lag in late)
+        last_s = min(channel.get_time(channel.n_samples - 1) - lag for channel, lag in late)
+        if not last_s > start_s:
+            raise BadInput(
+                "the channels of this maneuver have no time in common; exclude some of them",
+                code="no-common-time",
+            )
+        return replace(recording, window_s=(start_s, last_s))
+
+    def get_lag(self, name: str) -> float:
+        """Return the time by which a channel records later, by correction and instrument. [s]"""
+        corrected = self.conditioning.get(name)
+        return self.lags_s.get(name, 0.0) + (0.0 if corrected is None else corrected.delay_s)
 
     def check(self, frequencies: SpectrumFrequencies) -> None:
         """Refuse frequencies above the Nyquist frequency of a channel.
@@ -153,16 +190,23 @@ class Recording:
         self.check(frequencies)
         omega = frequencies.omega
         needed = {part for name in names for part, _ in self.parts[name]}
-        by_clock: dict[tuple[float, float, int], dict[str, np.ndarray]] = {}
+        by_clock: dict[tuple[float, float, int, float], dict[str, np.ndarray]] = {}
         for channel, samples in self.channels:
             if channel.name in needed:
                 values = self._convert_to_si(channel, samples)
-                by_clock.setdefault(channel.clock, {})[channel.name] = values
+                lag_s = 0.0 if self.window_s is None else self.get_lag(channel.name)
+                by_clock.setdefault((*channel.clock, lag_s), {})[channel.name] = values
         spectra: dict[str, np.ndarray] = {}
-        for (rate_hz, start_s, _), group in by_clock.items():
+        for (rate_hz, start_s, _, lag_s), group in by_clock.items():
             samples = np.stack(list(group.values()), axis=1)
-            is_attitude = np.array([name in self.attitudes for name in group])
-            transform = _transform(samples, rate_hz, start_s, self.maneuver, omega, is_attitude)
+            if self.window_s is None:
+                is_attitude = np.array([name in self.attitudes for name in group])
+                transform = _transform(samples, rate_hz, start_s, self.maneuver, omega, is_attitude)
+            else:
+                begin_s, last_s = self.window_s
+                window = begin_s + lag_s, last_s + lag_s
+                moved = remove_trim(samples, rate_hz, start_s, self.maneuver)
+                transform = integrate_between(moved, rate_hz, omega, start_s, window)
             spectra.update(zip(group, transform.T, strict=True))
         for name, one in self.conditioning.items():
             if one.delay_s and name in spectra:
@@ -273,7 +317,8 @@ class MeasuredSpectra:
     spectra, NaN where the noise of their sensors is not known. ``resolution_overlap`` is the
     number of frequencies per resolution 1/T of the record, at least one. ``record_ends_s`` are
     the times at which the record may begin or end in motion, ``window_s`` the limits of the
-    transformed interval.
+    transformed interval. With ``free_ends`` nothing was assumed of the motion at its ends; else
+    attitudes keep their last level.
     """
 
     assigned_input: np.ndarray
@@ -287,6 +332,7 @@ class MeasuredSpectra:
     resolution_overlap: float
     record_ends_s: tuple[float, ...] = ()
     window_s: tuple[float, float] | None = None
+    free_ends: bool = False
 
     @property
     def omega(self) -> np.ndarray:
@@ -364,6 +410,9 @@ class ManeuverMeasurement:
         slowest = min(channel.rate_hz for channel in channels.values())
         sources = [channels[self.recording.parts[name][0][0]] for name in inputs]
         duration_s = max(channel.n_samples / channel.rate_hz for channel in sources)
+        window_s = self.recording.window_s
+        if window_s is not None:
+            duration_s = window_s[1] - window_s[0]
         first = [o.terms[0][0].name for o in self.outputs]
         output_rates = np.array([channels[n].rate_hz if n in channels else slowest for n in first])
         levels = {s.name: s.noise_std_rad for s in aircraft.surfaces}
@@ -390,7 +439,8 @@ class ManeuverMeasurement:
             output_noise=compute_spectral_noise(self.outputs, output_rates, duration_s),
             resolution_overlap=_compute_resolution_overlap(omega, duration_s),
             record_ends_s=self._find_record_ends(),
-            window_s=self._find_window(),
+            window_s=self._find_window() if window_s is None else window_s,
+            free_ends=window_s is not None,
         )
 
     def _find_window(self) -> tuple[float, float] | None:
@@ -408,8 +458,11 @@ class ManeuverMeasurement:
     def _find_record_ends(self) -> tuple[float, ...]:
         """Return the times at which the record may begin or end in motion.
 
-        Whole periods have none; a multisine begins at trim.
+        Whole periods have none; a multisine begins at trim. At multiples of 1/T of a window the
+        states at both ends have equal phases: the one at the end stands for their difference.
         """
+        if self.recording.window_s is not None:
+            return self.recording.window_s[1:]
         excitation = self.recording.maneuver.excitation
         sources = {part for name in self.inputs for part, _ in self.recording.parts[name]}
         recorded = [c for c, _ in self.recording.channels if c.name in sources]

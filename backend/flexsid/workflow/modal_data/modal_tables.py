@@ -89,7 +89,8 @@ class AircraftModes:
     """Modes against fuel with their names; ``warnings`` list assumptions.
 
     ``frequency_std`` and ``damping_std`` are relative standard deviations of the frequencies
-    and of the damping ratio of each mode, by number.
+    and of the damping ratio of each mode, by number; ``shape_std`` those of the shapes that the
+    table states.
     """
 
     table: ModeTable
@@ -98,6 +99,7 @@ class AircraftModes:
     warnings: tuple[str, ...]
     frequency_std: dict[int, float]
     damping_std: dict[int, float]
+    shape_std: dict[int, float]
 
     def belongs_to(self, number: int, body: RigidBody) -> bool:
         """Whether a mode has the symmetry of the motion of an axis."""
@@ -121,6 +123,7 @@ NO_MODES = AircraftModes(
     warnings=(),
     frequency_std={},
     damping_std={},
+    shape_std={},
 )
 """Modes of an aircraft without modal table, which is identified as a rigid one."""
 
@@ -158,17 +161,30 @@ def load_modes(store: Store, modal: ModalTable, damping: ModalTable | None) -> A
     zeta, measured, warnings = _find_damping(store, modal, damping, aligned)
     if "mass" not in modal.arrays:
         warnings = (*warnings, "Generalised masses are not in the table: 1 kg m2 assumed.")
+    opened = open_modes(store, modal)
     return AircraftModes(
         table=replace(aligned, zeta=zeta),
         names=dict(zip(modal.numbers, list_mode_names(modal), strict=True)),
         symmetric=dict(zip(modal.numbers, modal.symmetric, strict=True)),
         warnings=warnings,
-        frequency_std=compute_frequency_std(open_modes(store, modal)),
+        frequency_std=compute_frequency_std(opened),
         damping_std={
             number: GVT_DAMPING if number in measured else ASSUMED_DAMPING_ERROR
             for number in modal.numbers
         },
+        shape_std=_collect_shape_std(opened),
     )
+
+
+def _collect_shape_std(modes: Modes) -> dict[int, float]:
+    """Collect the stated relative standard deviation of the shape of each mode, by number.
+
+    The largest of all fuels; modes without one are taken as exact.
+    """
+    if modes.shape_std is None:
+        return {}
+    known = np.where(np.isfinite(modes.shape_std), modes.shape_std, 0.0).max(axis=0)
+    return dict(zip(modes.table.numbers, known.tolist(), strict=True))
 
 
 def compute_frequency_std(modes: Modes) -> dict[int, float]:

@@ -16,6 +16,7 @@ import numpy as np
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.compatibility import CompatibilityState, SensorFinding
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
@@ -60,6 +61,7 @@ from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import Conditioning
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data.modal_tables import find_modal_tables, load_modes
+from flexsid.workflow.quality.compatibility import check_kinematics
 from flexsid.workflow.quality.quality_warnings import (
     MAX_AIRSPEED_DRIFT,
     MAX_FUEL_CHANGE,
@@ -72,7 +74,7 @@ from flexsid.workflow.views.channels import read_traces
 from flexsid.workflow.views.maneuver import compute_spectrum
 from flexsid.workflow.views.plot_matrix import compute_plot_matrix
 
-_VERSION = 10  # of the assessment: a higher one assesses every maneuver again
+_VERSION = 11  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50
 
 
@@ -159,6 +161,7 @@ def assess_maneuver(
         skew_band_hz=None if check is None else check.faults.band_hz,
         not_checked=tuple(missing),
         surfaces=check_surfaces(store, maneuver, aircraft),
+        findings=redundancy.findings,
     )
     undecayed = _find_undecayed_sensor(store, maneuver)
     found = replace(found, warnings=list_quality_warnings(maneuver, found, undecayed))
@@ -256,12 +259,14 @@ class _Redundancy:
     biases: Mapping[str, Bias] = field(default_factory=dict[str, Bias])
     not_checked: Mapping[str, str] = field(default_factory=dict[str, str])
     all_others: str | None = None
+    findings: tuple[SensorFinding, ...] = ()
 
 
 def _check_redundancy(store: Store, maneuver: Maneuver, missing: list[str]) -> _Redundancy:
+    if not store.modal_tables.find(aircraft_id=maneuver.aircraft_id):
+        return _check_kinematics(store, maneuver, missing)
     try:
-        # Without modal data structural motion would count as faults of the sensors.
-        find_modal_tables(store, maneuver.aircraft_id)
+        # Without the modes structural motion would count as faults of the sensors.
         sensing = gather_sensors(store, maneuver)
     except FlexsidError as error:
         missing.append(f"Skews, scale factors and biases: {error.message}.")
@@ -274,8 +279,27 @@ def _check_redundancy(store: Store, maneuver: Maneuver, missing: list[str]) -> _
         missing.append(f"Skews and scale factors: {reason}.")
     not_checked = sensing.excluded | ({} if check is None else check.not_checked)
     missing += [f"{name}: {why}." for name, why in not_checked.items()]
-    biases = estimate_biases(store, sensing, None if check is None else check.faults)
+    biases = estimate_biases(store, maneuver, None if check is None else check.faults)
     return _Redundancy(check, biases, not_checked, reason)
+
+
+def _check_kinematics(store: Store, maneuver: Maneuver, missing: list[str]) -> _Redundancy:
+    """Check the sensors of an aircraft without modal table, as a rigid one."""
+    try:
+        report, check = check_kinematics(store, maneuver)
+    except FlexsidError as error:
+        missing.append(f"Skews, scale factors and biases: {error.message}.")
+        return _Redundancy(all_others=error.message)
+    if report.state is CompatibilityState.UNCHECKED:
+        missing.append(report.sentence)
+        return _Redundancy(all_others=report.sentence.removesuffix("."))
+    not_checked = {
+        one.name: one.not_checked for one in report.sensors if one.not_checked is not None
+    }
+    missing += [f"{name}: {why}." for name, why in not_checked.items()]
+    biases = estimate_biases(store, maneuver, None if check is None else check.faults)
+    findings = tuple(one.finding for one in report.faults)
+    return _Redundancy(check, biases, not_checked, findings=findings)
 
 
 def _build_channel_quality(
@@ -319,7 +343,7 @@ def _build_channel_quality(
         coherence=finite_or_none(check.coherence[k]),
         noise_excess=finite_or_none(check.noise_excess[k]),
     )
-    is_delay_known = name not in check.not_checked
+    is_delay_known = name not in redundancy.not_checked
     if is_delay_known:
         delay, std = finite_or_none(faults.delay_s[k]), finite_or_none(faults.delay_std[k])
         quality = replace(quality, delay_s=delay, delay_std=std)

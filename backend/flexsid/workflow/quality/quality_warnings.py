@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from math import degrees, radians
 
+from flexsid.records.compatibility import FindingKind, SensorFinding
 from flexsid.records.maneuver import Maneuver, Role
 from flexsid.records.quality import (
     ChannelQuality,
@@ -41,6 +42,14 @@ _MAX_RESIDUAL_MOTION = 0.1  # of the motion while excited
 
 _MIN_CHECKED = 0.5  # of the outputs: with fewer the record is unchecked
 
+_ABOUT = {
+    FindingKind.SIGN: "sign",
+    FindingKind.UNIT: "scale",
+    FindingKind.SCALE: "scale",
+    FindingKind.DELAY: "skew",
+    FindingKind.FROZEN: "dropout",
+    FindingKind.AIRSPEED: "condition",
+}
 _GOOD, _WARNING, _BAD = QualityVerdict.GOOD, QualityVerdict.QUESTIONABLE, QualityVerdict.BAD
 
 
@@ -61,7 +70,10 @@ def list_quality_warnings(
     found = [
         *_warn_of_samples(report.channels),
         *_warn_of_signal(report.channels),
-        *_warn_of_redundancy(report.channels, report.skew_reference),
+        *_warn_of_findings(report.findings),
+        *_warn_of_redundancy(
+            report.channels, report.skew_reference, {one.channel for one in report.findings}
+        ),
         *_warn_of_inputs(report),
         *warn_of_surfaces(report.surfaces),
         *_warn_of_condition(report),
@@ -156,10 +168,21 @@ def _warn_of_signal(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarni
             yield _warn(severity, "signal", text, channel.name)
 
 
+def _warn_of_findings(findings: Sequence[SensorFinding]) -> Iterator[QualityWarning]:
+    """Warn of faults by kinematics; one of a sign or unit leaves nothing to estimate from."""
+    for one in findings:
+        severity = _BAD if one.kind in (FindingKind.SIGN, FindingKind.UNIT) else _WARNING
+        about = _ABOUT.get(one.kind, "coherence")
+        yield _warn(severity, about, f"{one.sentence} {one.remedy}", one.channel)
+
+
 def _warn_of_redundancy(
-    channels: Sequence[ChannelQuality], reference: str | None
+    channels: Sequence[ChannelQuality], reference: str | None, named: Container[str]
 ) -> Iterator[QualityWarning]:
+    """Warn of channels whose faults are not named already."""
     for c in channels:
+        if c.name in named:
+            continue
         if c.role == Role.OUTPUT and c.not_checked is not None:
             yield from _warn_of_departure(c)
             continue

@@ -313,12 +313,12 @@ def _estimate_input_skews(
 
 
 def estimate_biases(
-    store: Store, sensing: SensorData, faults: SensorFaults | None
+    store: Store, maneuver: Maneuver, faults: SensorFaults | None
 ) -> dict[str, Bias]:
     """Estimate biases of gyros and vanes against attitude, or against trim without attitude."""
-    maneuver = sensing.maneuver
     recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
-    pitch = [s for s in sensing.aircraft.sensors if s.axis == "y" and s.name in recorded]
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    pitch = [s for s in aircraft.sensors if s.axis == "y" and s.name in recorded]
     attitude = next((s for s in pitch if s.kind == ATTITUDE.kind), None)
     climb = _estimate_climb_angle(store, maneuver)
     found: dict[str, Bias] = {}

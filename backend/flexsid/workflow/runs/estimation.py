@@ -39,7 +39,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.diagnostics import compute_output_fit, compute_parameter_quality
 from flexsid.sysid.estimation.error_components import ErrorComponents
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.estimation.parameters import SHAPE_ERROR, select_parameters
+from flexsid.sysid.estimation.shape_errors import list_shape_errors
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.modal_errors import compute_modal_errors
@@ -47,6 +48,7 @@ from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     build_model,
+    compute_shape_sizes,
     define_outputs,
     list_default_outputs,
 )
@@ -70,6 +72,7 @@ from flexsid.workflow.fits.nuisance_parameters import ComputedRetainedModes
 from flexsid.workflow.fits.run_warnings import (
     check_extras,
     list_request_warnings,
+    warn_of_exact_shapes,
     warn_of_unknown_modes,
 )
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
@@ -197,6 +200,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         starts = {name: extend_table(table, nuisance.mean) for name, table in starts.items()}
         predicted = {name: extend_table(t, nuisance.mean) for name, t in predicted.items()}
     assumed = modes.warnings if structure.modes else ()
+    shape_errors = _list_shape_errors(aircraft, first, data[0].model, outputs, modes, structure)
     request_warnings = list_request_warnings(
         run,
         first,
@@ -224,11 +228,13 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
         if retained
         else next((t.named() for n, t in predicted.items() if is_residualized(n)), None),
         nuisance=nuisance,
+        shape_errors=shape_errors,
         prediction_id=None if prediction is None else prediction.id,
         warnings=(
             *assumed,
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
+            *warn_of_exact_shapes(run.method, shape_errors),
         ),
         provenance=Provenance(
             rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
@@ -389,8 +395,11 @@ def _prepare_maneuver(
 ) -> ManeuverTask:
     own, body = structure.modes, find_body(structure.axis)
     require_own_motion(store, maneuver, aircraft, inputs, outputs, body)
+    # A frequency shape has lags, whose states at the ends are not modelled; both axes of a
+    # combined maneuver are compared at equal frequencies.
+    free_ends = not settings.aerodynamics.is_shaped and maneuver.axis != COMBINED
     measurement = read_measurement(
-        store, maneuver, aircraft, inputs, outputs, settings.band_hz, body
+        store, maneuver, aircraft, inputs, outputs, settings.band_hz, body, free_ends=free_ends
     )
     fuel = maneuver.condition.fuel_fraction
     opposed, pairs = None, {}
@@ -455,6 +464,25 @@ def _compute_modal_errors(
     damping = collect("zeta", modes.damping_std)
     tables = [compute_modal_errors(model, frequency, damping) for model in models]
     return replace(tables[0], values=np.mean([table.values for table in tables], axis=0))
+
+
+def _list_shape_errors(
+    aircraft: Aircraft,
+    maneuver: Maneuver,
+    model: AeroelasticModel,
+    outputs: tuple[OutputDefinition, ...],
+    modes: AircraftModes,
+    structure: Structure,
+) -> dict[str, float]:
+    """List the standard deviations of the errors of mode shapes; free shapes have none."""
+    if not any(modes.shape_std.values()):
+        return {}
+    condition = maneuver.condition
+    shapes = modes.table.at(condition.fuel_fraction).select(model.modes.numbers)
+    sizes = compute_shape_sizes(aircraft, condition, shapes, outputs, model.body)
+    found = list_shape_errors(model, sizes, modes.shape_std)
+    free = {name.replace("shape", SHAPE_ERROR, 1) for name in structure.extra_parameters}
+    return {name: std for name, std in found.items() if name not in free}
 
 
 def _shape(

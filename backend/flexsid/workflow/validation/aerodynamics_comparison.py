@@ -43,12 +43,12 @@ from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
 from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.fits.estimators import fit_likelihood
+from flexsid.workflow.fits.experiments import build_experiments
 from flexsid.workflow.fits.feedback_correction import (
     estimate_task_noise,
     fit_without_feedback_noise,
 )
 from flexsid.workflow.fits.likelihood_fit import (
-    build_experiments,
     maximize_from_starts,
     refit_with_leakage_correction,
 )

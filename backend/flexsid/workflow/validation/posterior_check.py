@@ -27,8 +27,8 @@ from flexsid.workflow.fits.estimation_task import (
     get_first_start,
     select_free_parameters,
 )
+from flexsid.workflow.fits.experiments import build_experiments
 from flexsid.workflow.fits.feedback_correction import fit_without_feedback_noise
-from flexsid.workflow.fits.likelihood_fit import build_experiments
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.identified_models import collect_values, read_covariance
 from flexsid.workflow.runs.run_identity import list_run_contents

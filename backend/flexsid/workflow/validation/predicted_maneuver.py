@@ -20,7 +20,7 @@ from flexsid.sysid.estimation.parameters import Parameters
 from flexsid.sysid.estimation.validation import predict_outputs
 from flexsid.workflow.aircraft.aircraft_models import define_outputs
 from flexsid.workflow.fits.estimation_task import EstimationTask, select_free_parameters
-from flexsid.workflow.fits.likelihood_fit import build_experiments
+from flexsid.workflow.fits.experiments import build_experiments
 from flexsid.workflow.model_structures.model_structures import resolve_structure
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.runs.default_band import set_default_band

@@ -1,7 +1,13 @@
 /** What pages read of maneuvers: the list, one of them, and how its channels were corrected. */
 import { infiniteQueryOptions, keepPreviousData, queryOptions } from "@tanstack/react-query";
 import { address, api, body, items, json } from "../client";
-import type { FigureSpec, ManeuverFilters, ModelAxis, TransferFunction } from "../types";
+import type {
+  Compatibility,
+  FigureSpec,
+  ManeuverFilters,
+  ModelAxis,
+  TransferFunction,
+} from "../types";
 import type { StoredResultOptions } from "../useStoredResult";
 import { PAGED } from "./habits";
 
@@ -80,6 +86,19 @@ export const transferFunctionResult = (
     key: ["transfer-functions", query],
     enabled: true,
     read: (signal) => body(api.GET("/api/v1/transfer-functions", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
+
+/** The sensors of maneuvers of one recorder compared by kinematics. */
+export const compatibilityResult = (ids: number[]): StoredResultOptions<Compatibility> => {
+  const params = { query: { maneuver_ids: ids.join(",") } };
+  const path = "/api/v1/compatibility/results";
+  return {
+    key: ["compatibility", ids],
+    enabled: true,
+    read: (signal) => body(api.GET("/api/v1/compatibility", { params, signal })),
     find: (signal) => body(api.GET(path, { params, signal })),
     submit: () => body(api.POST(path, { params })),
   };

@@ -104,6 +104,7 @@ const KINDS: Record<string, string> = {
   "cross-validation": "Cross-validation",
   "aerodynamics-comparison": "Comparison of aerodynamics",
   "posterior-check": "Posterior check",
+  compatibility: "Compatibility of sensors",
   "transfer-function": "Transfer function",
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
@@ -230,6 +231,17 @@ function JobSubject({ job }: { job: Job }) {
             low: readNumber(request, "low_hz"),
             high: readNumber(request, "high_hz"),
           }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "compatibility":
+      return (
+        <Link
+          to="/maneuvers/$id"
+          params={{ id: (request.maneuver_ids as number[])[0] ?? 0 }}
+          search={{ tab: "compatibility" }}
           className="link"
         >
           {label}

@@ -1,7 +1,14 @@
 /** Corrections that follow from what was found about channels. */
 import type { ChannelQuality, StepRequest } from "../../api/types";
 
-const NONE = { delay_s: 0, scale: 1, bias: 0, stretches: [] as [number, number][], basis: "" };
+const NONE = {
+  delay_s: 0,
+  scale: 1,
+  bias: 0,
+  stretches: [] as [number, number][],
+  basis: "",
+  is_shared: false,
+};
 const SIGMAS = 3;
 /** Of some fifty channels one stands out of three by chance. */
 const SKEW_SIGMAS = 4;

@@ -1,0 +1,1 @@
+"""Data compatibility: flight-path reconstruction by kinematics, without aerodynamics."""

@@ -1,0 +1,51 @@
+"""A fault of a sensor is shown on the page of its maneuver, corrected with one click and undone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from kinematic_flight import PlantedFault, record_flight, write_flight
+from playwright.sync_api import Browser, expect
+from shipped import serving
+
+from .conftest import opened_page
+
+pytestmark = pytest.mark.e2e
+SCREENSHOTS = Path(__file__).parent / "screenshots"
+
+
+def test_a_late_vane_is_corrected_and_the_correction_undone(
+    browser: Browser, tmp_path: Path
+) -> None:
+    columns = record_flight(1, "longitudinal", PlantedFault("alpha", delay_s=0.022))
+    record, mapping = write_flight(tmp_path / "late", columns, "longitudinal", "late")
+    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
+        client = server.connect()
+        upload = client.upload(record)["upload"]["id"]
+        body = {"mapping": mapping.read_text()}
+        job = client.send("post", f"uploads/{upload}/import", body)
+        client.wait_for_end(f"jobs/{job['id']}")
+        with opened_page(browser, server.url) as page:
+            page.goto("/maneuvers/1")
+            page.get_by_test_id("tab-time").focus()
+            for _ in range(2):
+                page.keyboard.press("ArrowRight")
+            faulty = page.get_by_test_id("compatibility-faulty")
+            expect(faulty).to_contain_text("alpha is recorded")
+            assert "tab=compatibility" in page.url
+            row = page.get_by_test_id("compatibility-sensors").get_by_role("row", name="alpha")
+            expect(row).to_contain_text("vane")
+            SCREENSHOTS.mkdir(exist_ok=True)
+            for scheme in ("light", "dark"):
+                page.emulate_media(color_scheme=scheme)
+                for width in (1440, 1024):
+                    page.set_viewport_size({"width": width, "height": 900})
+                    wide = page.evaluate("document.documentElement.scrollWidth")
+                    assert wide <= width
+                    name = f"compatibility-{scheme}-{width}.png"
+                    page.screenshot(path=SCREENSHOTS / name, full_page=True)
+            page.get_by_test_id("correct-alpha").click()
+            expect(page.get_by_test_id("compatibility-compatible")).to_be_visible()
+            page.get_by_role("button", name="Undo the delay of alpha").click()
+            expect(faulty).to_contain_text("alpha is recorded")
