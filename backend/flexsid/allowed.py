@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from flexsid.text import LARGEST_ID, LONGEST_NAME, LONGEST_NOTE, check_line, check_lines
 from flexsid.units import LARGEST
@@ -20,8 +20,9 @@ from flexsid.units import LARGEST
 class Allowed:
     """Values that a field may have, and its description for users.
 
-    ``choices`` are the texts that a text may be, ``check`` returns a text in its one spelling or
-    raises ``ValueError``; lengths are those of a text or the numbers of items.
+    ``choices`` are the texts that a text may be, ``strip`` removes blanks around a text before it
+    is checked, ``check`` returns a text in its one spelling or raises ``ValueError``; lengths are
+    those of a text or the numbers of items.
     """
 
     ge: float | None = None
@@ -32,6 +33,7 @@ class Allowed:
     max_length: int | None = None
     pattern: str | None = None
     choices: tuple[str, ...] = ()
+    strip: Literal[True] | None = None
     check: Callable[[str], str] | None = None
     text: str = ""
 
@@ -58,4 +60,7 @@ MassUnit = Annotated[str, Allowed(choices=("kg", "t", "lb", "slug", "slinch"))]
 LengthUnit = Annotated[str, Allowed(choices=("m", "mm", "in", "ft"))]
 Axes = Annotated[str, Allowed(max_length=60, check=check_line)]
 Author = Annotated[str, Allowed(max_length=LONGEST_NAME, check=check_line)]
+Version = Annotated[int, Allowed(ge=1, le=2**31 - 1)]
 Text = Annotated[str, Allowed(max_length=LONGEST_NOTE, check=check_lines)]
+RequiredName = Annotated[Name, Allowed(strip=True)]
+RequiredText = Annotated[Text, Allowed(strip=True, min_length=1)]

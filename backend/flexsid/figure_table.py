@@ -357,18 +357,19 @@ class _HeldOutFit(_HeldOutResiduals):
     outputs: _Names = None
 
 
-class _Derivatives(QueryParameters):
+class _Compared(QueryParameters):
     run_ids: _RunIds
     prediction_ids: _Ids = None
+
+
+class _Derivatives(_Compared):
     coefficient: _Text = Field(
         None, description="CZ, Cm, CQ7 ..., or `first`: that of the first derivative."
     )
 
 
-class _Forest(QueryParameters):
-    run_ids: _RunIds
+class _Forest(_Compared):
     name: _Derivative
-    prediction_ids: _Ids = None
 
 
 @parameters_of(FlutterQuery)

@@ -283,6 +283,8 @@ def _constrain(made: Any, kind: Any, rules: Mapping[str, Any], *, strict: bool) 
     if kind is float:
         bounds["allow_inf_nan"] = False
     metadata: list[Any] = [pydantic.Field(**bounds)] if bounds else []
+    if "strip" in rules:
+        metadata.append(pydantic.StringConstraints(strip_whitespace=True))
     if "check" in rules:
         metadata.append(pydantic.AfterValidator(rules["check"]))
     return Annotated[(made, *metadata)] if metadata else made
@@ -324,6 +326,6 @@ def _list_alternatives(kind: Any) -> tuple[Any, ...]:
 
 
 def _list_rules(allowed: Allowed) -> dict[str, Any]:
-    every = (*_BOUNDS, "choices", "check")
+    every = (*_BOUNDS, "choices", "strip", "check")
     given = {key: getattr(allowed, key) for key in every}
     return {key: value for key, value in given.items() if value not in (None, ())}

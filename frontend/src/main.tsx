@@ -8,7 +8,7 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { ApiProblem } from "./api/problem";
 import { axesQuery, healthQuery, sessionQuery } from "./api/queries";
-import { SessionGate } from "./components/SessionGate";
+import { SessionGate } from "./components/account/SessionGate";
 import { colorSchemeManager } from "./lib/colorScheme";
 import { setAxes } from "./lib/derivatives";
 import { router } from "./routes";

@@ -7,8 +7,8 @@ import {
   redirect,
   retainSearchParams,
 } from "@tanstack/react-router";
-import { PageError } from "./components/PageError";
-import { AppFrame } from "./components/AppFrame";
+import { PageError } from "./components/frame/PageError";
+import { AppFrame } from "./components/frame/AppFrame";
 import { retryImport } from "./lib/retryImport";
 import { parseSearch, stringifySearch } from "./lib/urlState";
 import { NotFoundPage } from "./pages/NotFoundPage";

@@ -9,7 +9,7 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from tests.api.conftest import Serve
 
-from flexsid.api import responses
+from flexsid.api.models import responses
 from flexsid.demo.flights import fly
 from flexsid.demo.whole_flight import add_recording, record_flight
 from flexsid.records.maneuver import Flight, ManeuverProposal

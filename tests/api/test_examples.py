@@ -10,7 +10,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from flexsid.api.examples import make_example
+from flexsid.api.openapi.examples import make_example
 
 FOR_PROGRAMS = {
     *("application/octet-stream", "application/pdf", "application/x-matlab-data"),
@@ -48,9 +48,9 @@ def _contents(operation: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]
 def test_every_route_has_examples(described: dict[str, Any]) -> None:
     for method, path, operation in _operations(described):
         for part in _required(operation):
-            assert "example" in part, f"{method} {path}: {part['name']}, in api/request_examples.py"
+            assert "example" in part, f"{method} {path}: {part['name']}, in request_examples.py"
         for what, content in _contents(operation):
-            assert "example" in content, f"{method} {path}: {what}; see api/request_examples.py"
+            assert "example" in content, f"{method} {path}: {what}; see request_examples.py"
 
 
 def test_examples_conform_to_description(described: dict[str, Any]) -> None:

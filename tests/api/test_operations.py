@@ -12,7 +12,7 @@ from fastapi.testclient import TestClient
 from tests.api.accounts import API, PASSWORD, SAME_ORIGIN, add_member
 from tests.api.conftest import Serve
 
-from flexsid.api.request_log import LARGEST_HEADERS, JsonFormatter
+from flexsid.api.middleware.request_log import LARGEST_HEADERS, JsonFormatter
 from flexsid.jobs.health import PartHealth, PartState, QueueHealth
 from flexsid.records.account import AccountRole
 from flexsid.settings import Mode

@@ -6,7 +6,7 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from waiting import ended, wait_until
 
-from flexsid.api import responses
+from flexsid.api.models import responses
 from flexsid.records.quality import ManeuverQuality
 
 API = "/api/v1"

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from starlette.types import Message, Receive, Scope, Send
 
-from flexsid.api.request_coalescing import RequestCoalescing
+from flexsid.api.middleware.request_coalescing import RequestCoalescing
 
 
 class Service:

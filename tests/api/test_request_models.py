@@ -9,7 +9,7 @@ from typing import Annotated
 import pytest
 from pydantic import ValidationError
 
-from flexsid.allowed import Allowed, Fuel, Name, RunIds
+from flexsid.allowed import Allowed, Fuel, Name, RequiredText, RunIds
 from flexsid.errors import BadInput
 from flexsid.jobs.kind import build_job
 from flexsid.jobs.kinds import FLUTTER
@@ -103,6 +103,24 @@ def test_a_request_that_no_door_has_checked_is_refused(wrong: Outer, said: str):
         check_request(wrong)
     assert refused.value.message.startswith(said)
     assert refused.value.code == "out-of-range"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reasoned:
+    reason: RequiredText
+
+
+@body_of(Reasoned)
+class ReasonedRequest(RequestBody):
+    """A request with a reason."""
+
+
+def test_blanks_around_a_required_text_are_removed_and_it_is_not_blank():
+    assert ReasonedRequest.model_validate({"reason": " Low SNR.\n"}).model_dump() == {
+        "reason": "Low SNR."
+    }
+    with pytest.raises(ValidationError):
+        ReasonedRequest.model_validate({"reason": " \n"})
 
 
 def test_every_job_is_checked_before_it_is_queued(store):

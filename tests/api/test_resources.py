@@ -7,7 +7,7 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from waiting import ended
 
-from flexsid.api import responses, run_responses
+from flexsid.api.models import responses, run_responses
 from flexsid.api.routes.figures import Figure
 from flexsid.api.routes.jobs import QueueStatus
 from flexsid.records.aircraft import Aircraft, DerivativePrediction

@@ -22,7 +22,7 @@ from ports import find_free_port
 from scipy.io import loadmat
 from waiting import PATIENCE_S, wait_until
 
-from flexsid.api.request_examples import AIRCRAFT_DEFINITION
+from flexsid.api.openapi.request_examples import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
 from flexsid.errors import BadInput
 from flexsid.records.decision import ModelProposal, StructureReference, Vote

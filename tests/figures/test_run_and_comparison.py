@@ -24,7 +24,7 @@ from flexsid.records.comparison import (
     TrendLine,
     TrendPoint,
 )
-from flexsid.records.run import Iteration, Method, Pole
+from flexsid.records.run import Method, Pole
 from flexsid.records.views import (
     ComparedRecord,
     Convergence,
@@ -37,6 +37,7 @@ from flexsid.records.views import (
     SimulatedOutput,
     TimeComparison,
 )
+from flexsid.sysid.estimation.estimate import IterationStep
 
 G = 9.80665
 
@@ -139,8 +140,8 @@ def test_poles_have_frequency_and_damping(drawable):
 
 def test_iterations_draw_the_cost(drawable):
     steps = (
-        Iteration(iteration=0, cost=10.0, step=np.inf),
-        Iteration(iteration=1, cost=4.0, step=0.1),
+        IterationStep(iteration=0, cost=10.0, step=np.inf),
+        IterationStep(iteration=1, cost=4.0, step=0.1),
     )
     spec = draw_iterations(Convergence(run_id=5, iterations=steps))
     drawable(spec)

@@ -126,8 +126,8 @@ def test_a_good_prediction_is_selected_as_mean_and_a_wrong_one_is_not():
     runs = fly(rng, truth, 12)
     good = replace(runs, mean=1.05 * truth.at(runs.conditions))
     wrong = replace(runs, mean=VALUES * (1.0 + rng.standard_normal(runs.values.shape)))
-    assert select_global_model([runs, good]).score.candidate == 1
-    assert select_global_model([runs, wrong]).score.candidate == 0
+    assert select_global_model([runs, good]).candidate == 1
+    assert select_global_model([runs, wrong]).candidate == 0
 
 
 def test_terms_that_were_not_flown_are_omitted_and_extrapolation_is_marked():

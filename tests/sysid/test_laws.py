@@ -48,7 +48,7 @@ def test_transfer_functions_are_realised_exactly():
 
 def test_a_scheduled_law_is_linear_between_airspeeds_and_held_beyond():
     laws = [
-        Law(v, -np.eye(1), np.eye(1), np.full((1, 1), gain), np.zeros((1, 1)))
+        Law(v, (-np.eye(1), np.eye(1), np.full((1, 1), gain), np.zeros((1, 1))))
         for v, gain in ((40.0, 3.0), (20.0, 1.0))
     ]
     gains = [float(schedule_law(laws, v, ("q",), ("bfs",)).C[0, 0]) for v in (10.0, 30.0, 90.0)]

@@ -23,8 +23,8 @@ H = GAIN * (S + ZERO) * np.exp(-DELAY * S) / (S**2 + 2 * DAMPING * FREQUENCY * S
 def test_a_response_without_noise_gives_the_function_back():
     found = fit_transfer_function(SHORT_PERIOD, OMEGA, H)
     assert found.gain == pytest.approx(GAIN, rel=1e-9)
-    assert found.zeros[0].value == pytest.approx(-ZERO, rel=1e-9)
-    assert found.poles[0].frequency == pytest.approx(FREQUENCY, rel=1e-9)
+    assert found.zeros[0].real_rad_s == pytest.approx(-ZERO, rel=1e-9)
+    assert found.poles[0].frequency_rad_s == pytest.approx(FREQUENCY, rel=1e-9)
     assert found.poles[0].damping == pytest.approx(DAMPING, rel=1e-9)
     assert found.delay == pytest.approx(DELAY, rel=1e-9)
     assert found.cost < 1e-12
@@ -45,8 +45,8 @@ def test_two_standard_errors_hold_the_truth(fits, colour):
         (zero,), (pole,) = found.zeros, found.poles
         pairs = (
             (found.gain - GAIN, found.gain_std),
-            (zero.frequency - ZERO, zero.frequency_std),
-            (pole.frequency - FREQUENCY, pole.frequency_std),
+            (zero.frequency_rad_s - ZERO, zero.frequency_std_rad_s),
+            (pole.frequency_rad_s - FREQUENCY, pole.frequency_std_rad_s),
             (pole.damping - DAMPING, pole.damping_std),
             (found.delay - DELAY, found.delay_std),
         )
@@ -59,7 +59,7 @@ def test_the_delay_stands_for_dynamics_that_are_omitted():
     actuator, filtered = 20.0 / (S + 20.0), 900.0 / (S**2 + 42.0 * S + 900.0)
     found = fit_transfer_function(SHORT_PERIOD, OMEGA, H * actuator * filtered)
     assert found.delay == pytest.approx(DELAY + 1 / 20 + 42 / 900, abs=0.015)
-    assert found.poles[0].frequency == pytest.approx(FREQUENCY, rel=0.03)
+    assert found.poles[0].frequency_rad_s == pytest.approx(FREQUENCY, rel=0.03)
     assert found.mismatch == pytest.approx(0.05, abs=0.02)
     assert found.cost < 10.0
     without = fit_transfer_function(TransferFunctionForm(1, 2, 0, False), OMEGA, H * actuator)
@@ -81,7 +81,7 @@ def test_short_period_of_a_published_aircraft(flight):
     for response, integrators in ((q, 0), (q / (1j * omega), 1)):
         found = fit_transfer_function(TransferFunctionForm(1, 2, integrators), omega, response)
         (pole,) = found.poles
-        assert pole.frequency == pytest.approx(FLIGHTS[flight]["natural"], rel=0.005)
+        assert pole.frequency_rad_s == pytest.approx(FLIGHTS[flight]["natural"], rel=0.005)
         assert pole.damping == pytest.approx(FLIGHTS[flight]["zeta"], rel=0.01)
         assert abs(found.delay) < 1e-6
 
@@ -89,7 +89,7 @@ def test_short_period_of_a_published_aircraft(flight):
 def test_two_real_poles_and_unstable_ones_are_found():
     roll = 5.0 * np.exp(-0.02 * S) / ((S + 2.0) * (S - 0.4))
     found = fit_transfer_function(TransferFunctionForm(0, 2), OMEGA, roll)
-    assert [pole.value.real for pole in found.poles] == pytest.approx([0.4, -2.0], rel=1e-6)
+    assert [pole.real_rad_s for pole in found.poles] == pytest.approx([0.4, -2.0], rel=1e-6)
     assert [pole.damping for pole in found.poles] == [-1.0, 1.0]
 
 

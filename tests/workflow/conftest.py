@@ -15,7 +15,6 @@ from flexsid.records.run import (
     EstimationRun,
     Fit,
     FitBlock,
-    Iteration,
     Method,
     OutputQuality,
     ParameterEstimate,
@@ -24,6 +23,7 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.estimate import IterationStep
 
 OMEGA = 2 * np.pi * np.array([2.0, 1.0, 4.0])  # not in order, as FRE may store them
 MEASURED = np.array([[2.0 + 0j, 1j], [1.0 + 0j, 1j], [-1.0 + 1e-9j, 1j]])
@@ -65,7 +65,7 @@ def add_result(store: Store, add_run: Callable[..., EstimationRun]) -> Callable[
             fit=Fit(
                 outcome="converged",
                 message="",
-                iterations=(Iteration(iteration=0, cost=9.0, step=1.0),),
+                iterations=(IterationStep(iteration=0, cost=9.0, step=1.0),),
                 cost=9.0,
                 r_squared={"q": 0.9, "az_egi": 0.8},
                 n_lines=3,

@@ -25,11 +25,11 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
-from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
-from flexsid.workflow.aircraft.flight_condition import (
+from flexsid.sysid.model.standard_atmosphere import (
     compute_standard_altitude,
     compute_standard_density,
 )
+from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.runs.identified_models import load_identified_model
 from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
 

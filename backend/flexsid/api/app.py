@@ -12,18 +12,20 @@ from fastapi import FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
 import flexsid
-from flexsid.api.body_limit import BodyLimit
 from flexsid.api.context import Context
-from flexsid.api.description import add_examples
-from flexsid.api.docs import add_docs
 from flexsid.api.errors import add_error_handlers
 from flexsid.api.live_events import LiveEvents
 from flexsid.api.login_addresses import LoginAddresses
 from flexsid.api.metrics import add_metrics
+from flexsid.api.middleware.body_limit import BodyLimit
+from flexsid.api.middleware.request_coalescing import RequestCoalescing
+from flexsid.api.middleware.request_log import RequestLog, RequestMetrics
+from flexsid.api.middleware.security import SecurityMiddleware
+from flexsid.api.middleware.write_limit import THREADS, WriteLimit
+from flexsid.api.openapi.description import add_examples
+from flexsid.api.openapi.docs import add_docs
 from flexsid.api.page import add_page
 from flexsid.api.parameters import DESCRIPTION
-from flexsid.api.request_coalescing import RequestCoalescing
-from flexsid.api.request_log import RequestLog, RequestMetrics
 from flexsid.api.router import make_operation_id
 from flexsid.api.routes import (
     aircraft,
@@ -69,8 +71,6 @@ from flexsid.api.routes import (
     vibration_tests,
 )
 from flexsid.api.scheduled_backups import schedule_backups
-from flexsid.api.security import SecurityMiddleware
-from flexsid.api.write_limit import THREADS, WriteLimit
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.jobs.kinds import load_kinds

@@ -6,7 +6,7 @@ from fastapi import Depends, FastAPI, Response
 
 from flexsid.api.authorization import authorize
 from flexsid.api.context import TheContext
-from flexsid.api.request_log import RequestMetrics
+from flexsid.api.middleware.request_log import RequestMetrics
 from flexsid.storage import job_list, leases
 from flexsid.storage.access import using_access
 

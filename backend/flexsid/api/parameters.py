@@ -1,20 +1,26 @@
-"""Refusal of unknown and repeated query parameters, and of integers in a lenient form."""
+"""Query parameters: requests read from them, and refusal of unknown, repeated and lenient ones."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from functools import cache
 from http import HTTPStatus
-from typing import Any, get_args
+from inspect import Parameter, Signature
+from typing import Annotated, Any, TypeVar, get_args
 
-from fastapi import HTTPException, Request, params
+from fastapi import HTTPException, Query, Request, params
 from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
 from flexsid.api.errors import FieldError
+from flexsid.api.serialization import Identity
 from flexsid.errors import BadInput
+from flexsid.request_models import build_request, derive_parameters
 from flexsid.text import LONGEST_NOTE, check_line
+
+T = TypeVar("T")
 
 DESCRIPTION = (
     "A query parameter that a route does not have is refused with 422 and the code"
@@ -130,3 +136,21 @@ def _list_parameters(route: APIRoute) -> tuple[str, ...]:
         known = tuple(each.alias for each in found if not isinstance(each.field_info, other))
         _known[route.endpoint] = known
     return known
+
+
+@cache
+def query_as(request: type[T], *path: str) -> Callable[..., Awaitable[T]]:
+    """Return a dependency that reads a request from the query, and its named ids from the path."""
+    model = derive_parameters(request, path)
+
+    async def read(parameters: Any, **ids: int) -> Any:
+        return build_request(request, {**dict(parameters), **ids})
+
+    positions = Parameter.KEYWORD_ONLY
+    vars(read)["__signature__"] = Signature(
+        [
+            Parameter("parameters", positions, annotation=Annotated[model, Query()]),
+            *(Parameter(name, positions, annotation=Identity) for name in path),
+        ]
+    )
+    return read

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import Context, TheContext, TheStore
-from flexsid.api.queries import query_as
+from flexsid.api.parameters import query_as
 from flexsid.api.serialization import Json
 from flexsid.jobs.kind import Kind, find_job, submit
 from flexsid.storage import job_list

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from flexsid.api.prediction_requests import ComputePredictionRequest
+from flexsid.api.models.prediction_requests import ComputePredictionRequest
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_error, print_result
 from flexsid.cli.runs import report_progress

@@ -13,8 +13,8 @@ import uvicorn
 from fastapi import FastAPI
 
 from flexsid.api.app import create_app
-from flexsid.api.connections import ClientConnection, allow_connections
-from flexsid.api.request_log import JsonFormatter
+from flexsid.api.middleware.connections import ClientConnection, allow_connections
+from flexsid.api.middleware.request_log import JsonFormatter
 from flexsid.cli.database import open_store
 from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign

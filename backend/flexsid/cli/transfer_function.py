@@ -12,8 +12,9 @@ from flexsid.cli.runs import report_progress
 from flexsid.jobs.inline import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import TRANSFER_FUNCTION
-from flexsid.records.transfer_function import TransferFunction, TransferFunctionRoot
+from flexsid.records.transfer_function import TransferFunction
 from flexsid.settings import Settings
+from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from flexsid.figures import style
 from flexsid.figures.spec import Spec, column, empty, scatter, title
-from flexsid.records.run import Iteration
 from flexsid.records.views import Convergence
+from flexsid.sysid.estimation.estimate import IterationStep
 
 
 def draw_iterations(value: Convergence) -> Spec:
@@ -52,7 +52,7 @@ def draw_iterations(value: Convergence) -> Spec:
     return {"data": data, "layout": layout}
 
 
-def _find_minimum(steps: Sequence[Iteration]) -> float:
+def _find_minimum(steps: Sequence[IterationStep]) -> float:
     return min((step.cost for step in steps if np.isfinite(step.cost)), default=0.0)
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexsid import units
@@ -14,27 +11,10 @@ from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.quantity import Quantity
 from flexsid.importers.source import Sources, refuse_field
 from flexsid.importers.table import refuse
-from flexsid.records.modal_data import ModalKind
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RawModalTable:
-    """A modal table in SI and body axes; ``arrays`` are shaped as in records.ModalTable."""
-
-    name: str
-    kind: ModalKind
-    fuel: tuple[float, ...]
-    numbers: tuple[int, ...]
-    names: tuple[str, ...]
-    symmetric: tuple[bool, ...]
-    points: tuple[str, ...]
-    gauges: tuple[str, ...]
-    arrays: Mapping[str, np.ndarray]
-    origin: str
-
-
-def extract_modal_table(part: ModalTableMapping, sources: Sources) -> RawModalTable:
-    """Extract a modal table from its files, in SI and body axes.
+def extract_modes(part: ModalTableMapping, sources: Sources) -> dict[str, np.ndarray]:
+    """Extract the arrays of a modal table from its files, in SI and body axes.
 
     Raises
     ------
@@ -54,9 +34,7 @@ def extract_modal_table(part: ModalTableMapping, sources: Sources) -> RawModalTa
         if quantity is not None:
             scale = 2.0 * np.pi if quantity.unit == "Hz" else 1.0
             arrays[name] = scale * _per_mode(quantity, part, sources)
-    points: tuple[str, ...] = ()
     if part.shape is not None:
-        points = tuple(part.shape.points)
         shapes, ids, nodes = _shapes(part, part.shape, sources)
         rows = {node: row for row, node in enumerate(ids)}
         for name, node in part.shape.points.items():
@@ -70,18 +48,7 @@ def extract_modal_table(part: ModalTableMapping, sources: Sources) -> RawModalTa
         arrays["nodes"] = nodes
     if part.strain is not None:
         arrays["strain"] = _strains(part, part.strain, sources)
-    return RawModalTable(
-        name=part.name,
-        kind=part.kind,
-        fuel=part.fuel,
-        numbers=part.numbers,
-        names=part.names,
-        symmetric=part.symmetric,
-        points=points,
-        gauges=() if part.strain is None else part.strain.gauges,
-        arrays=arrays,
-        origin=part.origin,
-    )
+    return arrays
 
 
 def _per_mode(quantity: Quantity, part: ModalTableMapping, sources: Sources) -> np.ndarray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexsid.importers.mapping import PredictionMapping, TermMapping
@@ -11,20 +9,10 @@ from flexsid.importers.modal_table import read_layers
 from flexsid.importers.source import Sources, refuse_field
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RawPrediction:
-    """Derivatives by name, nondimensional with half the chord; ``values`` is (F, n_names)."""
-
-    source: str
-    kind: str
-    fuel: tuple[float, ...]
-    names: tuple[str, ...]
-    values: np.ndarray
-    note: str
-
-
-def extract_prediction(part: PredictionMapping, sources: Sources, chord_m: float) -> RawPrediction:
-    """Extract derivatives from their files.
+def extract_derivatives(
+    part: PredictionMapping, sources: Sources, chord_m: float
+) -> dict[str, np.ndarray]:
+    """Extract derivatives against fuel from their files, nondimensional with half the chord.
 
     A derivative with respect to q L / V is multiplied by 2 L / chord to refer
     to q chord / (2 V), the convention of Eq. 12.
@@ -53,14 +41,7 @@ def extract_prediction(part: PredictionMapping, sources: Sources, chord_m: float
                     problem = f"gives '{name}' of prediction '{part.source}' a second time."
                     raise refuse_field(term.field, problem, "duplicate-derivative")
                 found[name] = values[:, row, column]
-    return RawPrediction(
-        source=part.source,
-        kind=part.kind,
-        fuel=part.fuel,
-        names=tuple(found),
-        values=np.stack(list(found.values()), axis=1),
-        note=part.note,
-    )
+    return found
 
 
 def _layers(term: TermMapping, n_fuel: int, sources: Sources) -> np.ndarray:

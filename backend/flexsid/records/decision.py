@@ -8,7 +8,7 @@ from enum import StrEnum
 from itertools import chain
 from typing import Annotated
 
-from flexsid.allowed import Allowed, Id
+from flexsid.allowed import Allowed, Id, Number, RequiredName, RequiredText, Version
 from flexsid.text import check_line
 
 
@@ -22,7 +22,7 @@ class LimitedQuantity(StrEnum):
     ALPHA = "alpha_rad"
 
 
-Limits = dict[LimitedQuantity, tuple[float, float]]
+Limits = dict[LimitedQuantity, tuple[Number, Number]]
 """Closed intervals; a quantity that is not named is not limited."""
 
 
@@ -30,8 +30,8 @@ Limits = dict[LimitedQuantity, tuple[float, float]]
 class StructureReference:
     """One version of one model structure."""
 
-    id: int
-    version: int
+    id: Id
+    version: Version
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,15 +53,15 @@ class ModelProposal:
     global model are evidence of its proposal.
     """
 
-    title: str
+    title: RequiredName
     structure: StructureReference | None = None
     changes: StructureReference | None = None
-    global_model_id: int | None = None
+    global_model_id: Id | None = None
     limits: Limits
-    reasoning: str
-    run_ids: tuple[int, ...] = ()
-    comparisons: tuple[LinkedComparison, ...] = ()
-    figure_ids: tuple[int, ...] = ()
+    reasoning: RequiredText
+    run_ids: Annotated[tuple[Id, ...], Allowed(max_length=200)] = ()
+    comparisons: Annotated[tuple[LinkedComparison, ...], Allowed(max_length=50)] = ()
+    figure_ids: Annotated[tuple[Id, ...], Allowed(max_length=50)] = ()
 
     @property
     def all_run_ids(self) -> tuple[int, ...]:

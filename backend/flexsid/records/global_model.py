@@ -9,6 +9,7 @@ import numpy as np
 
 from flexsid.records.decision import LimitedQuantity
 from flexsid.sysid.global_model.fit import GlobalModel
+from flexsid.sysid.global_model.selection import PredictiveScore
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +56,7 @@ class GlobalDerivative:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CandidateScore:
+class CandidateScore(PredictiveScore):
     """Prediction of each flight by all others, for one candidate of the model.
 
     ``uses_prediction`` is whether the prediction is the mean of the model. ``degree`` is the
@@ -65,10 +66,6 @@ class CandidateScore:
     """
 
     uses_prediction: bool
-    degree: int
-    log_density: float
-    rms: float
-    share_inside: float
     is_selected: bool
 
 

@@ -8,8 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import Annotated
 
 import numpy as np
+
+from flexsid.allowed import Allowed, Name, Text
 
 
 class ModalKind(StrEnum):
@@ -64,10 +67,10 @@ class ModeCorrection:
     """Correction of name and symmetry of a mode by an analyst, with the reason."""
 
     modal_table_id: int
-    number: int
-    name: str
+    number: Annotated[int, Allowed(ge=0, le=10**9)]
+    name: Name
     symmetric: bool
-    reason: str
+    reason: Text
     author: str = ""
     created_at: datetime | None = None
     id: int | None = None

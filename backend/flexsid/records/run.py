@@ -11,6 +11,8 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
 from flexsid.extensions import ESTIMATORS, list_extension_names
 from flexsid.records.model_structure import Structure
+from flexsid.sysid.estimation.diagnostics import OutputFit
+from flexsid.sysid.estimation.estimate import IterationStep
 from flexsid.units import LARGEST
 
 
@@ -216,28 +218,10 @@ class FitBlock:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Iteration:
-    """One step of the maximisation; the first one of a stage is where it starts.
-
-    Stages after the first fit spectra that were corrected anew for leakage: costs
-    of different stages are of different data and cannot be compared.
-    """
-
-    iteration: int
-    cost: float
-    step: float
-    stage: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OutputQuality:
+class OutputQuality(OutputFit):
     """Fit of one output of one block: R2, Theil's inequality, probability of white residuals."""
 
     block: str
-    output: str
-    r_squared: float
-    theil: float
-    whiteness: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,7 +234,7 @@ class Fit:
 
     outcome: str  # converged, iteration limit, singular information, diverged
     message: str
-    iterations: tuple[Iteration, ...]
+    iterations: tuple[IterationStep, ...]
     cost: float | None
     r_squared: dict[str, float]
     n_lines: int

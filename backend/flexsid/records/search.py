@@ -10,6 +10,7 @@ from typing import Annotated
 from flexsid.allowed import Allowed, Band, Id, Iterations, Noise
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, Method, Progress, RunState
+from flexsid.sysid.structure_determination.selection import Term
 
 
 class Algorithm(StrEnum):
@@ -65,7 +66,7 @@ class SearchStep:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SearchTerm:
+class SearchTerm(Term):
     """One candidate term at the end.
 
     ``value`` is its estimate, or that as the next to enter; None if linearly dependent.
@@ -74,12 +75,6 @@ class SearchTerm:
     all candidates (None: infinite).
     """
 
-    name: str
-    selected: bool
-    value: float | None
-    std_error: float | None
-    f: float
-    support: float
     stability: float | None
     inflation: float | None
 

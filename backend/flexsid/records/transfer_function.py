@@ -5,22 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexsid.records.views import Response
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TransferFunctionRoot:
-    """A zero or pole; of a pair, that above the real axis. [rad/s]
-
-    ``damping`` is its damping ratio, 1 or -1 for a real root, whose time constant is the inverse
-    of ``frequency_rad_s``.
-    """
-
-    real_rad_s: float
-    imag_rad_s: float
-    frequency_rad_s: float
-    frequency_std_rad_s: float
-    damping: float
-    damping_std: float
+from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

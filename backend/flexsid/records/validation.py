@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from flexsid.records.run import Aerodynamics
+from flexsid.sysid.estimation.validation import ResidualCorrelation
 
 
 class Partition(StrEnum):
@@ -132,17 +133,11 @@ class CrossValidation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CorrelationCurve:
-    """Correlation function of the residual of an output, with the bound at each lag. [1]
-
-    ``other`` is the output or input that it is correlated with.
-    """
+class CorrelationCurve(ResidualCorrelation):
+    """Correlation function of the residual of an output with an ``other`` output or an input."""
 
     output: str
     other: str
-    lags_s: np.ndarray
-    values: np.ndarray
-    bound: np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

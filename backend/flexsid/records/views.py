@@ -12,7 +12,8 @@ from enum import StrEnum
 import numpy as np
 
 from flexsid.records.maneuver import Role
-from flexsid.records.run import Iteration, Method, Pole
+from flexsid.records.run import Method, Pole
+from flexsid.sysid.estimation.estimate import IterationStep
 from flexsid.sysid.excitation.targets import Target
 
 
@@ -293,7 +294,7 @@ class Convergence:
     """Cost of a run against its iterations."""
 
     run_id: int
-    iterations: tuple[Iteration, ...]
+    iterations: tuple[IterationStep, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

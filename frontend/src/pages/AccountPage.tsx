@@ -4,13 +4,13 @@ import { useState } from "react";
 import { useChangePassword, useEndAllSessions, useEndSession } from "../api/commands";
 import { sessionQuery, sessionsQuery } from "../api/queries";
 import type { SessionItem } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { Loaded } from "../components/Loaded";
-import { NewPassword, PasswordField } from "../components/NewPassword";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Section } from "../components/Section";
+import { DataTable, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { Loaded } from "../components/display/Loaded";
+import { NewPassword, PasswordField } from "../components/account/NewPassword";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { Section } from "../components/display/Section";
 import { dateMinute } from "../lib/format";
 
 /** Password and sessions of the account; a personal server has no accounts. */

@@ -4,21 +4,25 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import type { ComponentType } from "react";
 import { comparisonQuery } from "../api/queries";
 import type { Comparison } from "../api/types";
-import { ButtonLink } from "../components/ButtonLink";
-import { CompareAgreement } from "../components/CompareAgreement";
-import { CompareDerivatives, FIRST, type CompareTabProps } from "../components/CompareDerivatives";
-import { ComparePoles, CompareResponses } from "../components/CompareModels";
-import { CompareSetup } from "../components/CompareSetup";
-import { CompareTime } from "../components/CompareTime";
-import { CompareTrends } from "../components/CompareTrends";
-import { Empty } from "../components/Empty";
-import { usePrefetchedFigure } from "../components/Figure";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { PredictLinks } from "../components/PredictLinks";
-import { ReportMenu } from "../components/ReportMenu";
-import { SavedViews } from "../components/SavedViews";
-import { SourcePicker } from "../components/SourcePicker";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { CompareAgreement } from "../components/comparison/CompareAgreement";
+import {
+  CompareDerivatives,
+  FIRST,
+  type CompareTabProps,
+} from "../components/comparison/CompareDerivatives";
+import { ComparePoles, CompareResponses } from "../components/comparison/CompareModels";
+import { CompareSetup } from "../components/comparison/CompareSetup";
+import { CompareTime } from "../components/comparison/CompareTime";
+import { CompareTrends } from "../components/comparison/CompareTrends";
+import { Empty } from "../components/display/Empty";
+import { usePrefetchedFigure } from "../components/figures/Figure";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { PredictLinks } from "../components/runs/PredictLinks";
+import { ReportMenu } from "../components/controls/ReportMenu";
+import { SavedViews } from "../components/controls/SavedViews";
+import { SourcePicker } from "../components/controls/SourcePicker";
 import { csv, saveText } from "../lib/csv";
 import { COMPARE_TABS, type CompareView } from "../views";
 

@@ -9,17 +9,17 @@ import {
   maneuversQuery,
 } from "../api/queries";
 import type { Flight, FlightChannel, ManeuverItem } from "../api/types";
-import { ButtonLink } from "../components/ButtonLink";
-import { ChannelPicker } from "../components/ChannelPicker";
-import { CutForm } from "../components/CutForm";
-import { DataTable, numeric, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { Figure } from "../components/Figure";
-import { ManeuverProposals } from "../components/ManeuverProposals";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Section } from "../components/Section";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { ChannelPicker } from "../components/controls/ChannelPicker";
+import { CutForm } from "../components/maneuvers/CutForm";
+import { DataTable, numeric, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { Figure } from "../components/figures/Figure";
+import { ManeuverProposals } from "../components/maneuvers/ManeuverProposals";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { Section } from "../components/display/Section";
 import { byRole, named } from "../lib/channels";
 import { count, fixed, flightName, percent } from "../lib/format";
 import type { FlightView } from "../views";

@@ -12,27 +12,33 @@ import type { QueryValue } from "../api/client";
 import type { Flutter, Prediction } from "../api/types";
 import { useConversion } from "../api/units";
 import { useStoredResult } from "../api/useStoredResult";
-import { ButtonLink } from "../components/ButtonLink";
-import { DataTable, numeric, type Column } from "../components/DataTable";
-import { DerivedRuns } from "../components/DerivedRuns";
-import { NumberField } from "../components/NumberField";
-import { OutOfBandSwitch } from "../components/OutOfBandSwitch";
-import { ApprovedModelNote } from "../components/ApprovedModelNote";
-import { useDefaultRuns } from "../components/useDefaultRuns";
-import { VariationSelect } from "../components/VariationSelect";
-import { ComputeButton } from "../components/ComputeButton";
-import { Empty } from "../components/Empty";
-import { Figure } from "../components/Figure";
-import { JobWait } from "../components/JobWait";
-import { Loaded } from "../components/Loaded";
-import { AdequacyBadge } from "../components/ModelAdequacy";
-import { PageHead } from "../components/PageHead";
-import { PredictionAxisPicker } from "../components/PredictionAxisPicker";
-import { StoredPredictedFlutter } from "../components/PredictedFlutter";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Quantity, quantity, Sentence, UnitName, WithInterval } from "../components/Quantity";
-import { ReportMenu } from "../components/ReportMenu";
-import { Section } from "../components/Section";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { DataTable, numeric, type Column } from "../components/controls/DataTable";
+import { DerivedRuns } from "../components/runs/DerivedRuns";
+import { NumberField } from "../components/controls/NumberField";
+import { OutOfBandSwitch } from "../components/new-run/OutOfBandSwitch";
+import { ApprovedModelNote } from "../components/new-run/ApprovedModelNote";
+import { useDefaultRuns } from "../components/new-run/useDefaultRuns";
+import { VariationSelect } from "../components/predictions/VariationSelect";
+import { ComputeButton } from "../components/controls/ComputeButton";
+import { Empty } from "../components/display/Empty";
+import { Figure } from "../components/figures/Figure";
+import { JobWait } from "../components/jobs/JobWait";
+import { Loaded } from "../components/display/Loaded";
+import { AdequacyBadge } from "../components/runs/ModelAdequacy";
+import { PageHead } from "../components/frame/PageHead";
+import { PredictionAxisPicker } from "../components/predictions/PredictionAxisPicker";
+import { StoredPredictedFlutter } from "../components/predictions/PredictedFlutter";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import {
+  Quantity,
+  quantity,
+  Sentence,
+  UnitName,
+  WithInterval,
+} from "../components/display/Quantity";
+import { ReportMenu } from "../components/controls/ReportMenu";
+import { Section } from "../components/display/Section";
 import { converted, fixed, hertz, percent } from "../lib/format";
 import { integers } from "../lib/urlState";
 import type { FlutterView } from "../views";

@@ -6,20 +6,23 @@ import { useSaveGlobalPrediction } from "../api/commands";
 import { globalModelResult } from "../api/queries";
 import type { GlobalModelSummary } from "../api/types";
 import { useStoredResult } from "../api/useStoredResult";
-import { ComputeButton } from "../components/ComputeButton";
-import { DataTable, numeric, type Column } from "../components/DataTable";
-import { DerivativeName } from "../components/DerivativeName";
-import { DerivativeSelect } from "../components/DerivativeSelect";
-import { Empty } from "../components/Empty";
-import { Figure } from "../components/Figure";
-import { DEFAULT_VARIABLES, GlobalModelSettings } from "../components/GlobalModelSettings";
-import { GlobalModelVersions } from "../components/GlobalModelVersions";
-import { JobWait } from "../components/JobWait";
-import { Loaded } from "../components/Loaded";
-import { NumberField } from "../components/NumberField";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Section } from "../components/Section";
+import { ComputeButton } from "../components/controls/ComputeButton";
+import { DataTable, numeric, type Column } from "../components/controls/DataTable";
+import { DerivativeName } from "../components/display/DerivativeName";
+import { DerivativeSelect } from "../components/controls/DerivativeSelect";
+import { Empty } from "../components/display/Empty";
+import { Figure } from "../components/figures/Figure";
+import {
+  DEFAULT_VARIABLES,
+  GlobalModelSettings,
+} from "../components/predictions/GlobalModelSettings";
+import { GlobalModelVersions } from "../components/predictions/GlobalModelVersions";
+import { JobWait } from "../components/jobs/JobWait";
+import { Loaded } from "../components/display/Loaded";
+import { NumberField } from "../components/controls/NumberField";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { Section } from "../components/display/Section";
 import { fixed, percent, significant, withError } from "../lib/format";
 import { QUANTITIES } from "../lib/limits";
 import { oneOf } from "../lib/urlState";

@@ -8,16 +8,16 @@ import {
   globalModelVersionsQuery,
 } from "../api/queries";
 import type { GlobalModelDetail, VersionDifferences } from "../api/types";
-import { ButtonLink } from "../components/ButtonLink";
-import { Facts } from "../components/ConditionFacts";
-import { DataTable, numeric, type Column } from "../components/DataTable";
-import { DecisionBadge } from "../components/DecisionBadge";
-import { DerivativeName } from "../components/DerivativeName";
-import { Empty } from "../components/Empty";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ReportMenu } from "../components/ReportMenu";
-import { Section } from "../components/Section";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { Facts } from "../components/display/ConditionFacts";
+import { DataTable, numeric, type Column } from "../components/controls/DataTable";
+import { DecisionBadge } from "../components/decisions/DecisionBadge";
+import { DerivativeName } from "../components/display/DerivativeName";
+import { Empty } from "../components/display/Empty";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ReportMenu } from "../components/controls/ReportMenu";
+import { Section } from "../components/display/Section";
 import { dateTime, withError } from "../lib/format";
 import { QUANTITIES } from "../lib/limits";
 import { integer } from "../lib/urlState";

@@ -3,12 +3,12 @@ import { getRouteApi } from "@tanstack/react-router";
 import { glossaryQuery } from "../api/queries";
 import { useDisplayUnits } from "../api/units";
 import type { GlossaryEntry } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { FilterInput } from "../components/FilterInput";
-import { SearchIcon } from "../components/icons";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
+import { DataTable, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { FilterInput } from "../components/controls/FilterInput";
+import { SearchIcon } from "../components/display/icons";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
 
 const route = getRouteApi("/glossary");
 

@@ -3,12 +3,12 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { jobLogQuery, jobQuery } from "../api/queries";
 import type { JobEvent } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
-import { JobTable } from "../components/JobTable";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { StateBadge } from "../components/RunBadge";
-import { Section } from "../components/Section";
+import { DataTable, type Column } from "../components/controls/DataTable";
+import { JobTable } from "../components/jobs/JobTable";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { StateBadge } from "../components/runs/RunBadge";
+import { Section } from "../components/display/Section";
 import { dateTime } from "../lib/format";
 
 const route = getRouteApi("/jobs/$id");

@@ -11,11 +11,11 @@ import { LiveAlarms } from "../components/live/LiveAlarms";
 import { ReceptionStatus } from "../components/live/ReceptionStatus";
 import { TestPoints, TestPointStrip } from "../components/live/TestPointStrip";
 import { useLiveStream } from "../components/live/useLiveStream";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { ReportMenu } from "../components/ReportMenu";
-import { Section } from "../components/Section";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { ReportMenu } from "../components/controls/ReportMenu";
+import { Section } from "../components/display/Section";
 import { firstLook } from "../lib/channels";
 import { useDarkByDefault } from "../lib/colorScheme";
 

@@ -18,13 +18,13 @@ import type {
   StaleStructure,
   StructureVersion,
 } from "../api/types";
-import { ButtonLink } from "../components/ButtonLink";
-import { Loaded } from "../components/Loaded";
-import { ManeuverSelect } from "../components/ManeuverSelect";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { StructureConflict } from "../components/StructureConflict";
-import { StructureView } from "../components/StructureView";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { Loaded } from "../components/display/Loaded";
+import { ManeuverSelect } from "../components/maneuvers/ManeuverSelect";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { StructureConflict } from "../components/new-run/StructureConflict";
+import { StructureView } from "../components/structures/StructureView";
 import { dateTime } from "../lib/format";
 import { differences, type Structure } from "../lib/structure";
 import { integer } from "../lib/urlState";

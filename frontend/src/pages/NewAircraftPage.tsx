@@ -1,10 +1,10 @@
 import { Button, Group, Stack, Text, Textarea } from "@mantine/core";
 import { Link, useNavigate } from "@tanstack/react-router";
 import { useAddAircraft } from "../api/commands";
-import { ButtonLink } from "../components/ButtonLink";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Section } from "../components/Section";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { Section } from "../components/display/Section";
 import { useDraft } from "../lib/useDraft";
 
 const TEMPLATE = `[aircraft]

@@ -3,10 +3,10 @@ import { getRouteApi, Link } from "@tanstack/react-router";
 import { usePropose } from "../api/commands";
 import { structuresQuery } from "../api/queries";
 import type { ModelStructure } from "../api/types";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { ProposalForm } from "../components/ProposalForm";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { ProposalForm } from "../components/decisions/ProposalForm";
 import { EMPTY_PROPOSAL, type ProposalDraft } from "../lib/proposal";
 import { useDraft } from "../lib/useDraft";
 

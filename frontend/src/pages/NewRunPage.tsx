@@ -20,21 +20,21 @@ import type {
   RunProposal,
   RunTemplate,
 } from "../api/types";
-import { AxisPicker } from "../components/AxisPicker";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { RunForm } from "../components/RunForm";
-import { RunProposalNote } from "../components/RunProposalNote";
+import { AxisPicker } from "../components/controls/AxisPicker";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { RunForm } from "../components/new-run/RunForm";
+import { RunProposalNote } from "../components/new-run/RunProposalNote";
 import {
   asAxis,
   batchRequest,
   firstDraft,
   isUnchanged,
   runRequest,
-} from "../components/runRequest";
-import { StructureLink } from "../components/StructureLink";
-import { useRunOrigin, type RunOrigin } from "../components/useRunOrigin";
+} from "../components/new-run/runRequest";
+import { StructureLink } from "../components/structures/StructureLink";
+import { useRunOrigin, type RunOrigin } from "../components/new-run/useRunOrigin";
 import { windowOf } from "../lib/band";
 import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";

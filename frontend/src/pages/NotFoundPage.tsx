@@ -1,6 +1,6 @@
 import { Link } from "@tanstack/react-router";
-import { Empty } from "../components/Empty";
-import { PageHead } from "../components/PageHead";
+import { Empty } from "../components/display/Empty";
+import { PageHead } from "../components/frame/PageHead";
 
 export function NotFoundPage() {
   return (

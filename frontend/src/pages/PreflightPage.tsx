@@ -2,11 +2,11 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { designsQuery } from "../api/queries";
 import type { Design } from "../api/types";
-import { DataTable, numeric, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { PageHead } from "../components/PageHead";
-import { Loaded } from "../components/Loaded";
-import { Section } from "../components/Section";
+import { DataTable, numeric, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { PageHead } from "../components/frame/PageHead";
+import { Loaded } from "../components/display/Loaded";
+import { Section } from "../components/display/Section";
 import { bandOf } from "../lib/designDraft";
 import { dateTime, fixed } from "../lib/format";
 

@@ -4,12 +4,12 @@ import { Link } from "@tanstack/react-router";
 import { useDeleteTemplate } from "../api/commands";
 import { aircraftQuery, runTemplatesQuery } from "../api/queries";
 import type { RunTemplate } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { settingsText } from "../components/runRequest";
+import { DataTable, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { settingsText } from "../components/new-run/runRequest";
 import { dateMinute } from "../lib/format";
 
 /** Templates of runs of all campaigns: settings under a name. */

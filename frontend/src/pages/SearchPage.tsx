@@ -2,11 +2,11 @@ import { Stack } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import { searchQuery } from "../api/queries";
-import { Empty } from "../components/Empty";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { SearchForm } from "../components/SearchForm";
-import { SearchResult } from "../components/SearchResult";
+import { Empty } from "../components/display/Empty";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { SearchForm } from "../components/structures/SearchForm";
+import { SearchResult } from "../components/structures/SearchResult";
 import type { SearchView } from "../views";
 
 const route = getRouteApi("/search");

@@ -10,15 +10,15 @@ import {
   decisionsQuery,
 } from "../api/queries";
 import type { RunItem } from "../api/types";
-import { ButtonLink } from "../components/ButtonLink";
-import { CampaignProgress } from "../components/CampaignProgress";
-import { GroundTestAlarm } from "../components/GroundTestAlarm";
-import { Loaded } from "../components/Loaded";
-import { PageHead } from "../components/PageHead";
-import { StateBadge } from "../components/RunBadge";
-import { Section } from "../components/Section";
-import { TourOffer } from "../components/Tour";
-import { useProposedManeuver } from "../components/useProposedManeuver";
+import { ButtonLink } from "../components/controls/ButtonLink";
+import { CampaignProgress } from "../components/maneuvers/CampaignProgress";
+import { GroundTestAlarm } from "../components/frame/GroundTestAlarm";
+import { Loaded } from "../components/display/Loaded";
+import { PageHead } from "../components/frame/PageHead";
+import { StateBadge } from "../components/runs/RunBadge";
+import { Section } from "../components/display/Section";
+import { TourOffer } from "../components/frame/Tour";
+import { useProposedManeuver } from "../components/designs/useProposedManeuver";
 import { count, dateMinute } from "../lib/format";
 
 const LINES = 6;

@@ -5,13 +5,13 @@ import { useCreateToken, useDeleteToken } from "../api/commands";
 import { aircraftQuery, sessionQuery, tokensQuery } from "../api/queries";
 import { ROLES } from "../api/roles";
 import type { Role, Token } from "../api/types";
-import { DataTable, type Column } from "../components/DataTable";
-import { Empty } from "../components/Empty";
-import { Loaded } from "../components/Loaded";
-import { NumberField } from "../components/NumberField";
-import { PageHead } from "../components/PageHead";
-import { ProblemAlert } from "../components/ProblemAlert";
-import { Section } from "../components/Section";
+import { DataTable, type Column } from "../components/controls/DataTable";
+import { Empty } from "../components/display/Empty";
+import { Loaded } from "../components/display/Loaded";
+import { NumberField } from "../components/controls/NumberField";
+import { PageHead } from "../components/frame/PageHead";
+import { ProblemAlert } from "../components/display/ProblemAlert";
+import { Section } from "../components/display/Section";
 import { dateMinute } from "../lib/format";
 
 /** API tokens of the account; a personal server has no accounts. */

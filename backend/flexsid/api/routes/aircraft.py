@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import LONGEST_TEXT, Line, MappingText, Name, Request
+from flexsid.api.models.requests import LONGEST_TEXT, Line, MappingText, Name, Request
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.records.aircraft import Aircraft

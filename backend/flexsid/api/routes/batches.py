@@ -8,8 +8,8 @@ from fastapi import status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
+from flexsid.api.models.run_requests import BatchRequest
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import BatchRequest
 from flexsid.api.serialization import After, Identity, Json, Limit
 from flexsid.records.model_structure import Structure
 from flexsid.records.run import Batch, EstimationRun

@@ -8,8 +8,8 @@ from typing import Annotated
 from fastapi import Depends
 
 from flexsid.api.context import TheStore
-from flexsid.api.queries import query_as
-from flexsid.api.response_models import extend_record, response_of
+from flexsid.api.models.response_models import extend_record, response_of
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes

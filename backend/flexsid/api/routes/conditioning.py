@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.requests import ConditioningRequest
+from flexsid.api.models.requests import ConditioningRequest
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute
 from flexsid.jobs.kinds import QUALITY

@@ -10,8 +10,8 @@ from fastapi import File, Form, Response, UploadFile, status
 from pydantic import BeforeValidator, Field
 
 from flexsid.api.context import TheStore
+from flexsid.api.models.requests import LONGEST_TEXT, Id, Request, Text, Title
 from flexsid.api.parameters import check_integer
-from flexsid.api.requests import LONGEST_TEXT, Id, Request, Text, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.api.uploads import save_files

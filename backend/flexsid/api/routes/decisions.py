@@ -9,16 +9,16 @@ from fastapi import Query, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.decision_requests import (
+from flexsid.api.errors import Problem
+from flexsid.api.models.decision_requests import (
     CommentRequest,
     ProposalRequest,
     RevisionRequest,
     VoteRequest,
     WithdrawalRequest,
 )
-from flexsid.api.decision_responses import DecisionDetail, DecisionItem, StaleProposal
-from flexsid.api.errors import Problem
-from flexsid.api.response_models import extend_record
+from flexsid.api.models.decision_responses import DecisionDetail, DecisionItem, StaleProposal
+from flexsid.api.models.response_models import extend_record
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,

@@ -10,15 +10,15 @@ from fastapi import Depends, File, Form, Query, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.design_requests import (
+from flexsid.api.models.design_requests import (
     DesignRequest,
     PreflightSimulationRequest,
     RedesignRequest,
     RescaleRequest,
 )
-from flexsid.api.queries import query_as
-from flexsid.api.requests import Title
-from flexsid.api.response_models import extend_record, response_of
+from flexsid.api.models.requests import Title
+from flexsid.api.models.response_models import extend_record, response_of
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
 from flexsid.api.submission import submit_job

@@ -12,9 +12,8 @@ from fastapi import Query
 from fastapi.responses import Response
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.display_units import TheUnits
+from flexsid.api.display import ThePrintFormat, TheUnits
 from flexsid.api.export import FILES, Form, respond_with_figure
-from flexsid.api.print_format import ThePrintFormat
 from flexsid.api.router import make_router
 from flexsid.display_units import show_in
 from flexsid.figure_table import FIGURES, FigureKind, draw_figure

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import CutRequest
-from flexsid.api.responses import ManeuverDetail
+from flexsid.api.models.requests import CutRequest
+from flexsid.api.models.responses import ManeuverDetail
 from flexsid.api.router import make_router
 from flexsid.api.routes.maneuvers import build_maneuver_detail
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none

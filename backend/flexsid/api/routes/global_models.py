@@ -9,9 +9,12 @@ from fastapi import Depends, Query, Response
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.prediction_requests import GlobalModelVersionRequest, SaveGlobalPredictionRequest
-from flexsid.api.queries import query_as
-from flexsid.api.response_models import extend_record
+from flexsid.api.models.prediction_requests import (
+    GlobalModelVersionRequest,
+    SaveGlobalPredictionRequest,
+)
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,

@@ -6,7 +6,7 @@ from fastapi import Response
 
 import flexsid
 from flexsid.api.context import Context, TheContext
-from flexsid.api.responses import Health
+from flexsid.api.models.responses import Health
 from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
 from flexsid.jobs.health import NotReady, PartHealth, PartState, check_readers

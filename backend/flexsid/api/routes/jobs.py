@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import Query, status
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.response_models import extend_record, response_of
+from flexsid.api.models.response_models import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Identity, Json, Limit, Reference
 from flexsid.records.job import JobEvent

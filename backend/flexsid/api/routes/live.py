@@ -10,14 +10,14 @@ from pydantic import Field
 
 from flexsid.api.analyst import NamedAnalyst, TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.live_responses import (
+from flexsid.api.models.live_responses import (
     ReceivedFrames,
     ReceiverItem,
     ReceiverOption,
     StreamDetail,
     StreamHistory,
 )
-from flexsid.api.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
+from flexsid.api.models.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Limit, Reference, drop_none
 from flexsid.errors import Conflict

@@ -9,9 +9,9 @@ from typing import Annotated
 from fastapi import Depends, File, Form, Query, UploadFile
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import ChangeRequest
-from flexsid.api.response_models import extend_record
-from flexsid.api.responses import ChangedRecords, ManeuverDetail
+from flexsid.api.models.requests import ChangeRequest
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import ChangedRecords, ManeuverDetail
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexsid.api.context import TheStore
-from flexsid.api.requests import MappingRequest
+from flexsid.api.models.requests import MappingRequest
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute
 from flexsid.importers.mapping import parse_mapping

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from fastapi import Depends
 
 from flexsid.api.context import TheStore
-from flexsid.api.queries import query_as
-from flexsid.api.requests import Id, Request, Title
+from flexsid.api.models.requests import Id, Request, Title
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, Reference, UploadId, drop_none
 from flexsid.importers.modal_data import (

@@ -13,14 +13,14 @@ from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.queries import query_as
-from flexsid.api.requests import Id, Request, Text, Title
-from flexsid.api.response_models import extend_record
-from flexsid.api.responses import (
+from flexsid.api.models.requests import Id, Request, Title
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import (
     ModalTableDetail,
     ModeList,
     ModeShape,
 )
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
@@ -40,6 +40,7 @@ from flexsid.records.modal_data import (
     ModelOrder,
     Observability,
 )
+from flexsid.request_models import body_of
 from flexsid.storage.paging import Page
 from flexsid.workflow.modal_data.modal_tables import (
     FREQUENCY_STD,
@@ -69,13 +70,9 @@ Mode = Annotated[int, Query(ge=0, le=10**9, description="Number of the mode.")]
 TheOrderQuery = Annotated[model_order.OrderQuery, Depends(query_as(model_order.OrderQuery))]
 
 
+@body_of(ModeCorrection, without=("modal_table_id", "author", "created_at", "id"))
 class CorrectionRequest(Request):
     """A corrected name and symmetry of a mode, with the reason."""
-
-    number: Annotated[int, Field(strict=True, ge=0, le=10**9)]
-    name: Title
-    symmetric: Annotated[bool, Field(strict=True)]
-    reason: Text
 
 
 class UpdateRequest(Request):
@@ -254,14 +251,12 @@ def correct_mode(
 ) -> ModeCorrection:
     """Correct the name and symmetry of a mode, with a reason."""
     table = store.modal_tables.get(modal_table_id)
-    if body.number not in table.numbers:
-        raise BadInput(f"table '{table.name}' has no mode {body.number}", code="unknown-mode")
-    if not body.reason.strip():
+    given = body.make_record(ModeCorrection, modal_table_id=modal_table_id, author=analyst)
+    if given.number not in table.numbers:
+        raise BadInput(f"table '{table.name}' has no mode {given.number}", code="unknown-mode")
+    if not given.reason.strip():
         raise BadInput("the reason is empty; give the reason of the correction", code="no-reason")
-    correction = body.make_record(
-        ModeCorrection, modal_table_id=modal_table_id, reason=body.reason.strip(), author=analyst
-    )
-    return store.mode_corrections.add(correction)
+    return store.mode_corrections.add(replace(given, reason=given.reason.strip()))
 
 
 @router.post("/{modal_table_id}/updates", status_code=201)

@@ -10,9 +10,9 @@ from fastapi import Header, Path
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.errors import Problem
-from flexsid.api.responses import StaleStructure
+from flexsid.api.models.responses import StaleStructure
+from flexsid.api.models.run_requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import ModelStructureRequest, StructureEditRequest
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.errors import BadInput
 from flexsid.records.model_structure import ModelStructure, StructureVersion

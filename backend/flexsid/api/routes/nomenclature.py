@@ -6,9 +6,9 @@ from typing import Annotated
 
 from fastapi import Query
 
-from flexsid.api.display_units import TheUnits
-from flexsid.api.response_models import extend_record
-from flexsid.api.responses import AxisNames, DisplayUnit, GlossaryEntry
+from flexsid.api.display import TheUnits
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import AxisNames, DisplayUnit, GlossaryEntry
 from flexsid.api.router import make_router
 from flexsid.api.serialization import JsonRoute
 from flexsid.display_units import list_display_units, show_in

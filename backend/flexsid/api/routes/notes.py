@@ -8,7 +8,7 @@ from fastapi import Query, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.decision_requests import NoteEditRequest, NoteRequest
+from flexsid.api.models.decision_requests import NoteEditRequest, NoteRequest
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
 from flexsid.errors import BadInput

@@ -8,9 +8,9 @@ from fastapi import Query, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.prediction_requests import ComputePredictionRequest
-from flexsid.api.response_models import extend_record
-from flexsid.api.responses import PredictionDetail
+from flexsid.api.models.prediction_requests import ComputePredictionRequest
+from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import PredictionDetail
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.api.submission import submit_job

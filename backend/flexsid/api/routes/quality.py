@@ -10,8 +10,8 @@ from fastapi import Depends, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext
-from flexsid.api.requests import AssessRequest
-from flexsid.api.responses import Assessing, QualityList
+from flexsid.api.models.requests import AssessRequest
+from flexsid.api.models.responses import Assessing, QualityList
 from flexsid.api.router import make_router
 from flexsid.api.serialization import After, Json, Limit, describe_sort, read_query
 from flexsid.jobs.kinds import QUALITY

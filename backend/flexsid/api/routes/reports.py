@@ -16,7 +16,7 @@ from fastapi import Depends, Query, Response, status
 from flexsid import reports
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.display_units import TheUnits
+from flexsid.api.display import TheUnits
 from flexsid.api.router import make_router
 from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level

@@ -12,8 +12,8 @@ from fastapi import Query, Request, Response
 
 from flexsid.api.analyst import NamedAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.decision_requests import FreezeRequest, RulesRequest
-from flexsid.api.decision_responses import (
+from flexsid.api.models.decision_requests import FreezeRequest, RulesRequest
+from flexsid.api.models.decision_responses import (
     ManeuverBaseline,
     RulesHistory,
 )

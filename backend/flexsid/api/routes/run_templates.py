@@ -8,9 +8,9 @@ from fastapi import Query, Response
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheStore
+from flexsid.api.models.run_requests import RunTemplateEditRequest, RunTemplateRequest
+from flexsid.api.models.run_responses import RunTemplateItem, build_template_response
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import RunTemplateEditRequest, RunTemplateRequest
-from flexsid.api.run_responses import RunTemplateItem, build_template_response
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
 from flexsid.storage.paging import Items
 from flexsid.workflow.runs import run_templates

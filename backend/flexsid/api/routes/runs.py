@@ -8,11 +8,11 @@ from fastapi import Depends, Query, Response
 
 from flexsid.api.analyst import TheAnalyst, choose_author
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import ChangeRequest
-from flexsid.api.responses import ChangedRecords
+from flexsid.api.models.requests import ChangeRequest
+from flexsid.api.models.responses import ChangedRecords
+from flexsid.api.models.run_requests import RunRequest
+from flexsid.api.models.run_responses import Run, build_run_response
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import RunRequest
-from flexsid.api.run_responses import Run, build_run_response
 from flexsid.api.serialization import (
     After,
     Identity,

@@ -9,7 +9,7 @@ from fastapi import Query
 
 from flexsid.api.analyst import TheAnalyst, choose_author
 from flexsid.api.context import TheStore
-from flexsid.api.requests import SavedViewRequest
+from flexsid.api.models.requests import SavedViewRequest
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, JsonRoute, drop_none
 from flexsid.records.saved_view import SavedView

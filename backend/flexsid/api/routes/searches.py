@@ -11,10 +11,10 @@ from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Id, Request
+from flexsid.api.models.requests import Id, Request
+from flexsid.api.models.run_requests import StructureRequest
+from flexsid.api.models.run_responses import Run, build_run_response
 from flexsid.api.router import make_router
-from flexsid.api.run_requests import StructureRequest
-from flexsid.api.run_responses import Run, build_run_response
 from flexsid.api.serialization import Identity, Json, Reference, drop_none
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import (

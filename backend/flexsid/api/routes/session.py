@@ -11,7 +11,6 @@ from fastapi import Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import Field
 
-from flexsid.api import requests
 from flexsid.api.authorization import (
     client_address,
     cookie_name,
@@ -19,8 +18,9 @@ from flexsid.api.authorization import (
     set_cookie,
 )
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import Id, Title
-from flexsid.api.response_models import extend_record, response_of
+from flexsid.api.models import requests
+from flexsid.api.models.requests import Id, Title
+from flexsid.api.models.response_models import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Depends
 
 from flexsid.api.context import TheStore
-from flexsid.api.queries import query_as
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Json
 from flexsid.api.submission import add_job_routes

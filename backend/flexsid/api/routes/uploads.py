@@ -10,8 +10,8 @@ from fastapi import File, Response, UploadFile, status
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.requests import DraftRequest, PreviewRequest, UploadMappingRequest
-from flexsid.api.responses import UploadDetail
+from flexsid.api.models.requests import DraftRequest, PreviewRequest, UploadMappingRequest
+from flexsid.api.models.responses import UploadDetail
 from flexsid.api.router import make_router
 from flexsid.api.routes.figures import Figure
 from flexsid.api.serialization import Json, UploadId

@@ -9,9 +9,9 @@ from pydantic import Field
 
 from flexsid.api.analyst import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.queries import query_as
-from flexsid.api.requests import Id, Request, Title
-from flexsid.api.responses import MeasuredFunction
+from flexsid.api.models.requests import Id, Request, Title
+from flexsid.api.models.responses import MeasuredFunction
+from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
 from flexsid.api.submission import add_job_routes, submit_job

@@ -2,14 +2,14 @@
 
 Notes
 -----
-Albano and Rodden, AIAA J. 7 (1969) 279-285; the kernel in the form of Landahl, its numerator
-a parabola along the load line: Rodden, Giesing and Kalman, AGARD-CP-80-71 (1971) and J. Aircraft
-9 (1972) 693-702 (equations below are those of 1971). Integrals by the exponential approximation of
-Laschka, whose coefficients are also in Blair, WL-TR-92-3028 (1992). The steady part of the kernel
-is removed, as the vortex lattice gives it (Rodden, Taylor and McIntosh, J. Aircraft 35 (1998)
-720-727). Validated against PanelAero 2025.8 (Voss, DLR-IB-AE-GO-2020-137), which was validated
-against Nastran; own because only rectangular blocks and chunks of receivers fit the half model and
-1 GB.
+Albano and Rodden, AIAA J. 7 (1969) 279-285, doi:10.2514/3.5086; the kernel in the form of Landahl,
+its numerator a parabola along the load line: Rodden, Giesing and Kalman, AGARD-CP-80-71 (1971) and
+J. Aircraft 9 (1972) 693-702 (equations below are those of 1971). Integrals by the exponential
+approximation of Laschka, whose coefficients are also in Blair, WL-TR-92-3028 (1992). The steady
+part of the kernel is removed, as the vortex lattice gives it (Rodden, Taylor and McIntosh, J.
+Aircraft 35 (1998) 720-727). Validated against PanelAero 2025.8 (Voss, DLR-IB-AE-GO-2020-137), which
+was validated against Nastran; own because only rectangular blocks and chunks of receivers fit the
+half model and 1 GB.
 """
 
 from __future__ import annotations

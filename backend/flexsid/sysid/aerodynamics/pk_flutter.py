@@ -3,9 +3,10 @@
 Notes
 -----
 [M p^2 + D p + K - qbar (Re Q(k) + p b/V Im Q(k)/k)] xi = 0 with k = |Im p| b/V, b = cbar/2
-(Hassig, J. Aircraft 8 (1971) 885-889; the rate term as in Rodden and Johnson, MSC/Nastran
-Aeroelastic Analysis, 1994). Exact where damping is zero, an approximation elsewhere: below the
-crossing it may be 10 % wrong in the damping of well-damped roots. Divergence is not searched.
+(Hassig, J. Aircraft 8 (1971) 885-889, doi:10.2514/3.44311; the rate term as in Rodden and Johnson,
+MSC/Nastran Aeroelastic Analysis, 1994). Exact where damping is zero, an approximation elsewhere:
+below the crossing it may be 10 % wrong in the damping of well-damped roots. Divergence is not
+searched.
 """
 
 from __future__ import annotations

@@ -213,7 +213,7 @@ def _fit_thin_plate(
     Notes
     -----
     w = a_0 + a_1 x + a_2 y + sum_i F_i r_i^2 ln r_i^2, with sum F = sum F x = sum F y = 0:
-    J. Aircraft 9 (1972) 189-191.
+    J. Aircraft 9 (1972) 189-191, doi:10.2514/3.44330.
     """
     n = nodes.shape[0]
     linear = np.column_stack([np.ones(n), nodes - nodes.mean(axis=0)])

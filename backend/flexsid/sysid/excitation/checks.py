@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.allowed import Allowed, Positive
 from flexsid.sysid.excitation.catalogue import is_throttle
 from flexsid.sysid.excitation.export import list_units
 from flexsid.sysid.excitation.extrema import evaluate_magnitude
@@ -16,20 +18,25 @@ from flexsid.sysid.excitation.norms import HarmonicSpectrum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ActuatorLimits:
-    """Second-order actuator behind a delay, its limits and freeplay; no limit where it is None.
+class SurfaceLimits:
+    """Limits of a surface, its delay [s] and freeplay; no limit where it is None.
 
-    [rad/s], [1], [s], [unit], [unit/s], [unit/s2], [unit] with the unit of the command. Freeplay
-    is the whole play of the surface about the actuator.
+    Freeplay is the whole play of the surface about the actuator.
     """
+
+    position: Annotated[Positive | None, Allowed(le=1.05, text="[rad]")] = None
+    rate: Annotated[Positive | None, Allowed(le=50.0, text="[rad/s]")] = None
+    acceleration: Annotated[Positive | None, Allowed(text="[rad/s2]")] = None
+    freeplay: Annotated[float, Allowed(ge=0.0, le=0.2, text="[rad]")] = 0.0
+    delay_s: Annotated[float, Allowed(ge=0.0, le=1.0)] = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActuatorLimits(SurfaceLimits):
+    """Second-order actuator with limits and the delay before it. [rad/s, 1]"""
 
     natural_frequency: float
     damping: float
-    delay_s: float = 0.0
-    position: float | None = None
-    rate: float | None = None
-    acceleration: float | None = None
-    freeplay: float = 0.0
 
     def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
         """Deflection over command. [1]"""

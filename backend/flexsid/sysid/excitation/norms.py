@@ -60,8 +60,8 @@ def lower_norms(
 
     Notes
     -----
-    Source: Guillaume, Schoukens, Pintelon, Kollar, IEEE Trans. Instrum. Meas. 40
-    (1991), for the sequence of norms; the Hessian from one transform is ours.
+    Source: Guillaume, Schoukens, Pintelon, Kollar, IEEE Trans. Instrum. Meas. 40 (1991),
+    doi:10.1109/19.119778, for the sequence of norms; the Hessian from one transform is ours.
     """
     n_samples = spectrum.grid_size(_POINTS)
     phases = phases.copy()

@@ -24,8 +24,8 @@ def schroeder_phases(amplitudes: Float[np.ndarray, " n_tones"]) -> Float[np.ndar
 
     Notes
     -----
-    Source: Schroeder, IEEE Trans. Inf. Theory 16 (1970); for equal amplitudes
-    it is phi_k = -pi k^2 / n.
+    Source: Schroeder, IEEE Trans. Inf. Theory 16 (1970), doi:10.1109/TIT.1970.1054411; for equal
+    amplitudes it is phi_k = -pi k^2 / n.
     """
     power = amplitudes**2 / np.sum(amplitudes**2)
     before = np.concatenate([[0.0], np.cumsum(np.cumsum(power))[:-1]])

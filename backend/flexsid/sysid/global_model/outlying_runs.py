@@ -78,7 +78,8 @@ def find_outlying_runs(runs: RunEstimates) -> tuple[OutlyingRun, ...]:
     to the others: an outlying run must not widen the scatter by which it is measured.
     Probabilities are multiplied by the number of runs (Bonferroni). Repeated until no further
     run is outlying.
-    Source: D. M. Hawkins, Identification of Outliers (1980), ch. 5 (sequential deletion).
+    Source: D. M. Hawkins, Identification of Outliers (1980), doi:10.1007/978-94-015-3994-4, ch. 5
+    (sequential deletion).
     """
     included = np.ones(len(runs.values), dtype=bool)
     components: VarianceComponents | None = None

@@ -28,13 +28,11 @@ _DEGREES = (1, 2)  # highest degree without a penalty; terms above have a prior
 class PredictiveScore:
     """Prediction of the runs of each flight by those of all others.
 
-    ``candidate`` is the place of the estimates among those that were compared. ``log_density``
-    is the mean log density of an estimate, in its standard error; ``rms`` that of
-    the residuals in predicted standard deviations, one if these are right; ``share_inside``
-    the share within two of them.
+    ``degree`` is the highest degree without a penalty. ``log_density`` is the mean log density
+    of an estimate, in its standard error; ``rms`` that of the residuals in predicted standard
+    deviations, one if these are right; ``share_inside`` the share within two of them.
     """
 
-    candidate: int
     degree: int
     log_density: float
     rms: float
@@ -43,14 +41,15 @@ class PredictiveScore:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SelectedModel:
-    """The model of the highest score, and the scores of all that were compared."""
+    """The model of the highest score, and the scores of all candidates by their place."""
 
     runs: RunEstimates
     fit: GlobalFit
     components: VarianceComponents
     model: GlobalModel
+    candidate: int
     score: PredictiveScore
-    scores: tuple[PredictiveScore, ...]
+    scores: tuple[tuple[PredictiveScore, ...], ...]
 
 
 def select_global_model(
@@ -69,27 +68,28 @@ def select_global_model(
     -----
     The score is the log predictive density of each flight by the others. Terms above the
     degree that is selected remain in the model, with a prior of zero mean.
-    Source: A. Gelman et al., Statistics and Computing 24, 997 (2014).
+    Source: A. Gelman et al., Statistics and Computing 24, 997 (2014),
+    doi:10.1007/s11222-013-9416-2.
     """
     best: SelectedModel | None = None
-    scores: list[PredictiveScore] = []
+    scores: list[tuple[PredictiveScore, ...]] = []
     for number, runs in enumerate(candidates):
+        own: list[PredictiveScore] = []
         basis = build_basis(runs.conditions)
         start: VarianceComponents | None = None
         for degree in (d for d in _DEGREES if d == _DEGREES[0] or (basis.degrees == d).any()):
-            report(len(scores) / (len(candidates) * len(_DEGREES)))
+            report((number + len(own) / len(_DEGREES)) / len(candidates))
             fit, start, model = fit_global_model(runs, basis, degree, start)
-            score = _score(fit, start, number, degree)
-            scores.append(score)
+            score = _score(fit, start, degree)
+            own.append(score)
             if best is None or score.log_density > best.score.log_density:
-                best = SelectedModel(runs, fit, start, model, score, ())
+                best = SelectedModel(runs, fit, start, model, number, score, ())
+        scores.append(tuple(own))
     assert best is not None
     return replace(best, scores=tuple(scores))
 
 
-def _score(
-    fit: GlobalFit, components: VarianceComponents, candidate: int, degree: int
-) -> PredictiveScore:
+def _score(fit: GlobalFit, components: VarianceComponents, degree: int) -> PredictiveScore:
     residual, covariance = fit.predict_flights(components)
     present = fit.runs.is_estimated
     weights = np.repeat(fit.a[:, None], present.shape[1], axis=1)[present]
@@ -97,7 +97,6 @@ def _score(
     z = (residual / sigma)[present]
     density = fit.a @ _compute_log_densities(residual, covariance, present.sum(axis=1))
     return PredictiveScore(
-        candidate=candidate,
         degree=degree,
         log_density=float(density / weights.sum()),
         rms=float(np.sqrt(np.average(z**2, weights=weights))),

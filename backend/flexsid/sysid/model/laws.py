@@ -21,13 +21,13 @@ _PADE = 3  # order of the approximation of a delay
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """Control law u = K y at one airspeed, sign included in K; see ``check_laws``. [m/s]"""
+    """Control law u = K y at one airspeed, sign included in K; see ``check_laws``. [m/s]
+
+    ``matrices`` are A, B, C and D.
+    """
 
     airspeed: float
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
+    matrices: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 def schedule_law(
@@ -37,10 +37,8 @@ def schedule_law(
     ordered = sorted(laws, key=lambda law: law.airspeed)
     speeds = np.array([law.airspeed for law in ordered], dtype=float)
     A, B, C, D = (
-        interpolate(
-            speeds, np.array([getattr(law, name) for law in ordered], dtype=float), airspeed
-        )
-        for name in "ABCD"
+        interpolate(speeds, np.array(each, dtype=float), airspeed)
+        for each in zip(*(law.matrices for law in ordered), strict=True)
     )
     states = tuple(f"law_{k + 1}" for k in range(A.shape[0]))
     return StateSpace(A, B, C, D, states, reads, drives)
@@ -56,13 +54,10 @@ def check_laws(laws: Sequence[Law], reads: tuple[str, ...], drives: tuple[str, .
     """
     if not laws:
         raise BadInput("the controller has no law; give A, B, C, D or transfer functions")
-    n = laws[0].A.shape[0]
+    n = laws[0].matrices[0].shape[0]
+    shapes = ((n, n), (n, len(reads)), (len(drives), n), (len(drives), len(reads)))
     for law in laws:
-        shapes = {
-            "A": (n, n), "B": (n, len(reads)), "C": (len(drives), n), "D": (len(drives), len(reads))
-        }  # fmt: skip
-        for name, shape in shapes.items():
-            matrix = getattr(law, name)
+        for name, shape, matrix in zip("ABCD", shapes, law.matrices, strict=True):
             if matrix.shape != shape:
                 raise BadInput(
                     f"{name} at {law.airspeed:g} m/s is {matrix.shape[0]} by {matrix.shape[-1]};"

@@ -165,10 +165,11 @@ def fit_modal_model(
     variance, one of each response times one of each frequency, comes from the residuals, where
     ``std`` is given as a slowly varying multiple of its shape over frequency. The
     weighted squares are minimised over poles and participation factors by Gauss-Newton with
-    the shapes eliminated by orthogonal projection (Golub and Pereyra 1973); the covariance is the
-    inverse of the projected information matrix. Source of the estimator: El-Kafafy, De Troyer,
-    Peeters and Guillaume (2013), ML-MM. A mode is added where the residuals resemble it, and
-    retained where it lowers the cost, by the chi-squared test with ``_FALSE_MODES``.
+    the shapes eliminated by orthogonal projection (Golub and Pereyra 1973, doi:10.1137/0710036);
+    the covariance is the inverse of the projected information matrix. Source of the estimator:
+    El-Kafafy, De Troyer, Peeters and Guillaume (2013), ML-MM. A mode is added where the residuals
+    resemble it, and retained where it lowers the cost, by the chi-squared test with
+    ``_FALSE_MODES``.
     """
     s = 1j * omega
     problem = _ModalProblem(

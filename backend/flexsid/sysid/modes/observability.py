@@ -41,7 +41,8 @@ def compute_modal_information(
 
     Notes
     -----
-    Source: the effective-independence method of Kammer (1991) works on the same matrix.
+    Source: the effective-independence method of Kammer (1991), doi:10.2514/3.20635, works on the
+    same matrix.
     """
     whole = np.concatenate([rows, rigid], axis=1) / noise[:, None]
     matrix = whole.T @ whole

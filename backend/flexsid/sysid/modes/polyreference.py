@@ -201,6 +201,6 @@ def compute_mode_indicator(
 
     Notes
     -----
-    Source: Shih, Tsuei, Allemang and Brown (1988).
+    Source: Shih, Tsuei, Allemang and Brown (1988), doi:10.1016/0888-3270(88)90060-X.
     """
     return np.linalg.svd(responses, compute_uv=False)

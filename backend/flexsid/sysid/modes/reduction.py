@@ -34,8 +34,8 @@ def reduce_statically(
 
     Notes
     -----
-    Source: Guyan (1965). With ``T = [I; -K_oo^-1 K_oa]`` the reduced mass is ``T' M T``. Degrees of
-    freedom with neither mass nor stiffness are omitted.
+    Source: Guyan (1965), doi:10.2514/3.2874. With ``T = [I; -K_oo^-1 K_oa]`` the reduced mass is
+    ``T' M T``. Degrees of freedom with neither mass nor stiffness are omitted.
     """
     n = mass.shape[0]
     is_retained = np.zeros(n, dtype=bool)

@@ -88,14 +88,14 @@ def detect_sensor_faults(
     Notes
     -----
     The motion is projected out at each frequency (variable projection: Golub and Pereyra, SIAM
-    Journal on Numerical Analysis 10, 1973), which leaves the likelihood of delays and log scale
-    factors alone. They enter one after the other by the score test while twice the gain in log
-    likelihood exceeds 25 (orthogonal matching pursuit: Pati et al., Asilomar 1993),
-    relinearised until nothing changes. Noise grows to the residual of each sensor, so that a
-    sensor with another fault loses its weight. The criterion is Akaike's, with two real
-    parameters per frequency for every motion. Standard errors are the larger of two: white
-    residuals, and residuals that neighbouring frequencies share (Newey and West, Econometrica
-    55, 1987).
+    Journal on Numerical Analysis 10, 1973, doi:10.1137/0710036), which leaves the likelihood of
+    delays and log scale factors alone. They enter one after the other by the score test while twice
+    the gain in log likelihood exceeds 25 (orthogonal matching pursuit: Pati et al., Asilomar 1993,
+    doi:10.1109/ACSSC.1993.342465), relinearised until nothing changes. Noise grows to the residual
+    of each sensor, so that a sensor with another fault loses its weight. The criterion is Akaike's,
+    with two real parameters per frequency for every motion. Standard errors are the larger of two:
+    white residuals, and residuals that neighbouring frequencies share (Newey and West, Econometrica
+    55, 1987, doi:10.2307/1913610).
     """
     names = model.outputs
     sensors, _ = select_sensors(model, outputs, instruments, names, scaled)

@@ -67,7 +67,8 @@ def estimate_input_skews(
     Notes
     -----
     Errors of the motion are taken out of each regression as in equation error. Standard
-    errors grow where the coefficients disagree (Birge, Phys. Rev. 40, 1932).
+    errors grow where the coefficients disagree (Birge, Phys. Rev. 40, 1932,
+    doi:10.1103/PhysRev.40.207).
     """
     u = inputs.pick(model.inputs).values
     n_u = u.shape[1]

@@ -75,8 +75,9 @@ def filter_motion(
 
     Notes
     -----
-    Source: Kalman 1960; Rauch, Tung and Striebel 1965. The transform of white
-    samples has variance sigma^2 T / rate, which relates the noise of spectra and samples.
+    Source: Kalman 1960, doi:10.1115/1.3662552; Rauch, Tung and Striebel 1965, doi:10.2514/3.3166.
+    The transform of white samples has variance sigma^2 T / rate, which relates the noise of spectra
+    and samples.
     """
     system = _build_system(model, motion, duration_s, inputs)
     noise = np.concatenate([motion.noise, inputs.noise]) * np.sqrt(rate_hz / duration_s)

@@ -134,11 +134,11 @@ def fit_process_model(
 
     Notes
     -----
-    Source: Shumway and Stoffer 1982, at frequencies instead of samples: the motion is the
-    posterior of its measured value with its error and of the process model. The
-    derivatives follow by Gauss-Newton steps, as the EM algorithm alone is slow, and
-    with a prior: the rms of all contributions together is that of the coefficient, which is
-    estimated first.
+    Source: Shumway and Stoffer 1982, doi:10.1111/j.1467-9892.1982.tb00349.x, at frequencies instead
+    of samples: the motion is the posterior of its measured value with its error and of the process
+    model. The derivatives follow by Gauss-Newton steps, as the EM algorithm alone is slow, and with
+    a prior: the rms of all contributions together is that of the coefficient, which is estimated
+    first.
     """
     equations = _ProcessEquations(model, motion, inputs, shape)
     theta = np.zeros((motion.values.shape[1], equations.u.shape[1]))

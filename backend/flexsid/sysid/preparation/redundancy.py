@@ -93,7 +93,7 @@ def estimate_sensor_faults(
     -----
     Standard errors are the larger of two: for white residuals, and for residuals that are
     correlated between neighbouring frequencies, as those of an unmodelled mode.
-    Source: methods of separable least squares (Kaufman, BIT 15, 1975).
+    Source: methods of separable least squares (Kaufman, BIT 15, 1975, doi:10.1007/BF01932995).
     """
     names = model.outputs
     fixed = names[0] if reference is None else reference
@@ -310,7 +310,7 @@ def compute_score_scatter(
 
     Notes
     -----
-    Source: Newey and West, Econometrica 55, 1987.
+    Source: Newey and West, Econometrica 55, 1987, doi:10.2307/1913610.
     """
     score = np.real(slope.conj() * residual)
     scatter = score.T @ score

@@ -109,8 +109,9 @@ def average_spectra(
     -----
     The mean of each block is removed. Overlapping blocks are correlated: of n blocks
     n / (1 + 2 sum_j (1 - j/n) rho_j^2) are independent, with rho_j the correlation of the window
-    with itself j steps later. Source: Welch (1967), IEEE Trans. Audio Electroacoustics 15. Over
-    frequency the correlation of white noise is the transform of the squared window.
+    with itself j steps later. Source: Welch (1967), IEEE Trans. Audio Electroacoustics 15,
+    doi:10.1109/TAU.1967.1161901. Over frequency the correlation of white noise is the transform of
+    the squared window.
     """
     step = _compute_step(length, overlap)
     from scipy import signal  # takes a second to import, of the start of a server

@@ -90,9 +90,9 @@ def find_near_dependencies(
 
     Notes
     -----
-    Source: Belsley, Kuh and Welsch, Regression Diagnostics (1980): columns at unit length,
-    and variance-decomposition proportions. A direction that affects only one term is not a
-    dependency and is omitted.
+    Source: Belsley, Kuh and Welsch, Regression Diagnostics (1980), doi:10.1002/0471725153: columns
+    at unit length, and variance-decomposition proportions. A direction that affects only one term
+    is not a dependency and is omitted.
     """
     size = np.sqrt(np.maximum(np.diag(gram), 0.0))
     moves = size > 0.0

@@ -32,8 +32,9 @@ def smooth_response(
     -----
     H minimises sum |e (H - H_measured)|^2 + penalty sum |D H|^2 with D the second divided
     differences, for every channel with the penalty of least generalised cross-validation,
-    n |r|^2 / (n - trace)^2. Sources: Whittaker 1923; Eilers 2003, Analytical Chemistry 75;
-    Golub, Heath and Wahba 1979, Technometrics 21.
+    n |r|^2 / (n - trace)^2. Sources: Whittaker 1923, doi:10.1017/S0013091500077853; Eilers 2003,
+    Analytical Chemistry 75, doi:10.1021/ac034173t; Golub, Heath and Wahba 1979, Technometrics 21,
+    doi:10.1080/00401706.1979.10489751.
     """
     n = omega.size
     if n < LEAST_HARMONICS:

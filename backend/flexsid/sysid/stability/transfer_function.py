@@ -73,16 +73,17 @@ class TransferFunctionForm:
 
 
 @dataclass(frozen=True, slots=True)
-class PolynomialRoot:
+class TransferFunctionRoot:
     """A zero or pole; of a pair, that above the real axis. [rad/s]
 
-    ``frequency`` is its modulus and ``damping`` its damping ratio, of a real root 1 or -1;
-    standard errors are to first order.
+    ``frequency_rad_s`` is its modulus, of a real root the inverse of its time constant, and
+    ``damping`` its damping ratio, of a real root 1 or -1; standard errors are to first order.
     """
 
-    value: complex
-    frequency: float
-    frequency_std: float
+    real_rad_s: float
+    imag_rad_s: float
+    frequency_rad_s: float
+    frequency_std_rad_s: float
     damping: float
     damping_std: float
 
@@ -124,8 +125,8 @@ class TransferFunctionFit:
     covariance: Float[np.ndarray, "p p"]
     gain: float
     gain_std: float
-    zeros: tuple[PolynomialRoot, ...]
-    poles: tuple[PolynomialRoot, ...]
+    zeros: tuple[TransferFunctionRoot, ...]
+    poles: tuple[TransferFunctionRoot, ...]
     mismatch: float
     cost: float
     cost_beyond_noise: float
@@ -175,8 +176,8 @@ def fit_transfer_function(
     v_k = sigma_k^2 + mu^2 |H(j omega_k)|^2: noise, and a mismatch mu of a transfer function of
     too low an order, which is relative as the errors of decibels and degrees are. mu makes the sum
     equal its degrees of freedom (Mandel and Paule, 1970), zero where noise alone does. Weights
-    and mu alternate with Levenberg-Marquardt steps from linear fits (Sanathanan and Koerner,
-    1963) over a grid of delays. With J the derivatives of H and w = 1/v,
+    and mu alternate with Levenberg-Marquardt steps from linear fits (Sanathanan and Koerner, 1963,
+    doi:10.1109/TAC.1963.1105517) over a grid of delays. With J the derivatives of H and w = 1/v,
     N = 2 Re sum J^H w J and Cov = N^-1 (2 Re sum J^H w S w J) N^-1, S from the residuals at
     neighbouring frequencies. The mismatch cost is 20 mean(dB^2 + 0.02 deg^2), with equal weights
     of equal ratios of frequency. A relative mismatch mu of the complex response has mu^2 / 2 in
@@ -430,7 +431,7 @@ class _ResponseProblem:
 
 def _compute_roots(
     coefficients: Float[np.ndarray, " n_1"], covariance: Float[np.ndarray, "n_c n_c"]
-) -> tuple[PolynomialRoot, ...]:
+) -> tuple[TransferFunctionRoot, ...]:
     """Compute the roots of a polynomial of rising powers with standard errors to first order.
 
     The covariance is that of its first coefficients; the others are exact.
@@ -448,8 +449,8 @@ def _compute_roots(
         for rows in (by_modulus, by_damping)
     ]
     return tuple(
-        PolynomialRoot(
-            complex(root), float(abs(root)), f, float(-root.real / max(abs(root), 1e-300)), z
+        TransferFunctionRoot(
+            root.real, root.imag, abs(root), f, -root.real / max(abs(root), 1e-300), z
         )
-        for root, f, z in zip(roots, *stds, strict=True)
+        for root, f, z in zip(roots.tolist(), *stds, strict=True)
     )

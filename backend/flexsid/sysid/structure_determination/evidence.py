@@ -192,10 +192,10 @@ def pool_evidence(
     -----
     Derivatives drift with fuel and airspeed. Pooling them as equal would let the drift of
     one term appear as another, so only the structure is shared: the mean of a term is
-    weighted by random effects (DerSimonian and Laird 1986), whose spread between
-    maneuvers is read from the values themselves. In addition, half a standard error
-    of one maneuver remains for any number of maneuvers: errors of mode shapes, noise levels
-    and reconstruction are common to all of them, and must not become terms.
+    weighted by random effects (DerSimonian and Laird 1986, doi:10.1016/0197-2456(86)90046-2), whose
+    spread between maneuvers is read from the values themselves. In addition, half a standard error
+    of one maneuver remains for any number of maneuvers: errors of mode shapes, noise levels and
+    reconstruction are common to all of them, and must not become terms.
     """
     looks = [estimate_subset(evidence, selected) for evidence in evidences]
     values = np.stack([one.values for one in looks])

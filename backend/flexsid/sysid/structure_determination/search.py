@@ -102,10 +102,10 @@ def select_by_orthogonal_functions(
 
     Notes
     -----
-    Source: Morelli, multivariate orthogonal functions. The next function is the candidate
-    that, made orthogonal to those before it, reduces the residuals most; their number has the
-    least predicted squared error. In the plain terms that they are mapped back to, those
-    whose partial F is below ``f_out`` are dropped.
+    Source: Morelli, multivariate orthogonal functions, J. Aircraft 32 (1995), doi:10.2514/3.46712.
+    The next function is the candidate that, made orthogonal to those before it, reduces the
+    residuals most; their number has the least predicted squared error. In the plain terms that they
+    are mapped back to, those whose partial F is below ``f_out`` are dropped.
     """
     names = evidences[0].names
     stays = np.array([name in forced for name in names])

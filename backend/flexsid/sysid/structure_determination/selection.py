@@ -72,16 +72,16 @@ class SelectionStep:
 class Term:
     """One candidate at the end of a search.
 
-    ``value`` is its value, or its value if entered next; ``share`` the part of the
-    maneuvers that support it alone.
+    ``value`` is its value, or its value if entered next, both None if it is linearly dependent;
+    ``support`` the fraction of the single maneuvers that support it.
     """
 
     name: str
     selected: bool
-    value: float
-    std_error: float
+    value: float | None
+    std_error: float | None
     f: float
-    share: float
+    support: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,8 +176,10 @@ def summarise_selection(
 ) -> Selection:
     """Summarise every term at the end of a search."""
     now = pool_evidence(evidences, end.selected)
-    share = np.mean(now.each_f > thresholds.f_in, axis=0)
-    columns = (end.selected, now.values, now.std_errors, now.f, share)
+    support = np.mean(now.each_f > thresholds.f_in, axis=0)
+    values, std_errors = now.values.astype(object), now.std_errors.astype(object)
+    values[~np.isfinite(now.std_errors)] = std_errors[~np.isfinite(now.std_errors)] = None
+    columns = (end.selected, values, std_errors, now.f, support)
     rows = zip(evidences[0].names, *(column.tolist() for column in columns), strict=True)
     criteria = compute_criteria(evidences, end.selected, now.rest, thresholds)
     return Selection(end.path, tuple(Term(*row) for row in rows), criteria)

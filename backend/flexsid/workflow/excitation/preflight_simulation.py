@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
 
-from flexsid.allowed import Allowed, Id, Name, Positive
+from flexsid.allowed import Allowed, Id, Name
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, Surface
 from flexsid.records.excitation import (
@@ -34,7 +34,7 @@ from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.flight_noise import Response, average_density
 from flexsid.sysid.estimation.joint_noise import SHARED_FREQUENCIES
-from flexsid.sysid.excitation.checks import ActuatorLimits
+from flexsid.sysid.excitation.checks import ActuatorLimits, SurfaceLimits
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import StateSpace
 from flexsid.sysid.model.derivatives import is_derivative
@@ -116,20 +116,6 @@ class SimulationResult:
     correlation: float | None
     derivatives: tuple[SimulatedDerivative, ...]
     adequacy: AdequacyState | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SurfaceLimits:
-    """Limits and freeplay of all surfaces; ``delay_s`` adds to that of the servos.
-
-    [rad], [rad/s], [rad/s2], [rad], [s]; None where there is no limit.
-    """
-
-    position: Annotated[Positive | None, Allowed(le=1.05, text="[rad]")] = None
-    rate: Annotated[Positive | None, Allowed(le=50.0, text="[rad/s]")] = None
-    acceleration: Annotated[Positive | None, Allowed(text="[rad/s2]")] = None
-    freeplay: Annotated[float, Allowed(ge=0.0, le=0.2, text="[rad]")] = 0.0
-    delay_s: Annotated[float, Allowed(ge=0.0, le=1.0)] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -581,11 +567,7 @@ def _limit_servo(servo: Instrument, limits: SurfaceLimits | None) -> Instrument 
     return ActuatorLimits(
         natural_frequency=element.natural_frequency,
         damping=element.damping,
-        delay_s=servo.delay_s + limits.delay_s,
-        position=limits.position,
-        rate=limits.rate,
-        acceleration=limits.acceleration,
-        freeplay=limits.freeplay,
+        **{**asdict(limits), "delay_s": servo.delay_s + limits.delay_s},
     )
 
 

@@ -280,12 +280,12 @@ def _from_matrices(content: object, reads: tuple[str, ...], drives: tuple[str, .
     A = _matrix(content.get("A", []), "A", None)
     n = A.shape[0]
     shapes = {"B": (n, len(reads)), "C": (len(drives), n), "D": (len(drives), len(reads))}
-    rest = {
-        key: _matrix(content.get(key, []), key, shape if 0 in shape else None)
+    B, C, D = (
+        _matrix(content.get(key, []), key, shape if 0 in shape else None)
         for key, shape in shapes.items()
-    }
+    )
     speed = _number(content.get("airspeed_m_s", 0.0), "airspeed_m_s")
-    return _record(Law(speed, A, rest["B"], rest["C"], rest["D"]))
+    return _record(Law(speed, (A, B, C, D)))
 
 
 def _from_mixer(
@@ -326,7 +326,7 @@ def _from_transfer(content: object, reads: tuple[str, ...], drives: tuple[str, .
                 for key in ("num", "den")
             ]
             elements[where] = parts[0], parts[1]
-    return _record(Law(0.0, *realise_transfer_functions(elements, len(drives), len(reads))))
+    return _record(Law(0.0, realise_transfer_functions(elements, len(drives), len(reads))))
 
 
 def _matrix(content: object, name: str, shape: tuple[int, int] | None) -> np.ndarray:
@@ -364,17 +364,17 @@ def _laws(controller: Controller) -> list[Law]:
         laws.append(
             Law(
                 law.airspeed_m_s,
-                np.array(law.A, dtype=float).reshape(n, -1) if n else np.zeros((0, 0)),
-                np.array(law.B, dtype=float) if n else np.zeros((0, n_read)),
-                np.array(law.C, dtype=float) if n else np.zeros((n_driven, 0)),
-                np.array(law.D, dtype=float),
+                (
+                    np.array(law.A, dtype=float).reshape(n, -1) if n else np.zeros((0, 0)),
+                    np.array(law.B, dtype=float) if n else np.zeros((0, n_read)),
+                    np.array(law.C, dtype=float) if n else np.zeros((n_driven, 0)),
+                    np.array(law.D, dtype=float),
+                ),
             )
         )
     return laws
 
 
 def _record(law: Law) -> ControlLaw:
-    A, B, C, D = (
-        tuple(tuple(row) for row in matrix.tolist()) for matrix in (law.A, law.B, law.C, law.D)
-    )
+    A, B, C, D = (tuple(tuple(row) for row in matrix.tolist()) for matrix in law.matrices)
     return ControlLaw(airspeed_m_s=law.airspeed, A=A, B=B, C=C, D=D)

@@ -24,6 +24,7 @@ from flexsid.records.job import Job
 from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
@@ -32,7 +33,6 @@ from flexsid.sysid.stability.flutter_extrapolation import (
 )
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.sysid.stability.root_tracking import FlutterCrossing, track_roots
-from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     FlutterModels,

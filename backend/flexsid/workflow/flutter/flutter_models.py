@@ -16,6 +16,7 @@ from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.global_model.selection import LEAST_RUNS
+from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.derivative_fusion import (
     IdentifiedModes,
     fuse_identified,
@@ -31,7 +32,7 @@ from flexsid.sysid.stability.flutter_prediction import (
 )
 from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
-from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
+from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.flutter.run_models import (
     RunModel,
     UnmodelledModes,

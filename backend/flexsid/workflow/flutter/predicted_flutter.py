@@ -31,6 +31,7 @@ from flexsid.sysid.model.frequency_shape import FrequencyShape
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
 from flexsid.sysid.stability.rational_crossing import AGREEMENT, find_rational_crossing
@@ -42,7 +43,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     list_predicted_modes,
     load_frequency_shape,
 )
-from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
+from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.flutter.flutter_models import name_motion
 from flexsid.workflow.flutter.flutter_roots import build_branches
 from flexsid.workflow.modal_data.modal_tables import (

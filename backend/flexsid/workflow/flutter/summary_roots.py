@@ -19,8 +19,8 @@ from flexsid.records.flutter_summary import (
     SummaryRoots,
 )
 from flexsid.storage.store import Store
+from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
-from flexsid.workflow.aircraft.flight_condition import compute_standard_density
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.flutter.root_onsets import (
     RIGID_BODY_OMEGA,

@@ -66,7 +66,7 @@ def compute_global_model(
             )
         ),
     )
-    uses_prediction = selected.score.candidate == 1
+    uses_prediction = selected.candidate == 1
     centre = selected.runs.conditions.mean(axis=0)
     fuel = float(task.fuel[included].mean())
     variables = task.query.variables
@@ -84,14 +84,12 @@ def compute_global_model(
             derivatives=(),
             scores=tuple(
                 CandidateScore(
-                    uses_prediction=score.candidate == 1,
-                    degree=score.degree,
-                    log_density=score.log_density,
-                    rms=score.rms,
-                    share_inside=score.share_inside,
+                    **asdict(score),
+                    uses_prediction=candidate == 1,
                     is_selected=score is selected.score,
                 )
-                for score in selected.scores
+                for candidate, scores in enumerate(selected.scores)
+                for score in scores
             ),
             outliers=tuple(_describe_outlier(one, task.runs[one.index]) for one in found),
             runs=tuple(

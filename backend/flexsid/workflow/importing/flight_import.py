@@ -18,15 +18,21 @@ from flexsid.importers import sandbox
 from flexsid.importers.aircraft import AircraftPart
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.maneuver import RawManeuver
-from flexsid.importers.mapping import find_known_mapping, parse_mapping
-from flexsid.importers.modal_table import RawModalTable, extract_modal_table
+from flexsid.importers.mapping import (
+    ModalTableMapping,
+    PredictionMapping,
+    find_known_mapping,
+    parse_mapping,
+)
+from flexsid.importers.modal_table import extract_modes
 from flexsid.importers.plausibility import (
     OTHER_AXIS,
     UnitWarning,
     find_small_outputs,
     find_unit_warning,
 )
-from flexsid.importers.predictions import RawPrediction, extract_prediction
+from flexsid.importers.predictions import extract_derivatives
+from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, list_surface_parts
 from flexsid.records.maneuver import (
     GROUND,
@@ -322,42 +328,47 @@ def check_axes(aircraft: Aircraft, channels: Sequence[RawChannel]) -> None:
             )
 
 
-def store_modal_table(store: Store, aircraft: Aircraft, raw: RawModalTable) -> ModalTable:
+def _store_modal_table(
+    store: Store, aircraft: Aircraft, part: ModalTableMapping, sources: Sources
+) -> ModalTable:
     """Add a modal table, or find the same."""
     assert aircraft.id is not None
     table = ModalTable(
         aircraft_id=aircraft.id,
-        name=raw.name,
-        kind=raw.kind,
-        fuel=raw.fuel,
-        numbers=raw.numbers,
-        names=raw.names,
-        symmetric=raw.symmetric,
-        points=raw.points,
-        gauges=raw.gauges,
-        arrays={name: store.arrays.put(array) for name, array in raw.arrays.items()},
-        origin=raw.origin,
+        name=part.name,
+        kind=part.kind,
+        fuel=part.fuel,
+        numbers=part.numbers,
+        names=part.names,
+        symmetric=part.symmetric,
+        points=() if part.shape is None else tuple(part.shape.points),
+        gauges=() if part.strain is None else part.strain.gauges,
+        arrays={n: store.arrays.put(array) for n, array in extract_modes(part, sources).items()},
+        origin=part.origin,
     )
-    known = store.modal_tables.find(aircraft_id=aircraft.id, name=raw.name)
-    return _add_once(store.modal_tables, table, known, f"Modal table '{raw.name}'")
+    known = store.modal_tables.find(aircraft_id=aircraft.id, name=part.name)
+    return _add_once(store.modal_tables, table, known, f"Modal table '{part.name}'")
 
 
-def store_prediction(store: Store, aircraft: Aircraft, raw: RawPrediction) -> DerivativePrediction:
+def _store_prediction(
+    store: Store, aircraft: Aircraft, part: PredictionMapping, sources: Sources
+) -> DerivativePrediction:
     """Add predicted derivatives, or find the same."""
     assert aircraft.id is not None
-    for name in raw.names:
+    found = extract_derivatives(part, sources, aircraft.geometry.chord_m)
+    for name in found:
         parse_derivative(name)
     prediction = DerivativePrediction(
         aircraft_id=aircraft.id,
-        source=raw.source,
-        kind=raw.kind,
-        fuel=raw.fuel,
-        names=raw.names,
-        values=store.arrays.put(raw.values),
-        note=raw.note,
+        source=part.source,
+        kind=part.kind,
+        fuel=part.fuel,
+        names=tuple(found),
+        values=store.arrays.put(np.stack(list(found.values()), axis=1)),
+        note=part.note,
     )
-    known = store.predictions.find(aircraft_id=aircraft.id, source=raw.source)
-    return _add_once(store.predictions, prediction, known, f"Prediction '{raw.source}'")
+    known = store.predictions.find(aircraft_id=aircraft.id, source=part.source)
+    return _add_once(store.predictions, prediction, known, f"Prediction '{part.source}'")
 
 
 def _add_once(
@@ -524,14 +535,10 @@ def store_upload(
                 _store_channels(store, upload, store.channels, build)
                 add_shared_corrections(store, maneuver)
         tables = tuple(
-            store_modal_table(store, aircraft, extract_modal_table(part, sources))
-            for part in mapping.modal_tables
+            _store_modal_table(store, aircraft, part, sources) for part in mapping.modal_tables
         )
         predictions = tuple(
-            store_prediction(
-                store, aircraft, extract_prediction(part, sources, aircraft.geometry.chord_m)
-            )
-            for part in mapping.predictions
+            _store_prediction(store, aircraft, part, sources) for part in mapping.predictions
         )
     return Imported(
         aircraft=aircraft,

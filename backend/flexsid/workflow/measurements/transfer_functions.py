@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -13,14 +12,12 @@ from flexsid.errors import BadInput
 from flexsid.records.transfer_function import (
     TransferFunction,
     TransferFunctionResult,
-    TransferFunctionRoot,
 )
 from flexsid.records.views import Response
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
 from flexsid.sysid.stability.transfer_function import (
     MOST_ORDER,
-    PolynomialRoot,
     TransferFunctionFit,
     TransferFunctionForm,
     fit_transfer_function,
@@ -169,8 +166,8 @@ def _describe_fit(
         delay_std_s=fit.delay_std,
         numerator=tuple(fit.numerator.tolist()),
         denominator=tuple(fit.denominator.tolist()),
-        zeros=_describe_roots(fit.zeros),
-        poles=_describe_roots(fit.poles),
+        zeros=fit.zeros,
+        poles=fit.poles,
         mismatch=fit.mismatch,
         mismatch_cost=fit.cost,
         cost_beyond_noise=fit.cost_beyond_noise,
@@ -192,20 +189,6 @@ def _summarise(query: TransferFunctionQuery, fit: TransferFunctionFit) -> str:
 
 def _is_close(fit: TransferFunctionFit) -> bool:
     return fit.cost_beyond_noise < CLOSE_MATCH
-
-
-def _describe_roots(roots: Sequence[PolynomialRoot]) -> tuple[TransferFunctionRoot, ...]:
-    return tuple(
-        TransferFunctionRoot(
-            real_rad_s=root.value.real,
-            imag_rad_s=root.value.imag,
-            frequency_rad_s=root.frequency,
-            frequency_std_rad_s=root.frequency_std,
-            damping=root.damping,
-            damping_std=root.damping_std,
-        )
-        for root in roots
-    )
 
 
 def _build_response(

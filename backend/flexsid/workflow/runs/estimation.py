@@ -7,7 +7,7 @@ process, ``store_result`` stores the result.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from flexsid.records.run import (
     EstimationRun,
     Fit,
     FitBlock,
-    Iteration,
     NuisanceParameter,
     OutOfBandModes,
     OutputQuality,
@@ -570,13 +569,7 @@ def _build_fit(computed: ComputedRun) -> Fit:
         outcome=estimate.outcome.value,
         message=estimate.message,
         iterations=tuple(
-            Iteration(
-                iteration=step.iteration,
-                cost=step.cost,
-                step=finite_or_none(step.step) or 0.0,
-                stage=step.stage,
-            )
-            for step in estimate.steps
+            replace(step, step=finite_or_none(step.step) or 0.0) for step in estimate.steps
         ),
         cost=estimate.steps[-1].cost if estimate.steps else None,
         r_squared=_compute_r_squared(estimate),
@@ -590,13 +583,7 @@ def _build_fit(computed: ComputedRun) -> Fit:
         start=computed.start,
         warnings=computed.warnings,
         quality=tuple(
-            OutputQuality(
-                block=block.name,
-                output=quality.output,
-                r_squared=quality.r_squared,
-                theil=quality.theil,
-                whiteness=quality.whiteness,
-            )
+            OutputQuality(block=block.name, **asdict(quality))
             for block in estimate.lines
             for quality in compute_output_fit(block)
         ),

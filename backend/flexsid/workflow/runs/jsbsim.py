@@ -10,7 +10,7 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
-from flexsid.workflow.aircraft.flight_condition import compute_standard_altitude
+from flexsid.sysid.model.standard_atmosphere import compute_standard_altitude
 from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
 
 

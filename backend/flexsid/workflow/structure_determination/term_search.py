@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from flexsid.sysid.structure_determination.selection import (
     Selection,
     SelectionState,
     SelectionStep,
+    Term,
     compute_selection_frequency,
     select_terms,
     summarise_selection,
@@ -208,12 +210,7 @@ def _build_term_group(
         ),
         terms=tuple(
             SearchTerm(
-                name=term.name,
-                selected=term.selected,
-                value=term.value if np.isfinite(term.std_error) else None,
-                std_error=finite_or_none(np.hypot(term.std_error, modal_std.get(term.name, 0.0))),
-                f=term.f,
-                support=term.share,
+                **asdict(_add_modal_error(term, modal_std.get(term.name, 0.0))),
                 stability=finite_or_none(share),
                 inflation=float(grown) if 0.0 < grown < 1e8 else None,
             )
@@ -227,3 +224,9 @@ def _build_term_group(
         pse=finite_or_none(criteria.pse),
         bic=finite_or_none(criteria.bic),
     )
+
+
+def _add_modal_error(term: Term, std: float) -> Term:
+    if term.std_error is None:
+        return term
+    return replace(term, std_error=finite_or_none(float(np.hypot(term.std_error, std))))

@@ -171,9 +171,5 @@ def _compute_residuals(run_id: int, spectra: FittedSpectra) -> Residuals:
 
 def _describe_curve(output: str, other: str, found: ResidualCorrelation) -> CorrelationCurve:
     return CorrelationCurve(
-        output=output,
-        other=other,
-        lags_s=found.lags_s,
-        values=found.values,
-        bound=found.bound,
+        output=output, other=other, lags_s=found.lags_s, values=found.values, bound=found.bound
     )

@@ -17,6 +17,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.order import (
     BAND,
     POLE_BAND,
@@ -36,7 +37,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     list_predicted_modes,
     select_prediction,
 )
-from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_standard_density
+from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 
 BAND_HZ = (0.25, 15.0)

@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import type { LiveState, Reception } from "../../api/types";
 import { count } from "../../lib/format";
 import { describeHealth, describeReception } from "../../lib/live/health";
-import { Section } from "../Section";
+import { Section } from "../display/Section";
 
 interface Props {
   state: LiveState | null;

@@ -1,7 +1,7 @@
 import type { LiveEstimate } from "../../api/types";
 import { percent } from "../../lib/format";
-import { Quantity, UnitName } from "../Quantity";
-import { Section } from "../Section";
+import { Quantity, UnitName } from "../display/Quantity";
+import { Section } from "../display/Section";
 
 interface Props {
   estimate: LiveEstimate | null;

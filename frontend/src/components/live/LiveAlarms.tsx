@@ -6,8 +6,8 @@ import { useConversion } from "../../api/units";
 import type { Acknowledgement, LiveAlarm, StreamChannel } from "../../api/types";
 import { fixed, significant } from "../../lib/format";
 import { alarmKey, splitAlarms } from "../../lib/live/alarms";
-import { NameForm } from "../AnalystMenu";
-import { ProblemAlert } from "../ProblemAlert";
+import { NameForm } from "../account/AnalystMenu";
+import { ProblemAlert } from "../display/ProblemAlert";
 
 const KINDS: Record<LiveAlarm["kind"], string> = {
   unstable: "Unstable mode",

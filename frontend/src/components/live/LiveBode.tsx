@@ -1,9 +1,9 @@
 import { Group, Select } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { Empty } from "../Empty";
-import { Figure } from "../Figure";
-import { Section } from "../Section";
+import { Empty } from "../display/Empty";
+import { Figure } from "../figures/Figure";
+import { Section } from "../display/Section";
 
 interface Props {
   streamId: number;

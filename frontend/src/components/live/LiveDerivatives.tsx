@@ -1,10 +1,10 @@
 import type { LiveEstimate } from "../../api/types";
 import { percent, withError } from "../../lib/format";
 import { adviseDuration } from "../../lib/live/information";
-import { DataTable, type Column } from "../DataTable";
-import { DerivativeName } from "../DerivativeName";
-import { Empty } from "../Empty";
-import { Section } from "../Section";
+import { DataTable, type Column } from "../controls/DataTable";
+import { DerivativeName } from "../display/DerivativeName";
+import { Empty } from "../display/Empty";
+import { Section } from "../display/Section";
 
 interface Row {
   name: string;

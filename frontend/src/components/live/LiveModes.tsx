@@ -4,9 +4,9 @@ import { useConversion } from "../../api/units";
 import type { LiveMode, LiveState } from "../../api/types";
 import { converted, hertz, percent } from "../../lib/format";
 import { trackModes } from "../../lib/live/tracks";
-import { CopyTable } from "../DataTable";
-import { Empty } from "../Empty";
-import { Section } from "../Section";
+import { CopyTable } from "../controls/DataTable";
+import { Empty } from "../display/Empty";
+import { Section } from "../display/Section";
 import { MODE_COLORS, TrackPlot } from "./TrackPlot";
 
 interface Props {

@@ -8,10 +8,10 @@ import type { Receiver, RunItem } from "../../api/types";
 import { flightName } from "../../lib/format";
 import { parseTable } from "../../lib/live/table";
 import { integer } from "../../lib/urlState";
-import { Empty } from "../Empty";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { ProblemAlert } from "../ProblemAlert";
+import { Empty } from "../display/Empty";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
 import { StreamLimits, type ChannelLimit } from "./StreamLimits";
 
 const MOST_RUNS = 100;

@@ -1,5 +1,5 @@
 import { Button, CloseButton, Group, Select } from "@mantine/core";
-import { NumberField } from "../NumberField";
+import { NumberField } from "../controls/NumberField";
 
 export interface ChannelLimit {
   channel: string;

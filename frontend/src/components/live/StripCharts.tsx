@@ -2,7 +2,7 @@ import { useEffect, useMemo } from "react";
 import type { LiveState, StreamChannel } from "../../api/types";
 import { describeDefect } from "../../lib/live/health";
 import type { Samples } from "../../lib/live/samples";
-import { Empty } from "../Empty";
+import { Empty } from "../display/Empty";
 import { createDrawingQueue } from "./drawingQueue";
 import { StripChart } from "./StripChart";
 

@@ -4,8 +4,8 @@ import { useAnalyst } from "../../api/analyst";
 import { useDecideTestPoint } from "../../api/commands";
 import type { LiveState, LiveTestPoint } from "../../api/types";
 import { fixed } from "../../lib/format";
-import { DataTable, type Column } from "../DataTable";
-import { ProblemAlert } from "../ProblemAlert";
+import { DataTable, type Column } from "../controls/DataTable";
+import { ProblemAlert } from "../display/ProblemAlert";
 
 const STEPS = ["Planned", "Flying", "Recorded", "Accepted", "Repeat"] as const;
 type Step = (typeof STEPS)[number];

@@ -10,13 +10,13 @@ import type { Aircraft, FlutterSummary, ModalTable, SummaryRoots } from "../../a
 import { useStoredResult } from "../../api/useStoredResult";
 import { fixed } from "../../lib/format";
 import type { ModalDataView } from "../../views";
-import { DataTable, numeric, type Column } from "../DataTable";
-import { Empty } from "../Empty";
-import { Figure } from "../Figure";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { StoredPredictedFlutter } from "../PredictedFlutter";
-import { Section } from "../Section";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { Empty } from "../display/Empty";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { StoredPredictedFlutter } from "../predictions/PredictedFlutter";
+import { Section } from "../display/Section";
 import { TableNotes } from "./TableNotes";
 
 type Point = FlutterSummary["points"][number];

@@ -6,12 +6,12 @@ import { useCorrectMode } from "../../api/commands";
 import { modesAtQuery } from "../../api/queries";
 import type { ModeAtFuel } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/format";
-import { DataTable, numeric, type Column } from "../DataTable";
-import { Figure } from "../Figure";
-import { Loaded } from "../Loaded";
-import { ProblemAlert } from "../ProblemAlert";
-import { quantity } from "../Quantity";
-import { Section } from "../Section";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { quantity } from "../display/Quantity";
+import { Section } from "../display/Section";
 import { hasShapes, type TableProps } from "./tables";
 
 /** Frequencies and damping over fuel, and the named modes at the selected fuel. */

@@ -5,13 +5,13 @@ import { useUpdateModalTable } from "../../api/commands";
 import { correlationQuery } from "../../api/queries";
 import type { Correlation, ModalTable, PairedMode } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
-import { DataTable, numeric, type Column } from "../DataTable";
-import { Figure } from "../Figure";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { ProblemAlert } from "../ProblemAlert";
-import { quantity } from "../Quantity";
-import { Section } from "../Section";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { quantity } from "../display/Quantity";
+import { Section } from "../display/Section";
 import { tableTitle, type TableProps } from "./tables";
 
 /** MAC of two sources or two fuel weights, paired modes, and points of low COMAC. */

@@ -11,11 +11,11 @@ import { structureUploadQuery } from "../../api/queries";
 import type { Aircraft, StructureFound } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
 import type { ModalDataView } from "../../views";
-import { DataTable } from "../DataTable";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { ProblemAlert } from "../ProblemAlert";
-import { Section } from "../Section";
+import { DataTable } from "../controls/DataTable";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { Section } from "../display/Section";
 import { OrthogonalityForm, OrthogonalityResult } from "./OrthogonalityForm";
 import { ResponsesForm } from "./ResponsesForm";
 

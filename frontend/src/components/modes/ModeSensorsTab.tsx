@@ -4,10 +4,10 @@ import { observabilityQuery } from "../../api/queries";
 import type { Observability } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
 import { SYMMETRIES } from "../../views";
-import { DataTable, type Column } from "../DataTable";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { Section } from "../Section";
+import { DataTable, type Column } from "../controls/DataTable";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { Section } from "../display/Section";
 import type { TableProps } from "./tables";
 
 /** Modal observability of the sensors, and candidate accelerometer positions. */

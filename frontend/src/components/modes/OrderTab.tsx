@@ -3,11 +3,11 @@ import { useQuery } from "@tanstack/react-query";
 import { modelOrderQuery } from "../../api/queries";
 import type { ModelOrder } from "../../api/types";
 import { fixed, percent } from "../../lib/format";
-import { DataTable, numeric, type Column } from "../DataTable";
-import { Figure } from "../Figure";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { Section } from "../Section";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { Section } from "../display/Section";
 import type { TableProps } from "./tables";
 
 type Step = ModelOrder["steps"][number];

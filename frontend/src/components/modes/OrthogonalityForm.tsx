@@ -6,11 +6,11 @@ import { jobQuery, modalTablesQuery, orthogonalityQuery } from "../../api/querie
 import type { Aircraft, Orthogonality, StructureFound } from "../../api/types";
 import { fixed } from "../../lib/format";
 import type { ModalDataView } from "../../views";
-import { DataTable, numeric, type Column } from "../DataTable";
-import { JobWait } from "../JobWait";
-import { Loaded } from "../Loaded";
-import { ProblemAlert } from "../ProblemAlert";
-import { Section } from "../Section";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+import { JobWait } from "../jobs/JobWait";
+import { Loaded } from "../display/Loaded";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { Section } from "../display/Section";
 import { hasShapes, tableTitle } from "./tables";
 
 const LENGTHS = ["m", "mm", "in", "ft"] as const;

@@ -4,9 +4,9 @@ import { useState } from "react";
 import { useEstimateResponses, useImportResponses } from "../../api/commands";
 import type { Aircraft, Job, StructureFound } from "../../api/types";
 import type { ModalDataView } from "../../views";
-import { JobWait } from "../JobWait";
-import { NumberField } from "../NumberField";
-import { ProblemAlert } from "../ProblemAlert";
+import { JobWait } from "../jobs/JobWait";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
 
 const ESTIMATORS = [
   { value: "H1", label: "H1: noise on the responses" },

@@ -6,9 +6,9 @@ import { modesAtQuery, shapeQuery } from "../../api/queries";
 import type { ModalTable } from "../../api/types";
 import { fixed } from "../../lib/format";
 import { CAMERA, type Camera } from "../../lib/projection";
-import { Empty } from "../Empty";
-import { Loaded } from "../Loaded";
-import { ShapeCanvas } from "../ShapeCanvas";
+import { Empty } from "../display/Empty";
+import { Loaded } from "../display/Loaded";
+import { ShapeCanvas } from "../figures/ShapeCanvas";
 import { hasShapes, tableTitle, type TableProps } from "./tables";
 
 /** Mode shapes in three dimensions: one, or two modes or sources side by side. */

@@ -14,15 +14,15 @@ import { useSaveFoundModes } from "../../api/commands";
 import { foundModesResult, measuredResponsesQuery } from "../../api/queries";
 import type { FoundModes, MeasuredResponses, ModalTable } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/format";
-import { ComputedResult } from "../ComputedResult";
-import { DataTable } from "../DataTable";
-import { Empty } from "../Empty";
-import { Figure } from "../Figure";
-import { Loaded } from "../Loaded";
-import { NumberField } from "../NumberField";
-import { ProblemAlert } from "../ProblemAlert";
-import { Quantity, UnitName } from "../Quantity";
-import { Section } from "../Section";
+import { ComputedResult } from "../display/ComputedResult";
+import { DataTable } from "../controls/DataTable";
+import { Empty } from "../display/Empty";
+import { Figure } from "../figures/Figure";
+import { Loaded } from "../display/Loaded";
+import { NumberField } from "../controls/NumberField";
+import { ProblemAlert } from "../display/ProblemAlert";
+import { Quantity, UnitName } from "../display/Quantity";
+import { Section } from "../display/Section";
 import { hasShapes, tableTitle, type TabProps } from "./tables";
 
 /** Measured responses of a ground vibration test: stabilisation diagram and identified modes. */

@@ -1,0 +1,182 @@
+import { useRef, useState, type ReactNode, type RefObject } from "react";
+import { copyText, tableText } from "../../lib/tableText";
+import { SymbolTooltip } from "../display/SymbolTooltip";
+
+export interface Column<Row> {
+  key: string;
+  header: ReactNode;
+  /** Name in the glossary whose meaning is shown when the header is pointed at. */
+  help?: string;
+  unit?: ReactNode;
+  /** Numbers stand at the right so that their digits line up. */
+  numeric?: boolean;
+  /** Sentences go over several lines; whatever else there is stays on one. */
+  wraps?: boolean;
+  /** Names that are long go over several lines where the page is narrow. */
+  yields?: boolean;
+  /** What is shown only where a row has some of it. */
+  onlyIf?: (row: Row) => boolean;
+  /** Name by which this column is sorted; without one it is not sortable. */
+  sort?: string;
+  render: (row: Row) => ReactNode;
+}
+
+/** A column of numbers. */
+export function numeric<Row>(
+  key: string,
+  header: ReactNode,
+  render: (row: Row) => ReactNode,
+  unit?: string,
+): Column<Row> {
+  return { key, header, unit, numeric: true, render };
+}
+
+interface Props<Row> {
+  columns: Column<Row>[];
+  rows: Row[];
+  rowKey: (row: Row) => string | number;
+  label: string;
+  testId?: string;
+  rowTestId?: (row: Row) => string;
+  isSelected?: (row: Row) => boolean;
+  /** `name` ascending, `-name` descending. */
+  sort?: string;
+  onSort?: (sort: string) => void;
+  maxHeight?: number;
+}
+
+function nextSort(current: string | undefined, column: string): string {
+  return current === column ? `-${column}` : column;
+}
+
+/** Rows and columns; headers sort, numbers line up. */
+export function DataTable<Row>(props: Props<Row>) {
+  const { rows, rowKey, label, testId, rowTestId, isSelected, sort, onSort } = props;
+  const columns = props.columns.filter(({ onlyIf }) => onlyIf === undefined || rows.some(onlyIf));
+  const table = useRef<HTMLTableElement>(null);
+  return (
+    <>
+      <div
+        className="table-scroll"
+        style={{ maxHeight: props.maxHeight }}
+        role="region"
+        aria-label={label}
+        tabIndex={0}
+      >
+        <table ref={table} className="data-table" aria-label={label} data-testid={testId}>
+          <thead>
+            <tr>
+              {columns.map((column) => (
+                <HeaderCell key={column.key} column={column} sort={sort} onSort={onSort} />
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map((row) => (
+              <tr
+                key={rowKey(row)}
+                data-testid={rowTestId?.(row)}
+                data-selected={isSelected?.(row) === true ? "true" : undefined}
+              >
+                {columns.map((column) => (
+                  <td key={column.key} className={classOf(column)}>
+                    {column.render(row)}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      {rows.length > 0 && <CopyTable table={table} label={label} />}
+    </>
+  );
+}
+
+/** Copies the rows that are shown, tab-separated. */
+export function CopyTable({
+  table,
+  label,
+}: {
+  table: RefObject<HTMLTableElement | null>;
+  label: string;
+}) {
+  const [state, setState] = useState<"" | "copied" | "failed">("");
+  const words = { "": "Copy table", copied: "Copied", failed: "The browser refused to copy" };
+  return (
+    <div className="table-copy">
+      <button
+        type="button"
+        aria-label={`Copy table: ${label}`}
+        title="Copy as tab-separated values"
+        onClick={() => {
+          if (table.current === null) return;
+          copyText(tableText(table.current)).then(
+            () => {
+              setState("copied");
+            },
+            () => {
+              setState("failed");
+            },
+          );
+        }}
+      >
+        {words[state]}
+      </button>
+    </div>
+  );
+}
+
+function classOf<Row>(column: Column<Row>): string | undefined {
+  if (column.numeric === true) return "end";
+  if (column.wraps === true) return "wraps";
+  return column.yields === true ? "yields" : undefined;
+}
+
+interface HeaderProps<Row> {
+  column: Column<Row>;
+  sort?: string;
+  onSort?: (sort: string) => void;
+}
+
+function HeaderCell<Row>({ column, sort, onSort }: HeaderProps<Row>) {
+  const name = column.sort;
+  const direction =
+    name === undefined
+      ? undefined
+      : sort === name
+        ? "ascending"
+        : sort === `-${name}`
+          ? "descending"
+          : undefined;
+  const arrow = direction === "ascending" ? "↑" : direction === "descending" ? "↓" : "";
+  const content = (
+    <>
+      {column.help === undefined ? (
+        column.header
+      ) : (
+        <SymbolTooltip name={column.help}>{column.header}</SymbolTooltip>
+      )}
+      {column.unit !== undefined && <span className="unit"> [{column.unit}]</span>}
+    </>
+  );
+  return (
+    <th scope="col" className={column.numeric === true ? "end" : undefined} aria-sort={direction}>
+      {name !== undefined && onSort !== undefined ? (
+        <button
+          type="button"
+          onClick={() => {
+            onSort(nextSort(sort, name));
+          }}
+        >
+          {content}
+          <span className="arrow" aria-hidden="true">
+            {arrow}
+          </span>
+        </button>
+      ) : (
+        content
+      )}
+    </th>
+  );
+}

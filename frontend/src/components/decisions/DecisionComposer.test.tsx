@@ -1,0 +1,65 @@
+import { screen } from "@testing-library/react";
+import { afterEach, expect, it, vi } from "vitest";
+import { setAccountName } from "../../api/analyst";
+import type { Decision, Session } from "../../api/types";
+import { show } from "../../test/render";
+import { DecisionComposer } from "./DecisionComposer";
+
+const DECISION = {
+  id: 1,
+  aircraft_id: 1,
+  state: "open",
+  authors: ["Bea"],
+  rules: { own_allowed: false },
+} as unknown as Decision;
+
+async function open(mode: Session["mode"], roles: Session["roles"]) {
+  const name = mode === "personal" ? null : "Ann";
+  vi.spyOn(globalThis, "fetch").mockImplementation(() =>
+    Promise.resolve(
+      new Response(JSON.stringify({ mode, name, roles }), {
+        headers: { "Content-Type": "application/json" },
+      }),
+    ),
+  );
+  setAccountName(name);
+  await show(<DecisionComposer decision={DECISION} revision={1} />);
+}
+
+afterEach(() => {
+  vi.restoreAllMocks();
+  setAccountName(null);
+  localStorage.clear();
+});
+
+it("offers votes to reviewers of the campaign, in the name of the account", async () => {
+  await open("team", [
+    { aircraft_id: 1, role: "reviewer" },
+    { aircraft_id: 2, role: "viewer" },
+  ]);
+  expect(await screen.findByText("As Ann.")).toBeInTheDocument();
+  expect(screen.getByTestId("vote-approve")).toBeInTheDocument();
+});
+
+it("offers comments and no votes to analysts", async () => {
+  await open("team", [
+    { aircraft_id: 1, role: "analyst" },
+    { aircraft_id: 2, role: "reviewer" },
+  ]);
+  expect(await screen.findByText(/Votes need the role reviewer/)).toBeInTheDocument();
+  expect(screen.getByTestId("comment")).toBeInTheDocument();
+  expect(screen.queryByTestId("vote-approve")).not.toBeInTheDocument();
+});
+
+it("offers nothing to viewers", async () => {
+  await open("team", [{ aircraft_id: null, role: "viewer" }]);
+  expect(await screen.findByText(/Comments need the role analyst/)).toBeInTheDocument();
+  expect(screen.queryByTestId("comment")).not.toBeInTheDocument();
+});
+
+it("offers all to whoever has set a name, without accounts", async () => {
+  localStorage.setItem("flexsid.analyst", "Cid");
+  await open("personal", []);
+  expect(await screen.findByText("As Cid, unverified.")).toBeInTheDocument();
+  expect(screen.getByTestId("vote-approve")).toBeInTheDocument();
+});

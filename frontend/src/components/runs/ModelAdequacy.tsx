@@ -1,0 +1,120 @@
+import { Accordion, Badge, Group, Text } from "@mantine/core";
+import type { AdequacyState, ModelAdequacy } from "../../api/types";
+import { significant } from "../../lib/format";
+import { tint } from "../../lib/tint";
+import { DataTable, numeric, type Column } from "../controls/DataTable";
+
+const COLORS: Record<AdequacyState, string> = {
+  consistent: "green",
+  suspect: "yellow",
+  "not tested": "gray",
+};
+
+const REASONS: Record<AdequacyState, string> = {
+  consistent: "No test for remaining model error rejects the model",
+  suspect: "A test for remaining model error rejects the model: the run page lists the tests",
+  "not tested": "No test for remaining model error applies: the run page gives the reason",
+};
+
+/** Result of the tests for remaining model error, as color and text. */
+export function AdequacyBadge({ state, reason }: { state: AdequacyState; reason?: string }) {
+  return (
+    <Badge
+      bg={tint(COLORS[state])}
+      c="var(--mantine-color-text)"
+      tt="none"
+      miw="max-content"
+      title={reason ?? REASONS[state]}
+      data-testid="adequacy"
+      data-state={state}
+    >
+      {state}
+    </Badge>
+  );
+}
+
+type Test = ModelAdequacy["tests"][number];
+
+const COLUMNS: Column<Test>[] = [
+  { key: "hypothesis", header: "Model error", render: (test) => test.hypothesis },
+  { key: "subject", header: "Of", render: (test) => test.subject },
+  numeric("statistic", "Statistic", (test) => significant(test.statistic, 3)),
+  numeric("df", "Degrees of freedom", (test) => test.degrees_of_freedom || "–"),
+  numeric("p", "p", (test) => significant(test.p, 2)),
+  numeric("adjusted-p", <span title="Holm's method">p of all tests</span>, (test) =>
+    significant(test.adjusted_p, 2),
+  ),
+  { key: "meaning", header: "Meaning", wraps: true, render: (test) => test.meaning },
+];
+
+interface TestsProps {
+  adequacy: ModelAdequacy;
+  /** What the tests are about. */
+  title: string;
+  /** What each test seeks, and what a small p means. */
+  subject: string;
+  note: string;
+}
+
+function Tests({ adequacy, title, subject, note }: TestsProps) {
+  const key = title.toLowerCase().replaceAll(" ", "-");
+  const rejecting = adequacy.tests.filter((test) => test.rejects).length;
+  return (
+    <>
+      <Group gap="xs" mt="sm" wrap="nowrap" align="flex-start" data-testid={key}>
+        <Text size="sm" style={{ whiteSpace: "nowrap" }}>
+          {title}
+        </Text>
+        <AdequacyBadge state={adequacy.state} />
+        <Text size="sm">{adequacy.reason}</Text>
+      </Group>
+      {adequacy.tests.length > 0 && (
+        <Accordion variant="contained" className="panel" bg="var(--page-surface)" mt="sm" order={2}>
+          <Accordion.Item value="tests">
+            <Accordion.Control data-testid={`${key}-tests`}>
+              {adequacy.tests.length} tests {subject}, {rejecting}{" "}
+              {rejecting === 1 ? "rejects" : "reject"}
+            </Accordion.Control>
+            <Accordion.Panel>
+              <Text size="sm" mb="sm">
+                {note}
+              </Text>
+              <DataTable
+                label={`Tests ${subject}`}
+                columns={COLUMNS}
+                rows={adequacy.tests}
+                rowKey={(test) => `${test.hypothesis} ${test.subject}`}
+                isSelected={(test) => test.rejects}
+                maxHeight={480}
+              />
+            </Accordion.Panel>
+          </Accordion.Item>
+        </Accordion>
+      )}
+    </>
+  );
+}
+
+/** Badge and reason of a run, with the table of its tests for remaining model error. */
+export function AdequacyTests({ adequacy }: { adequacy: ModelAdequacy }) {
+  return (
+    <Tests
+      adequacy={adequacy}
+      title="Model adequacy"
+      subject="for remaining model error"
+      note="The statistic is χ² with these degrees of freedom if the model is correct; that of a residual response or the consistency of a sensor is in standard deviations, and p of a residual power includes the errors of the noise measured in the band. A correct model is rejected by any of the tests with a probability of 5 %."
+    />
+  );
+}
+
+/** Badge and reason of a run, with the table of its tests for an asymmetry of the aircraft. */
+export function SymmetryTests({ symmetry }: { symmetry: ModelAdequacy }) {
+  return (
+    <Tests
+      adequacy={symmetry}
+      title="Symmetry"
+      subject="for an asymmetry of aircraft or flight"
+      note="Each test seeks a response of this axis to motion or surfaces of the other one. The statistic is χ² with these degrees of freedom for a symmetric aircraft; that of a cross response is in standard deviations. Any of the tests rejects a symmetric aircraft with a probability of 5 %."
+    />
+  );
+}
