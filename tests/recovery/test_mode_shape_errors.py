@@ -48,8 +48,10 @@ def add_wrong_table(store: Store, aircraft: Aircraft, stated: float) -> ModalTab
         return store.modal_tables.add(replace(fem, id=None, name="wrong shapes", arrays=arrays))
 
 
-def prepare_run(store: Store, method: Method, stated: float) -> EstimationTask:
-    """Prepare a run of a flight with the wrong table."""
+def prepare_run(
+    store: Store, method: Method, stated: float, band_hz: tuple[float, float] | None = None
+) -> EstimationTask:
+    """Prepare a run of a flight with the wrong table, in a band where no harmonics are known."""
     aircraft = add_aircraft(store)
     assert aircraft.id is not None
     flight = store.flights.add(Flight(aircraft_id=aircraft.id, number=50)).id
@@ -57,11 +59,13 @@ def prepare_run(store: Store, method: Method, stated: float) -> EstimationTask:
     flown = fly(airspeed_ratio=0.65, fuel=0.5, fta=506, modes_in_truth=4, seed=11)
     maneuver = add_maneuver(store, flown, flight)
     assert maneuver.id is not None
+    if band_hz is not None:
+        store.maneuvers.replace(replace(maneuver, excitation=None))
     request = EstimationRun(
         maneuver_id=maneuver.id,
         method=method,
         structure=Structure(modes=(7, 9), outputs=OUTPUTS, fixed={}),
-        settings=RunSettings(),
+        settings=RunSettings(band_hz=band_hz),
         modal_table_id=add_wrong_table(store, aircraft, stated).id,
     )
     return prepare(store, request)
@@ -95,3 +99,13 @@ def test_stated_errors_of_mode_shapes_are_part_of_every_standard_error(
 
 def test_equation_error_says_that_it_takes_shapes_as_exact(store: Store) -> None:
     assert "takes as exact" in prepare_run(store, Method.EE, ERROR).warnings[-1]
+
+
+@pytest.mark.parametrize("band_hz", [None, (0.5, 6.0)], ids=["multisine", "free ends"])
+def test_equation_error_estimates_with_them(
+    store: Store, band_hz: tuple[float, float] | None
+) -> None:
+    task = prepare_run(store, Method.EE, ERROR, band_hz)
+    assert all(one.measured.free_ends is (band_hz is not None) for one in task.maneuvers)
+    found = compute_run(task, lambda progress: None)
+    assert np.isfinite(found.estimate.std_errors).all()

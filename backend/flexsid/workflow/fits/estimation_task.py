@@ -108,11 +108,12 @@ class EstimationTask:
     @property
     def marginalised(self) -> frozenset[str]:
         """Names of all parameters that are no results: with errors of mode shapes."""
-        return frozenset(self.nuisance_names) | self.shape_errors.keys()
+        return frozenset((*self.nuisance_names, *self.shape_errors))
 
     def list_priors(self, spread: float) -> dict[str, tuple[float, float]]:
         """Return the priors of the analyst, and those of the parameters that are no results."""
-        of_shapes = {name: (0.0, std) for name, std in self.shape_errors.items()}
+        free = set(self.extras)
+        of_shapes = {name: (0.0, std) for name, std in self.shape_errors.items() if name in free}
         if self.nuisance is None:
             return of_shapes | self.priors
         of_modes = self.nuisance.list_priors(self.nuisance_names, spread)
