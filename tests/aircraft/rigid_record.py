@@ -23,11 +23,14 @@ _KINDS = {"alpha": "vane", "q": "gyro", "theta": "attitude", "az": "acceleromete
 def write_record(
     folder: Path, columns: dict[str, np.ndarray], aircraft: str = "Rigid"
 ) -> tuple[Path, Path]:
-    """Write a record and the mapping for its import; return both files."""
+    """Write a record and the mapping for its import; return both files.
+
+    The condition is that of the aircraft; its airspeed is the column of this name, if any.
+    """
     record, mapping = folder / "record.csv", folder / "mapping.toml"
     table = np.stack(list(columns.values()), axis=1)
     np.savetxt(record, table, "%.9g", ",", header=",".join(columns), comments="")
-    mapping.write_text(_format_mapping(aircraft))
+    mapping.write_text(_format_mapping(aircraft, has_airspeed="airspeed" in columns))
     return record, mapping
 
 
@@ -76,7 +79,7 @@ def simulate(
     return columns
 
 
-def _format_mapping(aircraft: str) -> str:
+def _format_mapping(aircraft: str, *, has_airspeed: bool) -> str:
     geometry = ", ".join(
         f'{name} = {{ value = {value}, unit = "{unit}" }}'
         for name, value, unit in (("area", AREA, "m2"), ("chord", CHORD, "m"), ("span", SPAN, "m"))
@@ -87,12 +90,13 @@ def _format_mapping(aircraft: str) -> str:
         f'role = "{"input" if name == "elevator" else "output"}"\n'
         for name, unit in _UNITS.items()
     )
+    airspeed = 'field = "airspeed"' if has_airspeed else f"value = {AIRSPEED}"
     return f"""flight = {{ number = 1 }}
 time = {{ column = "t" }}
 [maneuver]
 label = "pulses"
 axis = "longitudinal"
-condition.airspeed = {{ value = {AIRSPEED}, unit = "m/s" }}
+condition.airspeed = {{ {airspeed}, unit = "m/s" }}
 condition.density = {{ value = {DENSITY}, unit = "kg/m3" }}
 condition.fuel_fraction = {{ value = 0, unit = "%" }}
 [aircraft]

@@ -174,6 +174,20 @@ def assess(client: Client, number: int) -> dict[str, Any]:
     return wait_until(lambda: client.get(address)["quality"], "the assessment")
 
 
+def test_an_airspeed_that_falls_is_named_by_quality_and_run(
+    doublet: Doublet, tmp_path: Path
+) -> None:
+    columns = simulate_doublet()
+    columns["airspeed"] = np.linspace(72.0, 48.0, columns["t"].size)
+    number = doublet.add(tmp_path, columns)
+    quality = assess(doublet.client, number)
+    assert "Airspeed drifted by 40" in quality["summary"]
+    run = doublet.client.wait_for_end(f"runs/{doublet.request(maneuver_id=number)['id']}")
+    said = [text for text in run["fit"]["warnings"] if "the airspeed falls by 24.0 m/s" in text]
+    assert len(said) == 1
+    assert "one airspeed, of 60.0 m/s" in said[0]
+
+
 def test_a_held_surface_is_sound(doublet: Doublet, tmp_path: Path) -> None:
     for number in (1, doublet.add(tmp_path, make_coarse_step())):
         quality = assess(doublet.client, number)
@@ -189,4 +203,4 @@ def test_a_clipped_and_a_frozen_sensor_are_not(doublet: Doublet, tmp_path: Path)
     quality = assess(doublet.client, doublet.add(tmp_path, columns))
     warnings = [one for one in quality["report"]["warnings"] if one["channel"] is not None]
     about = {(one["about"], one["channel"]) for one in warnings}
-    assert about == {("saturation", "q"), ("dropouts", "alpha")}
+    assert about == {("saturation", "q"), ("dropouts", "alpha")}, warnings

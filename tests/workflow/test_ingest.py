@@ -108,6 +108,7 @@ def test_a_text_file_becomes_a_maneuver_of_a_new_aircraft(store: Store, tmp_path
     assert [(c.name, c.unit, c.role, c.rate_hz, c.start_s) for c in channels] == [
         ("bfs", "deg", Role.INPUT, 50.0, 0.1),
         ("q", "deg/s", Role.OUTPUT, 50.0, 0.1),
+        ("airspeed", "ft/s", Role.CONDITION, 50.0, 0.1),
     ]
     samples = np.arange(5, 25)
     np.testing.assert_array_equal(store.arrays.get(channels[0].array), -samples)

@@ -14,12 +14,14 @@ from flexsid.errors import BadInput
 from flexsid.importers.channels import RawChannel, extract_channels
 from flexsid.importers.clock import Timing
 from flexsid.importers.excitation import extract_excitation
-from flexsid.importers.mapping import FtaMapping, ManeuverMapping, MappingFile
+from flexsid.importers.mapping import ChannelMapping, FtaMapping, ManeuverMapping, MappingFile
 from flexsid.importers.quantity import Quantity, scalar
 from flexsid.importers.source import Sources
 from flexsid.importers.table import refuse
 from flexsid.records.maneuver import Excitation, Role
 from flexsid.text import check_line
+
+_KEPT = ("airspeed", "fuel_fraction")  # of the condition: their change over a maneuver is checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +102,7 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
         note=part.note,
         start_s=start_s,
         duration_s=stop_s - start_s,
-        channels=cut,
+        channels=(*cut, *_keep_condition(part, channels, sources, timing)),
         condition={
             key: _average(item, sources, timing, part) for key, item in part.condition.items()
         },
@@ -110,6 +112,35 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
         source_file=source_file,
         source_hash=source_hash,
     )
+
+
+def _keep_condition(
+    part: ManeuverMapping, channels: tuple[RawChannel, ...], sources: Sources, timing: Timing
+) -> list[RawChannel]:
+    """Extract recorded airspeed and fuel of the condition, which is their average, as channels.
+
+    None of a name or column that the mapping gives a channel already.
+    """
+    known = {channel.name for channel in channels} | {channel.field for channel in channels}
+    kept = []
+    for name in _KEPT:
+        quantity = part.condition.get(name)
+        if quantity is None or quantity.field is None or known & {name, quantity.field}:
+            continue
+        if (values := sources.numbers(quantity.field)).size == 1 or values.ndim != 1:
+            continue
+        rule = ChannelMapping(
+            column=quantity.field,
+            name=name,
+            unit=quantity.unit,
+            role=Role.CONDITION,
+            confirmed=("too-large", "too-small"),  # the average is checked
+        )
+        (channel,) = extract_channels((rule,), sources, timing)
+        channel = channel.cut(part.start_s, part.stop_s)
+        if channel.samples.size > 1:
+            kept.append(channel)
+    return kept
 
 
 def _label(template: str, file: str) -> str:

@@ -39,6 +39,7 @@ _QUIET = 2.0  # times its noise: a channel of smaller standard deviation hardly 
 _RESOLUTION = 1.0 / np.sqrt(12.0)  # of a digit: standard deviation of rounding
 _LEAST_NOISE = 1e-4  # of the standard deviation of the samples
 _LARGEST_GAP = 0.5  # of the record
+MAX_CLIPPED = 0.005  # of the samples: a channel with more does not measure its motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +106,9 @@ def read_flight_record(store: Store, maneuver: Maneuver) -> RecordedSensors:
             continue
         if sensor.kind not in (*_KINDS, AIRSPEED_PROBE.kind, ALTITUDE):
             excluded[name] = f"kinematics do not relate a {sensor.kind} to other sensors"
+            continue
+        if (clipped := _compute_clipped_share(samples)) > MAX_CLIPPED:
+            excluded[name] = f"it is clipped for {clipped:.1%} of its samples"
             continue
         one = _read_sensor(aircraft, sensor, channel, samples, steps.get(name, Conditioning()))
         if np.std(one.samples) < _QUIET * one.noise_std:
@@ -198,6 +202,12 @@ def _find_held(channel: Channel, samples: np.ndarray) -> list[HeldChannel]:
         return []
     rate = channel.rate_hz * (new.size - 1) / float(new[-1] - new[0])
     return [HeldChannel(channel.name, rate, channel.rate_hz)]
+
+
+def _compute_clipped_share(samples: np.ndarray) -> float:
+    defects = find_defects(np.asarray(samples, dtype=float))
+    clipped = (one for one in defects if one.kind is SampleDefect.SATURATION)
+    return sum(one.stop - one.first for one in clipped) / samples.size
 
 
 def _find_frozen(channel: Channel, samples: np.ndarray) -> Iterator[tuple[float, float]]:

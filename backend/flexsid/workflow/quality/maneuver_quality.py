@@ -56,6 +56,7 @@ from flexsid.workflow.aircraft.thrust import (
     compute_total_temperature,
     interpolate_thrust,
 )
+from flexsid.workflow.measurements.airspeed_drift import MAX_AIRSPEED_DRIFT, compute_drift
 from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import Conditioning
@@ -63,7 +64,6 @@ from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data.modal_tables import find_modal_tables, load_modes
 from flexsid.workflow.quality.compatibility import check_kinematics
 from flexsid.workflow.quality.quality_warnings import (
-    MAX_AIRSPEED_DRIFT,
     MAX_FUEL_CHANGE,
     determine_verdict,
     list_quality_warnings,
@@ -495,9 +495,6 @@ def _average_table_values(
 
 
 def _average(name: str, unit: str, values: np.ndarray) -> Average:
-    sample = np.arange(values.size) - 0.5 * (values.size - 1)
-    power = float(sample @ sample)
-    slope = float(sample @ values) / power if power > 0 else 0.0
     return Average(
         name=name,
         unit=unit,
@@ -505,7 +502,7 @@ def _average(name: str, unit: str, values: np.ndarray) -> Average:
         std=float(values.std()),
         smallest=float(values.min()),
         largest=float(values.max()),
-        drift=slope * (values.size - 1),
+        drift=compute_drift(values),
     )
 
 

@@ -15,13 +15,12 @@ from flexsid.records.quality import (
     SurfaceQuality,
 )
 from flexsid.text import join_names
+from flexsid.workflow.measurements.airspeed_drift import MAX_AIRSPEED_DRIFT, UNUSABLE_DRIFT
+from flexsid.workflow.measurements.flight_records import MAX_CLIPPED
 from flexsid.workflow.quality.sensor_skews import RESOLVED_DELAY_STD_S
 
 MAX_FUEL_CHANGE = 0.03
 """Fuel burnt over a maneuver of four periods that the paper accepts. [fraction]"""
-
-MAX_AIRSPEED_DRIFT = 0.03
-"""Relative drift of airspeed; dynamic pressure drifts twice as much."""
 
 _MIN_SIGNAL_DB = (12.0, 3.0)  # median of all outputs: warning below the first, bad below the second
 _SIGNAL_DB = 6.0  # of a channel with enough signal to assess
@@ -34,7 +33,6 @@ _INPUT_SKEW_S = 3e-3  # unmodelled modes bias it by up to a millisecond
 _SCALE = 0.02
 _SIGMAS = 3.0
 _SKEW_SIGMAS = 4.0  # one of fifty channels exceeds three by chance
-_MAX_SATURATED = 0.005  # fraction of samples
 _MAX_CORRELATION = (0.7, 0.9)
 _UNCOMMANDED_RAD = radians(0.05)  # a quarter of a limit cycle that matters, three times clean ones
 _MIN_TRIM_S = 1.0
@@ -143,7 +141,7 @@ def _warn_of_samples(channels: Sequence[ChannelQuality]) -> Iterator[QualityWarn
     for channel in channels:
         kinds = [stretch.kind for stretch in channel.stretches]
         if channel.saturated > 0.0:
-            severity = _BAD if channel.saturated > _MAX_SATURATED else _WARNING
+            severity = _BAD if channel.saturated > MAX_CLIPPED else _WARNING
             text = f"{channel.name} is saturated for {channel.saturated:.2%} of its samples."
             yield _warn(severity, "saturation", text, channel.name)
         if spikes := kinds.count("spike"):
@@ -290,7 +288,7 @@ def _warn_of_condition(report: QualityReport) -> Iterator[QualityWarning]:
         yield _warn(_WARNING, "condition", text)
     drift = condition.airspeed_drift
     if drift is not None and drift > MAX_AIRSPEED_DRIFT:
-        severity = _BAD if drift > 3.0 * MAX_AIRSPEED_DRIFT else _WARNING
+        severity = _BAD if drift > UNUSABLE_DRIFT else _WARNING
         text = f"Airspeed drifted by {drift:.1%}: a time-invariant model is not valid."
         yield _warn(severity, "condition", text)
 

@@ -75,6 +75,7 @@ from flexsid.workflow.fits.run_warnings import (
     warn_of_exact_shapes,
     warn_of_unknown_modes,
 )
+from flexsid.workflow.measurements.airspeed_drift import warn_of_airspeed_drift
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import select_frequencies
@@ -235,6 +236,7 @@ def _prepare(store: Store, run: EstimationRun, condition: Condition | None) -> E
             *request_warnings,
             *warn_of_unknown_modes(settings, nuisance, is_rigid=not modes.names),
             *warn_of_exact_shapes(run.method, shape_errors),
+            *(text for one in maneuvers for text in warn_of_airspeed_drift(store, one)),
         ),
         provenance=Provenance(
             rests_on=run.rests_on or {}, data_hash=run.data_hash, input_hash=run.input_hash
