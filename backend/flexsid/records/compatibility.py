@@ -9,7 +9,7 @@ from flexsid.records.maneuver import Correction
 
 
 class FindingKind(StrEnum):
-    """What is wrong with a channel."""
+    """Fault of a channel."""
 
     SIGN = "sign"
     UNIT = "unit"
@@ -36,7 +36,7 @@ class SensorFinding:
     ``value`` is a delay [s], recorded over true [1], what the true position in body axes is ahead
     of the declared one along ``axis`` [m], the rate of new samples [Hz], or a duration [s].
     ``gain`` is what the fault adds to 2 ln L. ``sentence`` states the fault, ``remedy`` what
-    settles it. ``correction`` removes it, None where the samples are not what is wrong.
+    settles it. ``correction`` removes it, None where the samples have no fault.
     """
 
     kind: FindingKind

@@ -32,7 +32,7 @@ _CONVERGED = 1e-3  # decrease of the cost that ends the steps
 
 
 class SensorFaultKind(StrEnum):
-    """What is wrong with a sensor."""
+    """Fault of a sensor."""
 
     DELAY = "delay"  # recorded later than true [s]
     SCALE = "scale"  # recorded over true

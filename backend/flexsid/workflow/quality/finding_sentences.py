@@ -1,4 +1,4 @@
-"""Sentences of sensor faults: what is wrong, by how much, and what settles it."""
+"""Sentences of sensor faults: which fault, by how much, and what settles it."""
 
 from __future__ import annotations
 
