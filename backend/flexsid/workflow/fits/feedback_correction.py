@@ -23,9 +23,7 @@ from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import assign_commands
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
 from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
-from flexsid.workflow.fits.likelihood_fit import (
-    correct_interpolation,
-)
+from flexsid.workflow.fits.likelihood_fit import correct_interpolation
 from flexsid.workflow.fits.nuisance_parameters import refit_until_consistent
 from flexsid.workflow.fits.starting_values import collect_starting_points
 
