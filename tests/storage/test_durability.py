@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 import stat
 from collections.abc import Callable, Iterator
@@ -17,7 +18,7 @@ from sqlalchemy.engine import Connection
 from flexsid.errors import Conflict
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.decision import EventKind, ModelProposal, StructureReference, Vote
-from flexsid.records.maneuver import Maneuver
+from flexsid.records.maneuver import Flight, Maneuver
 from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import backup as copies
@@ -27,6 +28,7 @@ from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
+from flexsid.workflow.maintenance.database_check import check_database
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review
 
@@ -262,6 +264,86 @@ def test_database_logs_and_copies_are_private(tmp_path: Path) -> None:
     assert {stat.filemode(file.stat().st_mode) for file in files} == {"-rw-------"}
     assert stat.filemode((tmp_path / "var").stat().st_mode) == "drwx------"
     store.close()
+
+
+def _copy_with_mark(file: Path, folder: Path, *ends: str) -> Path:
+    """Copy what remains of a database, and the mark of its last transactions."""
+    folder.mkdir()
+    for end in (*ends, "-mark"):
+        shutil.copy(f"{file}{end}", folder)
+    return folder / file.name
+
+
+def _find_losses(file: Path) -> list[str]:
+    upgrade(f"sqlite:///{file}")  # as every command and server begins
+    database = Database(f"sqlite:///{file}")
+    try:
+        return database.find_losses()
+    finally:
+        database.close()
+
+
+@only_sqlite
+def test_acknowledged_transactions_that_are_gone_are_described(
+    database_url: str, store: Store, aircraft: Aircraft, tmp_path: Path
+) -> None:
+    file = Path(database_url.removeprefix("sqlite:///"))
+    copies.backup(database_url, tmp_path / "earlier")
+    assert aircraft.id is not None
+    for number in (11, 12, 13):
+        store.flights.add(Flight(aircraft_id=aircraft.id, number=number))
+    intact = _copy_with_mark(file, tmp_path / "intact", "", "-wal")
+    without_log = _copy_with_mark(file, tmp_path / "without-log", "")
+    replaced = _copy_with_mark(file, tmp_path / "replaced", "")
+    shutil.copy(tmp_path / "earlier", replaced)
+    incremental = _copy_with_mark(file, tmp_path / "incremental", "")
+    copies.back_up_incrementally(database_url, tmp_path / "rows")
+    shutil.copy(tmp_path / "rows", incremental)
+    continued = _copy_with_mark(file, tmp_path / "continued", "")
+    shutil.copy(tmp_path / "earlier", tmp_path / "elsewhere.db")
+    other = Store.open(f"sqlite:///{tmp_path}/elsewhere.db")
+    for number in (11, 12, 13):
+        other.flights.add(Flight(aircraft_id=aircraft.id, number=number))
+    other.close()
+    shutil.copy(tmp_path / "elsewhere.db", continued)
+    assert _find_losses(intact) == []
+    for case in (without_log, replaced, incremental):
+        (loss,) = _find_losses(case)
+        assert "acknowledged transactions are not in the database" in loss, case
+    (loss,) = _find_losses(continued)
+    assert "replaced by another one" in loss
+    # Later transactions take the numbers of the lost ones, and the loss is still described.
+    later = Store.open(f"sqlite:///{replaced}")
+    for number in range(20, 30):
+        later.flights.add(Flight(aircraft_id=aircraft.id, number=number))
+    assert len(later.database.find_losses()) == 1
+    assert "lost-transactions" in [one.code for one in check_database(later)]
+    later.database.accept_losses()
+    assert later.database.find_losses() == []
+    later.close()
+    assert _find_losses(replaced) == []
+    # A restored backup is what was requested.
+    copies.restore(f"sqlite:///{without_log}", tmp_path / "earlier")
+    assert _find_losses(without_log) == []
+    replaced.unlink()
+    with pytest.raises(DatabaseUnavailable, match="missing, but") as deleted:
+        upgrade(f"sqlite:///{replaced}")
+    assert deleted.value.code == "database-gone"
+    copies.restore(f"sqlite:///{replaced}", tmp_path / "earlier")
+    assert _find_losses(replaced) == []
+
+
+@only_sqlite
+def test_a_log_that_is_deleted_beneath_a_server_is_noticed(
+    database_url: str, store: Store, aircraft: Aircraft
+) -> None:
+    log = Path(f"{database_url.removeprefix('sqlite:///')}-wal")
+    kept = log.rename(log.with_name("kept"))
+    with pytest.raises(DatabaseUnavailable) as deleted:
+        store.aircraft.find()
+    assert deleted.value.code == "database-replaced"
+    kept.rename(log)
+    assert store.aircraft.find() == [aircraft]
 
 
 @only_sqlite

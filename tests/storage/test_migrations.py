@@ -155,6 +155,24 @@ def test_the_database_is_copied_before_it_changes(
     copy.close()
 
 
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_the_copy_of_an_interrupted_upgrade_is_recognised(
+    database_url: str, store: Store, aircraft: Aircraft, monkeypatch, tmp_path: Path
+) -> None:
+    # What an upgrade leaves that is killed after it has copied the database.
+    file = _file(database_url)
+    made = file.with_name(f"{file.name}.backup-{NEWEST}")
+    with closing(sqlite3.connect(file)) as source, closing(sqlite3.connect(made)) as target:
+        source.backup(target)
+    _pretend_newest_is(monkeypatch, tmp_path)
+    migrate.upgrade(database_url)
+    assert list(file.parent.glob("*.backup*")) == [made]
+    migrate.migrate_to(database_url, NEWEST)
+    store.saved_views.add(SavedView(page="runs", name="since", search="?state=failed"))
+    migrate.upgrade(database_url)
+    assert len(list(file.parent.glob(f"*.backup-{NEWEST}*"))) == 2, "the content is another one"
+
+
 def test_a_migration_that_fails_changes_nothing(
     database_url: str, store: Store, aircraft: Aircraft, monkeypatch, tmp_path: Path
 ) -> None:

@@ -36,6 +36,10 @@ def check(settings: Settings, arguments: argparse.Namespace) -> int:
                 accepted = accept_changed_rows(connection)
             for rows in accepted:
                 print(f"accepted as they are: {rows}", file=sys.stderr)
+        if arguments.accept_losses:
+            for loss in store.database.find_losses():
+                print(f"accepted: {loss}", file=sys.stderr)
+            store.database.accept_losses()
         found = check_database(store)
     damage = [one for one in found if one.is_damage]
     lines = [f"{'damage' if one.is_damage else 'note'}: {one.text}" for one in found]

@@ -10,6 +10,7 @@ from flexsid.errors import BadInput
 from flexsid.settings import Mode, Settings
 from flexsid.storage.access import Access, using_access
 from flexsid.storage.database import parse_url, sqlite_file
+from flexsid.storage.files import refuse_deleted
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 
@@ -25,9 +26,12 @@ def open_store(settings: Settings, *, new: bool = False, of_team: bool = False) 
     ------
     BadInput
         If the database does not exist.
+    DatabaseUnavailable
+        If it existed, or cannot be opened.
     """
     file = sqlite_file(parse_url(settings.database))
     if not new and file is not None and not file.is_file():
+        refuse_deleted(file)
         raise BadInput(
             f"there is no database {file}; flexsid import, demo or serve create one",
             code="no-database",

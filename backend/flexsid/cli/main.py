@@ -110,10 +110,11 @@ def build_parser() -> argparse.ArgumentParser:
     add("migrate", "backup:migrate", summary)
 
     summary = "check the database for damage: hashes, references, decisions"
+    check = add("check", "backup:check", summary)
     meaning = "take changed rows as they are, after they were inspected and corrected"
-    add("check", "backup:check", summary).add_argument(
-        "--accept-rows", action="store_true", help=meaning
-    )
+    check.add_argument("--accept-rows", action="store_true", help=meaning)
+    meaning = "report lost transactions that were found no longer"
+    check.add_argument("--accept-losses", action="store_true", help=meaning)
 
     summary = "check a signed file, or the installation against published values"
     _add_verify_options(add("verify", "verify:verify", summary))

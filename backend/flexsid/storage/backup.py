@@ -37,6 +37,13 @@ from flexsid.storage.shared_samples import (
     is_sound,
 )
 from flexsid.storage.table_locks import lock_tables
+from flexsid.storage.write_mark import (
+    Written,
+    accept_losses,
+    note,
+    number_transaction,
+    read_last_number,
+)
 
 BACKUP = "backup"
 """Kind of the jobs that back a database up."""
@@ -264,18 +271,21 @@ def _restore_file(
     target: Path, source: Path, ending: str, *, has_samples: bool = True
 ) -> Path | None:
     beside = target.with_name(f"{target.name}.{ending}")
+    last = read_last_number(target)
     previous = beside if target.exists() and target.stat().st_size > 0 else None
     if previous is None:
         _move_remains(target, beside)
         upgrade(f"sqlite:///{target}")
     with _upgraded_copy(source, target.parent, has_samples=has_samples) as ready:
         if _is_intact(target):
-            _replace_tables(target, ready, previous)
+            written = _replace_tables(target, ready, previous, last)
         else:  # tables cannot be dropped; all pages are overwritten
             with new_file(beside) as partial:
                 _copy(target, partial)
-            _make_ready(ready, target)
+            written = _make_ready(ready, target, last)
             _copy(ready, target)
+    note(target, written)
+    accept_losses(target)
     return previous
 
 
@@ -287,7 +297,7 @@ def _is_intact(file: Path) -> bool:
     return True
 
 
-def _replace_tables(target: Path, ready: Path, previous: Path | None) -> None:
+def _replace_tables(target: Path, ready: Path, previous: Path | None, last: int) -> Written:
     """Copy a database to a new file and replace its tables, while writers wait."""
     try:
         with closing(sqlite3.connect(target, timeout=30.0, isolation_level=None)) as writing:
@@ -301,7 +311,9 @@ def _replace_tables(target: Path, ready: Path, previous: Path | None) -> None:
             replace_tables(writing, "restored")
             _end_running_jobs(writing, epoch)
             _retain_given_ids(given, writing)
+            written = number_transaction(writing, after=last)
             writing.execute("COMMIT")
+            return written
     except sqlite3.Error as error:
         raise DatabaseUnavailable(f"{target} cannot be replaced: {error}") from error
 
@@ -377,8 +389,8 @@ def try_restore(source: Path) -> None:
 
 
 def _move_remains(target: Path, beside: Path) -> None:
-    """Rename an empty file, and the log of a missing one, to make room for a new database."""
-    for end in ("", "-wal", "-shm"):
+    """Rename an empty file, and log and mark of a missing one, to make room for a new one."""
+    for end in ("", "-wal", "-shm", "-mark"):
         one = target.with_name(f"{target.name}{end}")
         if one.exists():
             one.rename(beside.with_name(f"{beside.name}{end}"))
@@ -502,7 +514,7 @@ def _make_single_file(file: Path) -> None:
         opened.execute("PRAGMA journal_mode = DELETE")
 
 
-def _make_ready(ready: Path, target: Path) -> None:
+def _make_ready(ready: Path, target: Path, last: int) -> Written:
     """Reset the lease and the running runs, and take page size and given ids of the target."""
     with (
         closing(sqlite3.connect(target)) as present,
@@ -515,6 +527,7 @@ def _make_ready(ready: Path, target: Path) -> None:
         restored.execute("PRAGMA journal_mode = DELETE")
         restored.execute(f"PRAGMA page_size = {size}")
         restored.execute("VACUUM")
+        return number_transaction(restored, after=last)
 
 
 def _end_running_jobs(restored: sqlite3.Connection, epoch: int) -> None:

@@ -26,17 +26,26 @@ from sqlalchemy.exc import (
     NoSuchModuleError,
     OperationalError,
 )
-from sqlalchemy.pool import StaticPool
+from sqlalchemy.pool import ConnectionPoolEntry, StaticPool
 
 from flexsid.errors import BadInput
 from flexsid.storage.access import add_access_control
 from flexsid.storage.audit_recording import add_recording, recording_changes
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.row_seals import add_seal_function
+from flexsid.storage.write_mark import (
+    Written,
+    accept_losses,
+    find_losses,
+    identify,
+    note,
+    number_transaction,
+)
 
 _WRITES = "flexsid_writes"
 _LAX = "flexsid_lax"
 _WAITS_MS = "flexsid_waits_ms"
+_LOG = "flexsid_log"
 _LONGEST_WAIT_MS = 30_000
 """Longest time for which a writer waits for the lock of SQLite."""
 _LONGEST_PAUSE_S = 60
@@ -126,12 +135,13 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
         **_JSON,
     )
     event.listen(engine, "before_cursor_execute", _check_text)
+    log = file.with_name(f"{file.name}-wal")
     opened: list[tuple[int, int]] = []  # device and inode of the file
 
     @event.listens_for(engine, "connect")
-    def _prepare(connection: sqlite3.Connection, _record: object) -> None:
+    def _prepare(connection: sqlite3.Connection, record: ConnectionPoolEntry) -> None:
         if not opened:
-            opened.append(_identify(file))
+            opened.append(identify(file))
         connection.isolation_level = None  # transactions begin explicitly
         add_seal_function(connection)
         for pragma in (
@@ -140,16 +150,18 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
             "synchronous = FULL",
             "journal_size_limit = 67108864",
             f"foreign_keys = {'ON' if foreign_keys else 'OFF'}",
+            "user_version",  # reading creates the log
         ):
             connection.execute(f"PRAGMA {pragma}")
+        record.info[_LOG] = identify(log)  # which stays until the last connection is closed
 
     @event.listens_for(engine, "begin")
     def _begin(connection: Connection) -> None:
-        if _identify(file) != opened[0]:
+        if identify(file) != opened[0] or identify(log) != connection.info[_LOG]:
             raise DatabaseUnavailable(
-                f"the database {file} was deleted, or replaced by another file, while this program"
-                " used it: what it would write is lost. Stop all programs that use the database;"
-                " put the file back, or restore a backup by `flexsid restore`",
+                f"the database {file} or its log (-wal) was deleted, or replaced by another file,"
+                " while this program used it: what it would write is lost. Stop all programs that"
+                " use the database; put the file back, or restore a backup by `flexsid restore`",
                 code="database-replaced",
             )
         options = connection.get_execution_options()
@@ -167,13 +179,11 @@ def make_engine(url: URL, *, foreign_keys: bool = True) -> Engine:
     return engine
 
 
-def _identify(file: Path) -> tuple[int, int]:
-    """Return device and inode of a file; zeros if there is none."""
-    try:
-        found = file.stat()
-    except OSError:
-        return 0, 0
-    return found.st_dev, found.st_ino
+def get_driver_connection(connection: Connection) -> sqlite3.Connection:
+    """Return the connection of SQLite beneath one of SQLAlchemy."""
+    opened = connection.connection.driver_connection
+    assert isinstance(opened, sqlite3.Connection)
+    return opened
 
 
 def make_memory_engine(connection: sqlite3.Connection) -> Engine:
@@ -235,6 +245,7 @@ class Database:
     ) -> None:
         self.url = parse_url(url)
         self.site_key = site_key
+        self._file = sqlite_file(self.url) if engine is None else None
         self.engine = make_engine(self.url) if engine is None else engine
         add_access_control(self.engine)
         add_recording(self.engine)
@@ -276,13 +287,21 @@ class Database:
         engine = self._lax_engine if lax else self._writing_engine
         if within_s is not None:
             engine = engine.execution_options(**{_WAITS_MS: round(1000 * within_s)})
+        written: Written | None = None
         with translate_errors(), engine.begin() as connection:
             self._of_thread.writing, self._of_thread.lax = connection, lax
+            before = 0 if self._file is None else get_driver_connection(connection).total_changes
             try:
                 with nullcontext() if lax else recording_changes(connection):
                     yield connection
             finally:
                 self._of_thread.writing = None
+            if self._file is not None and not lax:
+                opened = get_driver_connection(connection)
+                if opened.total_changes != before:
+                    written = number_transaction(opened)
+        if self._file is not None and written is not None:
+            note(self._file, written)
 
     def lock_writers(self, connection: Connection) -> None:
         """Block other transactions that take this lock until the present one ends."""
@@ -301,6 +320,18 @@ class Database:
         with translate_errors(), engine.begin() as connection:
             if connection.dialect.name == "postgresql":
                 connection.exec_driver_sql("LOCK TABLE leases IN ROW EXCLUSIVE MODE")
+
+    def find_losses(self) -> list[str]:
+        """Describe acknowledged transactions that are not in the file, until they are accepted."""
+        if self._file is None:
+            return []
+        with translate_errors(), self.engine.connect() as connection, connection.begin():
+            return find_losses(self._file, get_driver_connection(connection))
+
+    def accept_losses(self) -> None:
+        """Describe losses that were found no longer."""
+        if self._file is not None:
+            accept_losses(self._file)
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:

@@ -32,9 +32,8 @@ def create_database(file: Path) -> None:
     Raises
     ------
     DatabaseUnavailable
-        If the file is empty, or missing while its log exists: both are damage.
+        If the file is empty, or missing while its log or mark exists: both are damage.
     """
-    log = file.with_name(f"{file.name}-wal")
     if file.exists():
         if file.stat().st_size == 0:
             raise DatabaseUnavailable(
@@ -45,13 +44,7 @@ def create_database(file: Path) -> None:
             )
         restrict_access(file)
         return
-    if log.exists() and log.stat().st_size > 0:
-        raise DatabaseUnavailable(
-            f"the database {file} is missing, but its log {log.name} exists: its content is"
-            " lost. Restore a backup with `flexsid restore`, or move the log away to create a"
-            " new database",
-            code="database-gone",
-        )
+    refuse_deleted(file)
     try:
         file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with new_file(file) as partial, closing(sqlite3.connect(partial)) as begun:
@@ -69,6 +62,25 @@ def create_database(file: Path) -> None:
         raise DatabaseUnavailable(
             f"the folder of the database {file} cannot be written to: {error.strerror}"
         ) from error
+
+
+def refuse_deleted(file: Path) -> None:
+    """Refuse a missing database that has left its log, or the mark of its last transactions.
+
+    Raises
+    ------
+    DatabaseUnavailable
+        If there are any.
+    """
+    for end in ("wal", "mark"):
+        beside = file.with_name(f"{file.name}-{end}")
+        if not file.exists() and beside.exists() and beside.stat().st_size > 0:
+            raise DatabaseUnavailable(
+                f"the database {file} is missing, but {beside.name} exists: its content is"
+                " lost. Restore a backup with `flexsid restore`, or move that file away to create a"
+                " new database",
+                code="database-gone",
+            )
 
 
 @contextmanager
@@ -107,7 +119,7 @@ def restrict_access(file: Path) -> None:
     """Make a database, its log and its copies private to their user, and log the change."""
     beside = (
         one
-        for end in ("-wal", "-shm", ".backup-*", ".before-restore-*")
+        for end in ("-wal", "-shm", "-mark", "-losses", ".backup-*", ".before-restore-*")
         for one in file.parent.glob(f"{_escape_pattern(file.name)}{end}")
     )
     for one in (file, *beside):

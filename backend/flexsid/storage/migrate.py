@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import logging
 import sqlite3
 from contextlib import closing
@@ -18,11 +19,18 @@ from sqlalchemy.engine import Connection
 
 import flexsid
 from flexsid.errors import FlexsidError
-from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
+from flexsid.storage.database import (
+    get_driver_connection,
+    make_engine,
+    parse_url,
+    sqlite_file,
+    translate_errors,
+)
 from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
 from flexsid.storage.row_seals import drop_seals, seal_rows
 from flexsid.storage.table_locks import lock_tables
 from flexsid.storage.tables import metadata
+from flexsid.storage.write_mark import find_losses
 
 _log = logging.getLogger(__name__)
 _MIGRATING = 0x666C6D67  # any number not used by other advisory locks
@@ -78,6 +86,8 @@ def migrate_to(url: str, target: str) -> str:
         with translate_errors(), writing.begin() as connection:
             if connection.dialect.name == "postgresql":
                 connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATING)))
+            if file is not None:
+                find_losses(file, get_driver_connection(connection))  # before anything is written
             present = _present_revision(connection, scripts)
             requested = scripts.get_current_head() if target == "head" else target
             if present == requested and present is not None:
@@ -86,7 +96,8 @@ def migrate_to(url: str, target: str) -> str:
                 _reject_foreign(connection)
             else:
                 lock_tables(connection)  # what servers write meanwhile is migrated, too
-                copy = _copy_database(file, present)
+                if file is not None:
+                    copy = _copy_database(file, present)
             config.attributes["connection"] = connection
             damaged = drop_seals(connection)
             going_down = target == "base" or (
@@ -146,20 +157,36 @@ def _present_revision(connection: Connection, scripts: ScriptDirectory) -> str |
     return revision
 
 
-def _copy_database(file: Path | None, revision: str) -> Path | None:
-    """Copy an SQLite file with its log, which a copy by the file system would miss."""
-    if file is None:
-        return None
+def _copy_database(file: Path, revision: str) -> Path | None:
+    """Copy an SQLite file with its log, which a copy by the file system would miss.
+
+    Returns
+    -------
+    pathlib.Path or None
+        The copy; None if an upgrade that was interrupted has left an equal one.
+    """
     copy = file.with_name(f"{file.name}.backup-{revision}")
-    number = 1
+    number, earlier = 1, []
     while copy.exists():
+        earlier.append(copy)
         number += 1
         copy = file.with_name(f"{file.name}.backup-{revision}-{number}")
-    with (
-        new_file(copy) as partial,
-        closing(sqlite3.connect(file)) as source,
-        closing(sqlite3.connect(partial)) as target,
-    ):
-        source.backup(target, pages=-1)
+    try:
+        with new_file(copy) as partial:
+            with (
+                closing(sqlite3.connect(file)) as source,
+                closing(sqlite3.connect(partial)) as target,
+            ):
+                source.backup(target, pages=-1)
+            for one in earlier:
+                if filecmp.cmp(one, partial, shallow=False):
+                    raise _IsCopied(one)
+    except _IsCopied as found:
+        _log.info("%s has the database before its schema changes", found)
+        return None
     _log.info("copied the database to %s before its schema changes", copy)
     return copy
+
+
+class _IsCopied(Exception):
+    """An equal copy exists."""

@@ -58,7 +58,7 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
     database = context.store.database
     with database.reading() as connection:
         connection.exec_driver_sql("SELECT 1")
-    name = database.url.get_backend_name()
+    losses = database.find_losses()
     clock_error = find_clock_error(context.store)
     others = (
         context.queue_health.check_certificate(),
@@ -66,7 +66,13 @@ def check_parts(context: Context) -> tuple[PartHealth, ...]:
         context.check_additional_part(),
     )
     return (
-        PartHealth(name="database", state=PartState.OK, text=f"{name} responds."),
+        PartHealth(
+            name="database",
+            state=PartState.DEGRADED if losses else PartState.OK,
+            text=f"{' '.join(losses)} Run `flexsid check`."
+            if losses
+            else f"{database.url.get_backend_name()} responds.",
+        ),
         *context.queue_health.check(),
         PartHealth(
             name="clock",

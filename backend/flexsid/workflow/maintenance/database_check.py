@@ -47,6 +47,7 @@ class DatabaseProblem:
 def check_database(store: Store) -> list[DatabaseProblem]:
     """Check pages, rows, references, samples, results, their inputs, decisions, and the clock."""
     return [
+        *_check_mark(store.database),
         *_check_pages(store.database),
         *_check_rows(store.database),
         *_check_references(store.database),
@@ -60,6 +61,12 @@ def check_database(store: Store) -> list[DatabaseProblem]:
         *_check_clock(store),
         *_check_readers(),
     ]
+
+
+def _check_mark(database: Database) -> Iterator[DatabaseProblem]:
+    for loss in database.find_losses():
+        text = f"{loss} {_REPAIR.capitalize()}, or run `flexsid check --accept-losses`."
+        yield DatabaseProblem("lost-transactions", "database", text)
 
 
 def _check_pages(database: Database) -> Iterator[DatabaseProblem]:
