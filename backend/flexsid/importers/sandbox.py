@@ -153,6 +153,11 @@ def load(folder: Path) -> Sources:
     )
 
 
+def list_names(manifest: bytes) -> tuple[str, ...]:
+    """List the names of the files whose content ``decode`` described so."""
+    return tuple(source["name"] for source in json.loads(manifest)["files"])
+
+
 def count_sample_bytes(folder: Path) -> int:
     """Return the size of the samples that ``decode`` wrote. [bytes]"""
     return (folder / SAMPLES).stat().st_size

@@ -138,6 +138,7 @@ WITHOUT_CAMPAIGN = frozenset(
     {
         *("arrays", "leases", "looks"),  # named by content; of the dispatcher; by analyst
         "row_seals",  # written by triggers
+        "upload_files",  # of accounts
         *("accounts", "memberships", "login_sessions", "api_tokens"),
         *("login_places", "login_failures"),
     }

@@ -27,7 +27,7 @@ _MOST_IDS = 100
 _OMITTED = frozenset(
     {
         *("arrays", "leases", "looks", "job_events", "login_places", "login_failures"),
-        *("audit_events", "run_summaries"),
+        *("audit_events", "run_summaries", "upload_files"),
     }
 )
 _changes: ContextVar[list[Change] | None] = ContextVar("changes", default=None)

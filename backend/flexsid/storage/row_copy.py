@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from sqlalchemy.dialects.postgresql import REGCLASS
 from sqlalchemy.engine import Connection
 
-from flexsid.storage.tables import arrays, metadata, row_seals
+from flexsid.storage.tables import arrays, metadata, row_seals, upload_files
 
 _ROWS = 500
 _ARRAYS = 4  # of up to hundreds of megabytes
@@ -19,6 +19,8 @@ _NO_DATA = sa.literal(b"", sa.LargeBinary).label("data")
 
 def copy_rows(source: Connection, target: Connection, *, has_samples: bool = True) -> None:
     """Replace the rows of the target by those of the source, and continue the ids of both.
+
+    Files of uploads, which are stored until they are imported, are neither copied nor deleted.
 
     Parameters
     ----------
@@ -29,7 +31,8 @@ def copy_rows(source: Connection, target: Connection, *, has_samples: bool = Tru
     has_samples
         Arrays are copied with their data.
     """
-    tables = [table for table in metadata.sorted_tables if table is not row_seals]
+    omitted = (row_seals, upload_files)
+    tables = [table for table in metadata.sorted_tables if table not in omitted]
     _delete_rows(target, tables)
     with _keys_checked_at_the_end(target):
         for table in tables:

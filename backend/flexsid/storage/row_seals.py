@@ -26,7 +26,7 @@ _TRIGGER = re.compile(
 _NO_SEAL = bytes(8)
 _UNKNOWN = ""  # key of a row
 # Named by their content, or changed each second.
-_WITHOUT_SEALS = frozenset({"arrays", "leases", row_seals.name})
+_WITHOUT_SEALS = frozenset({"arrays", "leases", "upload_files", row_seals.name})
 
 
 @dataclass(frozen=True, slots=True)

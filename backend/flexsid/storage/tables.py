@@ -666,6 +666,19 @@ leases = sa.Table(
     json("status", required=False),
 )
 
+# Files of uploads until they are imported, in parts; on SQLite they are in a folder.
+upload_files = table(
+    "upload_files",
+    identity(),
+    text("upload_id", length=32),
+    text("name"),
+    integer("part"),
+    text("uploader"),
+    sa.Column("data", sa.LargeBinary, nullable=False),
+    moment("created_at"),
+    sa.UniqueConstraint("upload_id", "name", "part"),
+)
+
 searches = table(
     "searches",
     identity(),

@@ -52,6 +52,8 @@ _log = logging.getLogger(__name__)
 
 _RESTART_S = 1.0
 _STOP_S = 60.0  # for the last estimate, and storing the maneuver
+_WATCH_S = 1.0  # between looks whether another server stops a stream
+_OTHER_S = 10.0  # for another server to stop a stream; then the response is that it still runs
 _MOST_STREAMS = 4  # of one server: each needs up to two cores
 _MOST_WITH_RESERVED = 8  # with the first stream of each further campaign
 _DELAYS = 1200  # frames, one minute
@@ -163,22 +165,41 @@ class LiveStreams:
         if stream.status is not StreamStatus.RUNNING:
             return stream
         running = self._running.get(stream_id)
-        if running is None and not is_gone(stream.holder):
-            raise Conflict(
-                f"stream {stream_id} runs on another server; stop it there", code="other-server"
-            )
         # In the name of who stops it; the rest is done by the threads of the server.
         self._store.live_streams.replace(replace(stream, stopped_at=datetime.now(UTC)))
         if running is not None:
-            running.stopping.set()
-            self._send(running, None)
-            if running.thread is not None:
-                running.thread.join(_STOP_S)
-            self._kill(running)
+            return self._end(stream_id, running)
+        if is_gone(stream.holder):
+            return self._finish(stream_id, StreamStatus.STOPPED)
+        until = time.monotonic() + _OTHER_S
+        while stream.status is StreamStatus.RUNNING and time.monotonic() < until:
+            time.sleep(_WATCH_S / 4)
+            stream = self._store.live_streams.get(stream_id)
+        return stream
+
+    def _end(self, stream_id: int, running: _Running) -> LiveStream:
+        running.stopping.set()
+        self._send(running, None)
+        if running.thread is not None:
+            running.thread.join(_STOP_S)
+        self._kill(running)
         stream = self._store.live_streams.get(stream_id)
         if stream.status is StreamStatus.RUNNING:
             return self._finish(stream_id, StreamStatus.STOPPED)
         return stream
+
+    def _watch(self, stream_id: int, running: _Running) -> None:
+        """End a stream that is stopped by another server."""
+        stopped_at = sa.select(live_streams.c.stopped_at).where(live_streams.c.id == stream_id)
+        with using_access(None):
+            while not running.stopping.wait(_WATCH_S) and stream_id in self._running:
+                try:
+                    with self._store.database.reading() as connection:
+                        is_stopped = connection.scalar(stopped_at) is not None
+                    if is_stopped:
+                        self._end(stream_id, running)
+                except FlexsidError as error:  # the database does not respond: asked again
+                    _log.warning("stream %d: %s", stream_id, error.message)
 
     def close(self) -> None:
         """End all processes; the next server resumes the streams."""
@@ -303,6 +324,9 @@ class LiveStreams:
         with self._lock:
             self._running[stream_id] = running
         running.thread.start()
+        threading.Thread(
+            target=self._watch, args=(stream_id, running), name=f"watch-{stream_id}", daemon=True
+        ).start()
 
     def _resume(self) -> None:
         with using_access(None):
@@ -310,6 +334,9 @@ class LiveStreams:
                 if not is_gone(stream.holder) or not self._take_over(stream):
                     continue
                 assert stream.id is not None
+                if stream.stopped_at is not None:  # and its server ended before it could
+                    self._finish(stream.id, StreamStatus.STOPPED)
+                    continue
                 try:
                     order = self._prepare(replace(stream, holder=self._holder))
                 except FlexsidError as error:

@@ -1,7 +1,8 @@
 """Uploads: files read once into a folder, previewed, and imported by a job.
 
 The folder has the samples of the files, so that the page can be reloaded; the state of an import
-is that of its job.
+is that of its job. Servers that share a database of PostgreSQL have it in the database, too, and
+each copies what it needs into a folder of its own.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Annotated
 
@@ -25,9 +26,11 @@ from flexsid.allowed import Allowed, Id
 from flexsid.errors import FlexsidError, StorageFull, UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.mapping import MappingFile, parse_mapping
+from flexsid.importers.reader_process import MANIFEST
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress, RunState
+from flexsid.storage import upload_files
 from flexsid.storage.access import Forbidden, get_access, using_access
 from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
@@ -43,6 +46,8 @@ RETENTION_DAYS = 7
 _UPLOADER = "account"
 _DRAFT = "draft.toml"
 _LISTED = 50  # newest uploads
+_UNFINISHED = "unfinished"  # uploads whose files are being read
+_NO_FILES = b'{"files": []}'  # of an upload that is just deleted
 _NAME = re.compile(r"u[0-9a-f]{16}")
 
 
@@ -110,7 +115,7 @@ def add_upload(store: Store, files: Sequence[Path], names: Sequence[str]) -> Upl
         If a file cannot be read.
     """
     uploads = locate_uploads(store)
-    _delete_old(uploads)
+    _delete_old(store)
     upload = Upload(id=f"u{secrets.token_hex(8)}")
     folder = uploads / upload.id
     make_private_folder(uploads)
@@ -118,9 +123,11 @@ def add_upload(store: Store, files: Sequence[Path], names: Sequence[str]) -> Upl
     try:
         sandbox.decode(files, names, folder, store.quotas.expansion)
         (folder / _UPLOADER).write_text(_name_uploader())  # at the end: the upload is complete
+        if upload_files.is_shared(store.database):
+            upload_files.add_files(store.database, upload.id, folder, _name_uploader())
         _check_space(store, upload)
     except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
+        _delete(store, {upload.id})
         raise
     return upload
 
@@ -139,18 +146,43 @@ def open_upload(store: Store, upload_id: str) -> Sources:
 def find_folder(store: Store, upload_id: str) -> Path:
     """Return the folder of an upload; raises as ``open_upload``."""
     folder = locate_uploads(store) / upload_id
-    uploader = folder / _UPLOADER
-    is_known = _NAME.fullmatch(upload_id) is not None and uploader.is_file()
-    if not is_known or (get_access() is not None and uploader.read_text() != _name_uploader()):
+    uploader = None
+    if _NAME.fullmatch(upload_id) is not None:
+        uploader = _read_uploader(store, folder)
+    if uploader is None or (get_access() is not None and uploader != _name_uploader()):
         raise UnknownRecord(
             f"There is no upload '{upload_id[:40]}'; uploads are stored for {RETENTION_DAYS} days."
         )
+    if not (folder / _UPLOADER).is_file():
+        _copy_here(store, folder)
     return folder
+
+
+def _read_uploader(store: Store, folder: Path) -> str | None:
+    if upload_files.is_shared(store.database):
+        return upload_files.find_uploader(store.database, folder.name)
+    file = folder / _UPLOADER
+    return file.read_text() if file.is_file() else None
+
+
+def _copy_here(store: Store, folder: Path) -> None:
+    """Copy the files of an upload that another server received."""
+    make_private_folder(folder.parent)
+    with tempfile.TemporaryDirectory(dir=folder.parent) as temporary:
+        copied = Path(temporary) / folder.name
+        copied.mkdir(mode=0o700)
+        upload_files.copy_files(store.database, folder.name, copied)
+        with suppress(OSError):  # another request was faster
+            copied.rename(folder)
 
 
 def write_draft(store: Store, upload_id: str, text: str) -> None:
     """Store the mapping of an upload while it is edited; raises as ``open_upload``."""
     file = find_folder(store, upload_id) / _DRAFT
+    if upload_files.is_shared(store.database):
+        uploader = upload_files.find_uploader(store.database, upload_id) or ""
+        upload_files.replace_file(store.database, upload_id, _DRAFT, uploader, text.encode())
+        return
     new = file.with_name(f"{_DRAFT}.{secrets.token_hex(4)}")
     new.write_text(text, encoding="utf-8")
     new.replace(file)
@@ -159,35 +191,56 @@ def write_draft(store: Store, upload_id: str, text: str) -> None:
 def read_draft(store: Store, upload_id: str) -> str | None:
     """Read the draft of a mapping; None without one. Raises as ``open_upload``."""
     file = find_folder(store, upload_id) / _DRAFT
+    if upload_files.is_shared(store.database):
+        content = upload_files.read_file(store.database, upload_id, _DRAFT)
+        return None if content is None else content.decode()
     return file.read_text(encoding="utf-8") if file.is_file() else None
 
 
 def list_uploads(store: Store) -> list[UploadItem]:
     """List the own uploads that are not imported, most recently edited first."""
     imported = _find_imported(store)
-    found: list[tuple[float, Path]] = []
+    newest = [one for one in _list_newest(store) if one[0] not in imported][:_LISTED]
+    return [
+        UploadItem(
+            id=upload_id,
+            files=sandbox.list_names(_read_manifest(store, upload_id)),
+            changed_at=changed_at,
+        )
+        for upload_id, changed_at in newest
+    ]
+
+
+def _list_newest(store: Store) -> list[tuple[str, datetime]]:
+    if upload_files.is_shared(store.database):
+        return upload_files.list_newest(store.database, _name_uploader())
+    found: list[tuple[datetime, str]] = []
     for uploader in locate_uploads(store).glob(f"*/{_UPLOADER}"):
         folder = uploader.parent
         with suppress(UnknownRecord, FileNotFoundError):  # of another account, or just deleted
             find_folder(store, folder.name)
             draft = folder / _DRAFT
             edited = (draft if draft.exists() else uploader).stat().st_mtime
-            if folder.name not in imported:
-                found.append((edited, folder))
-    newest = sorted(found, reverse=True)[:_LISTED]
-    return [
-        UploadItem(
-            id=folder.name,
-            files=tuple(source.name for source in sandbox.load(folder).items),
-            changed_at=datetime.fromtimestamp(changed, UTC),
-        )
-        for changed, folder in newest
-    ]
+            found.append((datetime.fromtimestamp(edited, UTC), folder.name))
+    return [(name, edited) for edited, name in sorted(found, reverse=True)]
+
+
+def _read_manifest(store: Store, upload_id: str) -> bytes:
+    if upload_files.is_shared(store.database):
+        return upload_files.read_file(store.database, upload_id, MANIFEST) or _NO_FILES
+    return (locate_uploads(store) / upload_id / MANIFEST).read_bytes()
 
 
 def delete_upload(store: Store, upload_id: str) -> None:
     """Delete the files of an upload; imported data remain."""
-    shutil.rmtree(find_folder(store, upload_id), ignore_errors=True)
+    _delete(store, {find_folder(store, upload_id).name})
+
+
+def _delete(store: Store, upload_ids: set[str]) -> None:
+    if upload_files.is_shared(store.database):
+        upload_files.delete_files(store.database, upload_ids)
+    for name in upload_ids:
+        shutil.rmtree(locate_uploads(store) / name, ignore_errors=True)
 
 
 def check_import(
@@ -279,21 +332,15 @@ def _check_space(store: Store, added: Upload) -> None:
     error = _find_excess(store, added)
     if error is None:
         return
-    for name in _find_imported(store):
-        shutil.rmtree(locate_uploads(store) / name, ignore_errors=True)
+    _delete(store, _find_imported(store))
     error = _find_excess(store, added)
     if error is not None:
         raise error
 
 
 def _find_excess(store: Store, added: Upload) -> FlexsidError | None:
-    own, all_ = 0, 0
-    for folder in locate_uploads(store).glob("*"):
-        with suppress(FileNotFoundError):  # deleted by another request
-            size = sum(file.stat().st_size for file in folder.iterdir() if file.is_file())
-            all_ += size
-            is_own = (folder / _UPLOADER).read_text() == _name_uploader()
-            own += size if is_own else 0
+    sizes = _count_bytes(store)
+    own, all_ = sizes.get(_name_uploader(), 0), sum(sizes.values())
     size = sandbox.count_sample_bytes(locate_uploads(store) / added.id)
     quotas = store.quotas
     words = "uploads that are not imported"
@@ -314,6 +361,20 @@ def _find_excess(store: Store, added: Upload) -> FlexsidError | None:
     return None
 
 
+def _count_bytes(store: Store) -> dict[str, int]:
+    """Return the size of all uploads of each account. [bytes]"""
+    if upload_files.is_shared(store.database):
+        return upload_files.count_bytes(store.database)
+    sizes: dict[str, int] = {}
+    for folder in locate_uploads(store).glob("*"):
+        with suppress(FileNotFoundError):  # deleted by another request
+            size = sum(file.stat().st_size for file in folder.iterdir() if file.is_file())
+            file = folder / _UPLOADER
+            uploader = file.read_text() if file.is_file() else _UNFINISHED
+            sizes[uploader] = sizes.get(uploader, 0) + size
+    return sizes
+
+
 def _find_imported(store: Store) -> set[str]:
     """Return the ids of uploads that are imported, in whatever campaign, and not again."""
     query = (
@@ -330,8 +391,11 @@ def _drop_arrays(source: SourceFile) -> SourceFile:
     return replace(source, arrays={})
 
 
-def _delete_old(uploads: Path) -> None:
-    for folder in uploads.glob("*"):
+def _delete_old(store: Store) -> None:
+    if upload_files.is_shared(store.database):
+        before = datetime.now(UTC) - timedelta(days=RETENTION_DAYS)
+        upload_files.delete_older(store.database, before)
+    for folder in locate_uploads(store).glob("*"):
         uploader = folder / _UPLOADER
         with suppress(FileNotFoundError):  # deleted by another request
             # A server that was killed leaves one without uploader.
