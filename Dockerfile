@@ -9,7 +9,7 @@ RUN pip install --no-cache-dir --require-hashes -r deploy/uv.txt \
     && uv build --wheel --build-constraint requirements.lock --require-hashes --out-dir /wheels \
     && uv venv /opt/flexsid \
     && uv pip install --no-cache --compile-bytecode --python /opt/flexsid/bin/python --constraint requirements.lock \
-        "flexsid[dask,postgresql,mdf,oidc,parquet] @ file://$(ls /wheels/*.whl)"
+        "flexsid[dask,postgresql,mdf,mqtt,nats,oidc,parquet,recordings] @ file://$(ls /wheels/*.whl)"
 
 FROM ${PYTHON_IMAGE}
 COPY --from=build /opt/flexsid /opt/flexsid

@@ -72,6 +72,12 @@ def test_containers_are_hardened() -> None:
     assert found["db"]["user"] == "postgres"
 
 
+def test_recordings_and_brokers_are_settings_of_the_server() -> None:
+    given = {"RECORDINGS": "file:///data/recordings", "BROKERS": "nats://127.0.0.1:4222"}
+    web = services({"DB_PASSWORD": "x", **given})["web"]["environment"]
+    assert (web["FLEXSID_RECORDINGS"], web["FLEXSID_BROKERS"]) == tuple(given.values())
+
+
 def test_everything_in_the_image_has_the_hash_of_the_lock() -> None:
     text = (ROOT / "Dockerfile").read_text()
     assert "pip install --no-cache-dir --require-hashes -r deploy/uv.txt" in text

@@ -117,7 +117,7 @@ def test_only_what_needs_it_reaches_dask_and_the_database(
             for peer in rule["from"]
         }
         for (kind, name), item in objects.items()
-        if kind == "NetworkPolicy"
+        if kind == "NetworkPolicy" and name != "web"
     }
     assert admitted == {
         "scheduler": {"web", "worker"},
@@ -129,6 +129,37 @@ def test_only_what_needs_it_reaches_dask_and_the_database(
         assert _environment(container)["DASK_CONFIG"] == "/cluster/cluster.yaml"
         command = container["command"]
         assert command[command.index("--dashboard-address") + 1] == "127.0.0.1:0"
+
+
+def test_only_the_ingress_reaches_the_servers(
+    objects: dict[tuple[str, str], dict[str, Any]],
+) -> None:
+    policy = objects["NetworkPolicy", "web"]["spec"]
+    namespace = {"kubernetes.io/metadata.name": "ingress-nginx"}
+    (port,) = _containers(objects["Deployment", "web"])[0]["ports"]
+    assert policy["ingress"] == [
+        {
+            "from": [{"namespaceSelector": {"matchLabels": namespace}}],
+            "ports": [{"port": port["containerPort"]}],
+        }
+    ]
+    (egress,) = policy["egress"]
+    refused = [one["ipBlock"]["except"] for one in egress["to"] if "ipBlock" in one]
+    assert refused == [["169.254.169.254/32"], ["fd00:ec2::254/128"]]
+    outside = render({**SITE, "ingress": {"namespace": ""}})["NetworkPolicy", "web"]["spec"]
+    assert "from" not in outside["ingress"][0]
+
+
+def test_recordings_and_brokers_are_settings_of_the_server() -> None:
+    given = {"recordings": "s3://bucket/flexsid", "brokers": "nats://broker.example.org"}
+    (web,) = _containers(render({**SITE, **given})["Deployment", "web"])
+    settings = read_settings(_environment(web))
+    assert settings.recordings == given["recordings"]
+    assert settings.brokers == (given["brokers"],)
+    assert web["envFrom"] == [{"secretRef": {"name": "flexsid-recordings", "optional": True}}]
+    schema = json.loads((CHART / "values.schema.json").read_text())
+    with pytest.raises(jsonschema.ValidationError):  # a pod has no disk that others reach
+        jsonschema.validate(_values({**SITE, "recordings": "file:///data"}), schema)
 
 
 def test_a_backup_is_complete_before_an_earlier_one_is_deleted(

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psycopg
@@ -23,10 +24,10 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import backup as copies
-from flexsid.storage import leases, queue, row_copy
+from flexsid.storage import leases, queue, row_copy, shared_samples
 from flexsid.storage.database import make_engine, parse_url
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.shared_samples import SAMPLES
+from flexsid.storage.shared_samples import PARTS, SAMPLES
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
 from flexsid.workflow.maintenance.database_check import check_database
@@ -202,9 +203,10 @@ def test_damaged_samples_of_incremental_backups_are_written_again(
         samples.execute("UPDATE arrays SET shape = '[' WHERE rowid = 2")
         samples.execute("DELETE FROM arrays WHERE rowid = 3")
     assert len(copies.find_damaged(folder / "scheduled-1.db")) == 2, "the shape is in the backup"
-    _back_up(flown_url, folder / "scheduled-2.db")
-    for k in (1, 2):
-        assert copies.find_damaged(folder / f"scheduled-{k}.db") == []
+    for _ in range(PARTS):  # each compares a part of the samples
+        copies.back_up_incrementally(flown_url, folder / "scheduled-2.db")
+        (folder / "scheduled-2.db").rename(folder / "scheduled-1.db")
+    assert copies.find_damaged(folder / "scheduled-1.db") == []
     (folder / SAMPLES).write_bytes(b"no database" * 9000)
     with pytest.raises(DatabaseUnavailable, match="move it away"):
         _back_up(flown_url, folder / "scheduled-3.db")
@@ -213,7 +215,28 @@ def test_damaged_samples_of_incremental_backups_are_written_again(
     copies.backup(flown_url, tmp_path / "copy")
     shutil.copy(folder / SAMPLES, tmp_path)
     assert copies.find_damaged(tmp_path / "copy") == [], "complete in itself"
-    assert {one.name for one in folder.iterdir()} == {"scheduled-1.db", "scheduled-2.db", SAMPLES}
+    assert {one.name for one in folder.iterdir()} == {"scheduled-1.db", SAMPLES}
+
+
+@pytest.mark.parametrize("backend", ["sqlite"])
+def test_incremental_backups_read_a_part_of_the_samples_each_time(
+    database_url: str, store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = [store.arrays.put(np.arange(100.0) + k) for k in range(3 * PARTS)]
+    read: list[list[str]] = []
+    hash_samples = shared_samples.hash_array
+
+    def note(*content: Any) -> str:
+        read[-1].append(hash_samples(*content))
+        return read[-1][-1]
+
+    monkeypatch.setattr(shared_samples, "hash_array", note)
+    for k in range(PARTS + 1):
+        read.append([])
+        copies.back_up_incrementally(database_url, tmp_path / f"{k}.db")
+    assert sorted(read[0]) == sorted(names), "when they are written"
+    assert [len(one) for one in read[1:]] == [3] * PARTS
+    assert sorted(name for one in read[1:] for name in one) == sorted(names)
 
 
 def test_samples_of_deleted_backups_are_deleted(

@@ -118,7 +118,7 @@ def back_up_incrementally(
     with _new_backup(target) as partial:
         report(Progress(message="Copying the database"))
         n_bytes = _copy_rows_of(parse_url(url), partial, samples=target.parent)
-        _check_copy(partial, f"{source or 'the database'}", report)
+        _check_copy(partial, f"{source or 'the database'}", report, has_samples=False)
     if find_missing_samples(target):
         target.unlink()
         raise Conflict(f"another backup into {target.parent} deleted samples; back up again")
@@ -144,12 +144,14 @@ def _new_backup(target: Path) -> Iterator[Path]:
         raise BadInput(f"{target} cannot be written: {error.strerror}") from error
 
 
-def _check_copy(partial: Path, source: str, report: ReportProgress) -> None:
+def _check_copy(
+    partial: Path, source: str, report: ReportProgress, *, has_samples: bool = True
+) -> None:
     _make_single_file(partial)
     report(Progress(fraction=0.3, message="Checking pages"))
     check(partial)
     report(Progress(fraction=0.5, message="Checking rows and samples"))
-    _refuse_damaged(find_damaged(partial), source)
+    _refuse_damaged(find_damaged(partial, has_samples=has_samples), source)
 
 
 def _refuse_damaged(damaged: list[str], source: str) -> None:
@@ -420,8 +422,10 @@ def check(file: Path) -> None:
         raise DatabaseUnavailable(f"{file} is not a database of flexsid: {error}") from error
 
 
-def find_damaged(file: Path) -> list[str]:
+def find_damaged(file: Path, *, has_samples: bool = True) -> list[str]:
     """Describe the rows that differ from their seals, and name the arrays that do from theirs.
+
+    Without ``has_samples`` these are not read: of an incremental backup they were when written.
 
     Raises
     ------
@@ -433,6 +437,8 @@ def find_damaged(file: Path) -> list[str]:
         engine = sa.create_engine("sqlite://", creator=lambda: opened, poolclass=StaticPool)
         with engine.connect() as connection:
             rows = [str(changed) for changed in find_changed_rows(connection)]
+        if not has_samples:
+            return rows
         try:
             data = attach_samples(opened, file.parent)
             found = opened.execute(f"SELECT hash, dtype, shape, unit, {data} FROM arrays")

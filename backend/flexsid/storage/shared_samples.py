@@ -29,15 +29,20 @@ _log = logging.getLogger(__name__)
 
 _IS_APART = "length(data) = 0 AND n_bytes > 0"
 _AT_ONCE = 4  # arrays, of up to hundreds of megabytes each
+PARTS = 7
+"""Backups within which all arrays of the file are compared with their names."""
 _TABLE = """CREATE TABLE arrays (
     hash TEXT PRIMARY KEY, dtype TEXT NOT NULL, shape TEXT NOT NULL, unit TEXT NOT NULL,
     data BLOB NOT NULL)"""
+_CHECKS = """CREATE TABLE IF NOT EXISTS checks (hash TEXT PRIMARY KEY, number INTEGER NOT NULL)
+    WITHOUT ROWID"""
 
 
 def add_samples(source: Connection, folder: Path) -> int:
     """Write the arrays of a database that the file does not have yet.
 
-    All that it has are compared with their names first: damaged ones are written again.
+    Some that it has are compared with their names first, those that were not for longest: damaged
+    ones are written again. To compare all would read a large database each time.
 
     Parameters
     ----------
@@ -63,7 +68,9 @@ def add_samples(source: Connection, folder: Path) -> int:
             opened.execute(f"PRAGMA page_size = {PAGE_BYTES}")
             opened.execute(_TABLE)
     with _open(file) as opened:
-        present = _delete_damaged(opened)
+        opened.execute(_CHECKS)
+        _delete_damaged(opened)
+        present = {name for (name,) in opened.execute("SELECT hash FROM arrays")}
         names = source.scalars(sa.select(arrays.c.hash).order_by(arrays.c.hash)).all()
         new = [name for name in names if name not in present]
         for first in range(0, len(new), _AT_ONCE):
@@ -95,16 +102,25 @@ def _write(opened: sqlite3.Connection, rows: Iterable[tuple]) -> None:
         )
 
 
-def _delete_damaged(opened: sqlite3.Connection) -> set[str]:
-    """Delete arrays that differ from their names; return the names of the others."""
-    present, damaged = set(), []
-    for row in opened.execute("SELECT hash, dtype, shape, unit, data FROM arrays"):
-        if is_sound(*row):
-            present.add(row[0])
-        else:
-            damaged.append((row[0],))
-    opened.executemany("DELETE FROM arrays WHERE hash = ?", damaged)
-    return present
+def _delete_damaged(opened: sqlite3.Connection) -> None:
+    """Compare arrays with their names, a part of all, and delete those that differ."""
+    number, count = opened.execute(
+        "SELECT (SELECT coalesce(max(number), 0) + 1 FROM checks), (SELECT count(*) FROM arrays)"
+    ).fetchone()
+    names = opened.execute(
+        "SELECT hash FROM arrays LEFT JOIN checks USING (hash) ORDER BY number, hash LIMIT ?",
+        (-(-count // PARTS),),
+    ).fetchall()
+    damaged = []
+    for one in names:
+        query = "SELECT hash, dtype, shape, unit, data FROM arrays WHERE hash = ?"
+        row = opened.execute(query, one).fetchone()
+        if row is not None and not is_sound(*row):
+            damaged.append(one)
+    with opened:
+        opened.execute("BEGIN IMMEDIATE")
+        opened.executemany("DELETE FROM arrays WHERE hash = ?", damaged)
+        opened.executemany("REPLACE INTO checks VALUES (?, ?)", [(*one, number) for one in names])
 
 
 def is_sound(name: str, dtype: str, shape: str, unit: str, data: bytes | None) -> bool:
@@ -136,6 +152,8 @@ def delete_unused_samples(folder: Path) -> None:
         names = opened.execute("SELECT hash FROM arrays").fetchall()
         unused = [(name,) for (name,) in names if name not in used]
         opened.executemany("DELETE FROM arrays WHERE hash = ?", unused)
+        opened.execute(_CHECKS)
+        opened.execute("DELETE FROM checks WHERE hash NOT IN (SELECT hash FROM arrays)")
 
 
 def find_missing_samples(backup: Path) -> list[str]:
