@@ -248,6 +248,7 @@ def compute_model_tests(
         np.array([k for k, name in enumerate(parameters.names) if name not in nuisance]),
         overlap=overlap,
         residual_df=scores.residual_df,
+        inverse=inverse,
     )
     tests += [
         ModelTest(Hypothesis.SENSOR_CONSISTENCY, one.output, one.z, 0, one.p, influence=one)
