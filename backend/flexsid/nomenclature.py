@@ -191,6 +191,7 @@ TERMS: tuple[Symbol, ...] = (
     _term("RPF", "relative peak factor: peak-to-peak over 2√2 rms; 1 for a single sine"),
     _term("Theil", "inequality coefficient of measured and predicted output; 0 is perfect"),
     _term("Insensitivity", "σ if all other parameters were known exactly"),
+    _term("Repeatability", "σ of the scatter of repeated flights: what noise alone causes"),
     _term("Cramér-Rao", "Cramér-Rao bound: σ if the noise were as the fit estimated it"),
     _term("Start", "initial values of the iteration"),
     _term("Most likely candidate", "of equation error and prediction, that with higher likelihood"),

@@ -51,6 +51,13 @@ def test_a_good_mapping_is_read() -> None:
     assert mapping.flight.number == 3
 
 
+def test_a_mapping_states_how_well_its_airspeed_is_known() -> None:
+    text = GOOD.replace("[time]", "airspeed_std = { value = 0.005 }\n\n[time]")
+    mapping = parse_mapping(text)
+    assert mapping.maneuver is not None
+    assert mapping.maneuver.condition["airspeed_std"].value == 0.005
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -311,3 +311,25 @@ def test_a_parameter_that_only_one_sensor_determines_has_no_change(make_case):
         if test.influence is not None:
             is_known = np.isfinite(test.influence.change[parameters.names.index(f"delay_{name}")])
             assert is_known == (test.subject != name)
+
+
+def test_the_elimination_of_nuisance_parameters_of_one_output_changes_no_influence(make_case):
+    """Errors of mode shapes as nuisance parameters, and as results that nothing eliminates."""
+    case = make_case(1, n_outputs=10)
+    errors = tuple(f"shape_error_{name}_7" for name in case.model.outputs if name != "alpha")
+    parameters, priors = case.free(errors), dict.fromkeys(errors, (0.0, 0.05))
+    experiment = measure(case, 0, case)
+    estimate = maximize([experiment], parameters, FitSettings(priors=priors))
+    common = [k for k, name in enumerate(parameters.names) if name not in errors]
+    both = []
+    for nuisance in (frozenset(errors), frozenset[str]()):
+        tests = compute_model_tests(
+            [experiment], parameters, estimate.values, priors, nuisance=nuisance
+        )
+        both.append({one.subject: one.influence for one in tests if one.influence is not None})
+    assert both[0].keys() == both[1].keys() == set(case.model.outputs)
+    for name, eliminated in both[0].items():
+        whole = both[1][name]
+        for field in ("change", "change_std", "std_ratio"):
+            found, expected = getattr(eliminated, field)[common], getattr(whole, field)[common]
+            assert found == pytest.approx(expected, rel=1e-3, nan_ok=True)

@@ -13,7 +13,7 @@ from flexsid.sysid.estimation.estimate import Estimate, Outcome
 from flexsid.sysid.estimation.nuisance import (
     NuisancePrior,
     build_nuisance_prior,
-    compute_noise_share,
+    compute_prior_shares,
     compute_prior_std,
     estimate_spread,
 )
@@ -132,7 +132,7 @@ def test_spread_does_not_use_nuisance_parameters_or_missing_errors():
     assert estimate_spread(every, prior) == estimate_spread(unknown, prior) == 0.3
 
 
-def test_noise_share_is_that_of_a_linear_model():
+def test_shares_of_priors_are_those_of_a_linear_model():
     rng = np.random.default_rng(4)
     H = rng.normal(size=(40, 3))
     priors = {"c": (0.0, 0.05)}
@@ -151,7 +151,7 @@ def test_noise_share_is_that_of_a_linear_model():
         "",
         frozenset({"c"}),
     )
-    share = compute_noise_share(estimate, priors)
-    assert list(share) == ["a", "b"]
-    for k, name in enumerate(share):
-        assert share[name] == pytest.approx(of_noise[k, k] / covariance[k, k])
+    shares = compute_prior_shares(estimate, priors)
+    assert shares.shape == (2, 1)
+    for k, share in enumerate(shares[:, 0]):
+        assert share == pytest.approx(1.0 - of_noise[k, k] / covariance[k, k])

@@ -53,6 +53,8 @@ def describe_aircraft(truth: Truth) -> Aircraft:
             pitch_inertia_kg_m2=tuple(truth.pitch_inertia.tolist()),
             x_cg_m=tuple(truth.x_cg.tolist()),
             z_cg_m=tuple(truth.z_cg.tolist()),
+            mass_std=0.0,  # the airframe data are those of the truth
+            inertia_std=0.0,
         ),
         surfaces=tuple(
             Surface(

@@ -205,4 +205,5 @@ def average_condition(aircraft: Aircraft, states: list[FlownChannel]) -> Conditi
     }
     alpha = mean.pop("alpha_trim")
     del mean["altitude"]  # the density was recorded
-    return complete_condition(aircraft, mean | {"alpha": alpha})
+    exact = dict.fromkeys(("airspeed_std", "density_std"), 0.0)  # recorded as flown
+    return complete_condition(aircraft, mean | {"alpha": alpha} | exact)

@@ -63,6 +63,8 @@ _CONDITION = Condition(
     roll_inertia_kg_m2=21_000.0,
     yaw_inertia_kg_m2=46_000.0,
     product_of_inertia_kg_m2=1_500.0,
+    airspeed_std=0.0,  # as simulated
+    density_std=0.0,
 )
 _TRIM = {
     "alpha": _CONDITION.alpha_rad,
@@ -105,6 +107,8 @@ def describe_transport() -> Aircraft:
             roll_inertia_kg_m2=(roll,),
             yaw_inertia_kg_m2=(yaw,),
             product_of_inertia_kg_m2=(product,),
+            mass_std=0.0,  # as simulated
+            inertia_std=0.0,
         ),
         surfaces=(
             Surface(name="elevator", symmetry="symmetric"),

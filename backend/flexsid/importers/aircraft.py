@@ -105,6 +105,10 @@ class MassMapping(MappingTable):
     inertia_tensor_xz: _Inertias | None = key(
         "element xz of the inertia tensor: minus the product of inertia", None
     )
+    mass_std: Number = key("standard deviation of the mass, relative to it", 0.02, ge=0, le=1)
+    inertia_std: Number = key(
+        "standard deviation of the moments of inertia, relative to them", 0.02, ge=0, le=1
+    )
 
     def build(self) -> MassTable:
         """Return the mass properties in SI."""
@@ -116,7 +120,7 @@ class MassMapping(MappingTable):
                 problem = "or inertia_tensor_xz must be given, but not both."
                 raise InvalidValue(problem, "product_of_inertia")
             columns["product_of_inertia_kg_m2"] = tuple(-value for value in tensor)
-        given = [column for column in columns.values() if column is not None]
+        given = [column for column in columns.values() if isinstance(column, tuple)]
         if not self.fuel or len({len(column) for column in given}) > 1:
             problem = "and the mass properties must have the same number of values."
             raise InvalidValue(problem, "fuel")

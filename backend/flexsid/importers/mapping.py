@@ -95,6 +95,8 @@ class ConditionMapping(MappingTable):
     total_temperature: Annotated[Quantity, Dimension("temperature")] | None = key(
         "total temperature of the air", None
     )
+    airspeed_std: _Number | None = key("standard deviation of airspeed, relative to it", None)
+    density_std: _Number | None = key("standard deviation of density, relative to it", None)
     engines: dict[Line, _RotationSpeed] = key("rotation speeds by channel of the thrust table", {})
 
     def build(self) -> dict[str, Quantity]:

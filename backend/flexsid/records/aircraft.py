@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from flexsid.allowed import Share
 from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.model.sensor_models import SensorModel, find_sensor_model
 from flexsid.sysid.preparation.symmetry import find_pairs
@@ -25,7 +26,8 @@ class MassTable:
     """Mass properties against fuel fraction; centre of gravity in structural axes.
 
     Inertia in roll and yaw, and the product of inertia (integral of x z dm in body axes), are
-    those of the lateral-directional model.
+    those of the lateral-directional model. ``mass_std`` and ``inertia_std`` are the standard
+    deviations of mass and moments of inertia, relative to them. [1]
     """
 
     fuel: tuple[float, ...]
@@ -36,6 +38,8 @@ class MassTable:
     roll_inertia_kg_m2: tuple[float, ...] | None = None
     yaw_inertia_kg_m2: tuple[float, ...] | None = None
     product_of_inertia_kg_m2: tuple[float, ...] | None = None
+    mass_std: Share = 0.02
+    inertia_std: Share = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -37,7 +37,8 @@ class ComparedSource:
 class SourceValue:
     """Value of a derivative by one source; ``std_error`` is None if unknown.
 
-    ``modal_std`` is the part of it due to the modal table, None of a prediction.
+    ``modal_std`` is the part of it due to the modal table, ``condition_std`` that due to mass and
+    condition, None of a prediction.
 
     Of a prediction, ``difference_sigma`` is the largest |prediction - run| over the runs, in
     combined standard errors, and ``consistent`` whether that is within the limit; None of a run,
@@ -48,6 +49,7 @@ class SourceValue:
     value: float
     std_error: float | None = None
     modal_std: float | None = None
+    condition_std: float | None = None
     difference_sigma: float | None = None
     consistent: bool | None = None
 

@@ -7,7 +7,7 @@ from datetime import date, datetime
 from enum import StrEnum
 from typing import Annotated
 
-from flexsid.allowed import Allowed, Delay, Moment, Name, Number, Text
+from flexsid.allowed import Allowed, Delay, Moment, Name, Number, Share, Text
 from flexsid.text import LARGEST_ID, LONGEST_TEXT, check_lines
 from flexsid.units import LARGEST
 
@@ -76,7 +76,11 @@ class Channel(RecordedChannel):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """Flight condition averaged over the maneuver; origin of body axes is the c.g."""
+    """Flight condition averaged over the maneuver; origin of body axes is the c.g.
+
+    ``airspeed_std`` and ``density_std`` are the standard deviations of airspeed and density,
+    relative to them. [1]
+    """
 
     airspeed_m_s: float
     density_kg_m3: float
@@ -92,6 +96,8 @@ class Condition:
     roll_inertia_kg_m2: float | None = None
     yaw_inertia_kg_m2: float | None = None
     product_of_inertia_kg_m2: float | None = None
+    airspeed_std: Share = 0.01
+    density_std: Share = 0.01
 
     @property
     def dynamic_pressure_pa(self) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from math import hypot
 from typing import Annotated
 
 from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
@@ -173,11 +174,30 @@ ReportProgress = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class VarianceShares:
+    """Shares of the variance of an estimate by their causes.
+
+    ``noise`` is that of the record, ``prediction`` the priors at predicted derivatives, most of
+    them of retained modes, ``mode_shapes`` and ``modal_table`` the errors of the modal table at
+    the sensors and of its frequencies and damping, ``mass`` mass and inertia, ``condition``
+    airspeed and density.
+    """
+
+    noise: float
+    prediction: float = 0.0
+    mode_shapes: float = 0.0
+    modal_table: float = 0.0
+    mass: float = 0.0
+    condition: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterEstimate:
     """One estimated derivative or delay; ``no_error`` is the reason without ``std_error``.
 
-    ``modal_std`` is the part of ``std_error`` due to the modal table: the covariance of a run
-    holds its frequencies and damping, and poles and flutter do not depend on this part.
+    ``modal_std`` is the part of ``std_error`` due to the modal table, ``condition_std`` that due
+    to mass, inertia, airspeed and density: the covariance of a run holds them, and poles and
+    flutter do not depend on these parts. ``shares`` are None in runs of earlier releases.
     """
 
     name: str
@@ -188,6 +208,13 @@ class ParameterEstimate:
     insensitivity: float | None = None  # standard error were all others known
     no_error: str | None = None  # "not converged", "at its limit", "not identifiable"
     modal_std: float | None = None
+    condition_std: float | None = None
+    shares: VarianceShares | None = None
+
+    @property
+    def held_std(self) -> float:
+        """Part of the standard error due to what the covariance of a run holds."""
+        return hypot(self.modal_std or 0.0, self.condition_std or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

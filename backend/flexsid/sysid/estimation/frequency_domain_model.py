@@ -214,6 +214,11 @@ class FrequencyDomainModel:
         """Expand all sensitivities, where the Kronecker form is not applicable."""
         return expand_sensitivity(self, sensitivity)
 
+    def list_own_parameters(self) -> np.ndarray:
+        """Return the index in theta of every parameter of ``own_outputs``."""
+        first = self.pair_rows.size
+        return self.order[first : first + self.own_outputs.size]
+
     def _tune_modes(
         self,
         theta: Float[np.ndarray, " n_theta"],
@@ -330,3 +335,22 @@ def expand_sensitivity(
     if sensitivity.ends is not None:
         J[:, :, model.order[n_single:]] = sensitivity.ends
     return J
+
+
+def expand_kept(
+    model: FrequencyDomainModel, sensitivity: Sensitivity, kept: np.ndarray
+) -> Complex[np.ndarray, "n_omega n_y n_kept"]:
+    """Expand the sensitivities to all parameters but some that affect one output only."""
+    of_own = np.isin(model.list_own_parameters(), kept)
+    factored = FactoredModel(
+        rows=model.rows,
+        columns=model.columns,
+        pair_rows=model.pair_rows,
+        pair_columns=model.pair_columns,
+        scale=model.scale,
+        own_outputs=model.own_outputs[of_own],
+        order=np.searchsorted(kept, model.order[np.isin(model.order, kept)]),
+        sensors=model.sensors,
+        s=model.s,
+    )
+    return expand_sensitivity(factored, replace(sensitivity, own=sensitivity.own[of_own]))

@@ -190,10 +190,14 @@ class NormalForm:
             np.multiply(sums.ravel()[self._indices], self._scales, out=N[:p, :p])
         if own.size:
             E = sensitivity.own
-            loads = np.empty((own.size, G.shape[2], w.shape[1]), dtype=complex)
-            np.multiply(weighted.transpose(1, 2, 0)[own], E[:, None, :], out=loads)
-            cross = _multiply_real(loads.reshape(-1, w.shape[1]), w)
-            cross = cross.reshape(own.size, -1, w.shape[0])[:, model.pair_rows, model.pair_columns]
+            cross = np.empty((own.size, p))
+            of_outputs = np.ascontiguousarray(weighted.transpose(1, 2, 0))
+            for output in np.unique(own).tolist():  # small arrays stay in the cache
+                mine = np.flatnonzero(own == output)
+                loads = of_outputs[output] * E[mine][:, None, :]
+                part = _multiply_real(loads.reshape(-1, w.shape[1]), w)
+                part = part.reshape(mine.size, -1, w.shape[0])
+                cross[mine] = part[:, model.pair_rows, model.pair_columns]
             last = p + own.size
             np.multiply(cross, model.scale, out=N[p:last, :p])
             N[:p, p:last] = N[p:last, :p].T
@@ -336,12 +340,19 @@ def _multiply_real(
 def _multiply_own(
     E: Complex[np.ndarray, "n_own n_omega"], own: np.ndarray, weights: SpectralMatrix
 ) -> Float[np.ndarray, "n_own n_own"]:
-    if weights.is_diagonal:
-        products = _multiply_real(weights.expand_blocks().T[own] * E, E)
-        return np.where(own[:, None] == own, products, 0.0)
+    """Compute Re sum conj(E_a) W_ab E_b of the parameters of single outputs, output by output."""
     total = np.zeros((own.size, own.size))
-    for matrix, lines in zip(weights.blocks, weights.block_slices(), strict=True):
-        total += np.real((E[:, lines].conj() @ E[:, lines].T) * matrix[np.ix_(own, own)])
+    blocks = weights.expand_blocks()
+    for output in np.unique(own).tolist():
+        mine = np.flatnonzero(own == output)
+        if weights.is_diagonal:
+            total[np.ix_(mine, mine)] = _multiply_real(blocks[:, output] * E[mine], E[mine])
+            continue
+        later = np.flatnonzero(own >= output)  # the rest follows from symmetry
+        loads = np.multiply(blocks[:, output].T[own[later]], E[later], order="C")
+        part = _multiply_real(E[mine], loads)
+        total[np.ix_(mine, later)] = part
+        total[np.ix_(later, mine)] = part.T
     return total
 
 

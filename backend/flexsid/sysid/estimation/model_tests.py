@@ -203,7 +203,7 @@ def compute_model_tests(
     inflation = n_data / (n_data - theta.size)
     fits = [
         _Fit(
-            *_evaluate(experiment, parameters, theta, inflation),
+            *evaluate_fit(experiment, parameters, theta, inflation),
             parameters.table(theta),
             extended,
             opposed,
@@ -219,7 +219,7 @@ def compute_model_tests(
     joint = np.sum([fit.compute_information() for fit in fits], axis=0)
     gradient = np.sum([fit.compute_gradient() for fit in fits], axis=0)
     mean, information = build_prior(parameters, priors)
-    inverse = _invert(joint[:n_theta, :n_theta] + np.diag(information))
+    inverse = invert_information(joint[:n_theta, :n_theta] + np.diag(information))
     g = gradient[:n_theta] + information * (mean - theta)
     lever = inverse @ joint[:n_theta, n_theta:]
     # Columns of efficient sensitivities, in those to all quantities.
@@ -248,6 +248,7 @@ def compute_model_tests(
         np.array([k for k, name in enumerate(parameters.names) if name not in nuisance]),
         overlap=overlap,
         residual_df=scores.residual_df,
+        inverse=inverse,
     )
     tests += [
         ModelTest(Hypothesis.SENSOR_CONSISTENCY, one.output, one.z, 0, one.p, influence=one)
@@ -263,7 +264,7 @@ def compute_model_tests(
     )
 
 
-def _evaluate(
+def evaluate_fit(
     experiment: Experiment, parameters: Parameters, theta: np.ndarray, inflation: float
 ) -> tuple[FinalSpectra, ModelResponse]:
     """Compute residuals, their weights and the sensitivities at the estimate."""
@@ -278,7 +279,14 @@ def _evaluate(
     return FinalSpectra(NormalForm(model), sensitivity, residuals, weights), response
 
 
-def _invert(N: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+def invert_information(N: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """Invert a normal matrix; nearly dependent parameters stay finite.
+
+    Raises
+    ------
+    LinAlgError
+        If it is singular.
+    """
     size = np.sqrt(np.maximum(np.diag(N), np.finfo(float).tiny))
     scaled = N / np.outer(size, size)
     scaled[np.diag_indices_from(scaled)] += _RIDGE

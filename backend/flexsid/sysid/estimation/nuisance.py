@@ -209,17 +209,22 @@ def estimate_spread(estimate: Estimate, prior: NuisancePrior) -> float:
     return float(np.interp(_QUANTILE, posterior / posterior[-1], _SPREADS))
 
 
-def compute_noise_share(
+def compute_prior_shares(
     estimate: Estimate, priors: Mapping[str, tuple[float, float]], overlap: float = 1.0
-) -> dict[str, float]:
-    """Compute the share of the variance of each parameter that noise causes.
+) -> Float[np.ndarray, "n_own n_prior"]:
+    """Compute the share of the variance of each result that the error of each prior causes.
 
     Parameters
     ----------
     estimate, priors
-        Estimate, and mean and standard deviation of every nuisance parameter.
+        Estimate of results and nuisance parameters, and mean and standard deviation by parameter.
     overlap
         Factor of the variances, for frequencies closer than 1/T.
+
+    Returns
+    -------
+    Array
+        The priors in the order of the parameters; the shares of a result are one in sum at most.
 
     Notes
     -----
@@ -227,12 +232,10 @@ def compute_noise_share(
     Cov P Cov for Cov = N^-1, the rest is due to noise. With the corrected covariance, of
     coloured residuals, it is an approximation and limited to one.
     """
-    if not np.isfinite(estimate.corrected_covariance).all():
-        return {}
     own = [k for k, name in enumerate(estimate.names) if name not in estimate.nuisance]
-    held = [k for k, name in enumerate(estimate.names) if name in estimate.nuisance]
+    held = [k for k, name in enumerate(estimate.names) if name in priors]
     std = np.array([priors[estimate.names[k]][1] for k in held])
     through = estimate.covariance[np.ix_(own, held)] / std
-    variance = np.diag(estimate.corrected_covariance)[own]
-    share = 1.0 - np.sum(through**2, axis=1) / overlap / np.where(variance > 0.0, variance, np.inf)
-    return {estimate.names[k]: float(np.clip(s, 0.0, 1.0)) for k, s in zip(own, share, strict=True)}
+    variance = np.diag(estimate.corrected_covariance)[own, None]
+    shares = through**2 / overlap / np.where(variance > 0.0, variance, np.inf)
+    return shares / np.maximum(shares.sum(axis=1, keepdims=True), 1.0)

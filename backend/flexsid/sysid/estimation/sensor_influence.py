@@ -14,7 +14,7 @@ from jaxtyping import Complex, Float
 from scipy import linalg, special
 
 from flexsid.sysid.estimation.covariance import FinalSpectra, score_covariance, weight_score_noise
-from flexsid.sysid.estimation.frequency_domain_model import expand_sensitivity
+from flexsid.sysid.estimation.frequency_domain_model import expand_kept
 from flexsid.sysid.estimation.real_products import sum_products
 
 _RIDGE = 1e-10  # of unit diagonal: nearly dependent normal equations stay solvable
@@ -49,6 +49,7 @@ def compute_sensor_influences(
     *,
     overlap: float,
     residual_df: float,
+    inverse: Float[np.ndarray, "n_theta n_theta"],
 ) -> list[SensorInfluence]:
     """Compute the influence of every output of a fit.
 
@@ -64,6 +65,8 @@ def compute_sensor_influences(
         Frequencies per resolution 1/T of the record, at least one.
     residual_df
         Degrees of freedom of the residuals from which the noise is estimated.
+    inverse
+        Of the whole normal matrix.
 
     Returns
     -------
@@ -82,31 +85,22 @@ def compute_sensor_influences(
     information has no change.
     The probability of the largest |z| is that of M independent ones,
     M = (sum sqrt l)^2 / sum l with the eigenvalues l of the correlation of the changes.
+    N and g are those after the elimination of each output's own nuisance parameters.
     Sources: Hausman (1978), Specification tests in econometrics; White (1980) for S; Galwey (2009),
     A new measure of the effective number of tests, Genetic Epidemiology 33.
     """
-    n_theta = prior_information.size
-    outputs = list(dict.fromkeys(name for fit in fits for name in _list_outputs(fit)))
-    parts = np.zeros((len(outputs), n_theta, n_theta))
-    gradients = np.zeros((len(outputs), n_theta))
-    weighted = []
-    for fit in fits:
-        J = expand_sensitivity(fit.form.model, fit.sensitivity)
-        root = np.sqrt(fit.weights.expand_blocks())
-        J *= root[:, :, None]
-        for column, name in enumerate(_list_outputs(fit)):
-            own, o = J[:, column], outputs.index(name)
-            parts[o] += sum_products(own, own)
-            scaled = root[:, column] * fit.residuals[:, column]
-            gradients[o] += sum_products(own, scaled[:, None])[:, 0]
-        J *= root[:, :, None]
-        weighted.append(J)
-    T = _factor_inverse(parts.sum(axis=0) + np.diag(prior_information))
-    g = T.T @ (gradients.sum(axis=0) + prior_gradient)
+    outputs = tuple(dict.fromkeys(name for fit in fits for name in _list_outputs(fit)))
+    reduced = _ReducedFit(fits, outputs, prior_information, prior_gradient, reported)
+    parts, gradients = reduced.parts, reduced.gradients
+    prior, reported = prior_information[reduced.kept], np.searchsorted(reduced.kept, reported)
+    T = _factor_inverse(parts.sum(axis=0) + np.diag(prior))
+    g = T.T @ (gradients.sum(axis=0) + prior_gradient[reduced.kept])
     own_variance = np.sum(T**2, axis=1)[reported]
-    inverse = T @ T.T
-    noises = [_WeightedNoise(fit, A, inverse) for fit, A in zip(fits, weighted, strict=True)]
-    whole_score = np.sum([noise.compute_score_covariance() for noise in noises], axis=0)
+    noises = [
+        _WeightedNoise(fit, A, inverse) for fit, A in zip(fits, reduced.weighted, strict=True)
+    ]
+    whole_score = np.sum([one.compute_score_covariance(reduced.columns) for one in noises], axis=0)
+    whole_prior = np.diag(prior) + reduced.priors.sum(axis=0)
     result = []
     for o, name in enumerate(outputs):
         share, V = np.linalg.eigh(T.T @ parts[o] @ T)
@@ -124,8 +118,10 @@ def compute_sensor_influences(
         noise = by_whole @ whole_score @ by_whole.T
         for one in noises:
             noise += one.compute_change_covariance(name, by_own, by_whole)
-        by_priors = by_whole * prior_information
-        covariance = 0.5 * (overlap * noise + by_priors @ by_whole.T)
+        mixed = by_own @ reduced.priors[o] @ by_whole.T
+        by_priors = by_whole @ whole_prior @ by_whole.T + mixed + mixed.T
+        by_priors += by_own @ reduced.priors[o] @ by_own.T
+        covariance = 0.5 * (overlap * noise + by_priors)
         variance = np.diag(covariance)
         is_known &= variance > _LEAST_VARIANCE * own_variance
         if not is_known.any():
@@ -153,13 +149,85 @@ def compute_sensor_influences(
     return result
 
 
+class _ReducedFit:
+    """Normal equations of each output after elimination of its own nuisance parameters.
+
+    With the sensitivities E of an output to parameters with priors P_e that no other output has,
+    the others have the sensitivities J - E L, L = (Re E^H W E + P_e)^-1 Re E^H W J, and the errors
+    of these priors the covariance 1/2 L^T P_e L of its score. The size of every matrix is then
+    that of the parameters which outputs share.
+
+    Attributes
+    ----------
+    kept
+        Indices in theta of the parameters that are left.
+    parts, gradients, priors
+        Of every output.
+    columns
+        Of the sensitivities that are left, in those to theta.
+    weighted
+        These sensitivities times the weights, of every fit.
+    """
+
+    def __init__(
+        self,
+        fits: Sequence[FinalSpectra],
+        outputs: tuple[str, ...],
+        prior_information: Float[np.ndarray, " n_theta"],
+        prior_gradient: Float[np.ndarray, " n_theta"],
+        reported: np.ndarray,
+    ) -> None:
+        is_held = prior_information > 0.0
+        is_held[reported] = False
+        own_parameters = fits[0].form.model.list_own_parameters()
+        eliminated = [k for k in own_parameters if is_held[k]]
+        self.kept = np.setdiff1d(np.arange(is_held.size), eliminated)
+        size = len(outputs), self.kept.size, self.kept.size
+        self.parts, self.priors = np.zeros(size), np.zeros(size)
+        self.gradients = np.zeros(size[:2])
+        self.columns = np.zeros((is_held.size, self.kept.size))
+        self.columns[self.kept, np.arange(self.kept.size)] = 1.0
+        self.weighted = [expand_kept(fit.form.model, fit.sensitivity, self.kept) for fit in fits]
+        roots = [np.sqrt(fit.weights.expand_blocks()) for fit in fits]
+        for o, name in enumerate(outputs):
+            places = [
+                (fit, J, root, _list_outputs(fit).index(name))
+                for fit, J, root in zip(fits, self.weighted, roots, strict=True)
+                if name in _list_outputs(fit)
+            ]
+            J = np.concatenate([root[:, at, None] * J[:, at] for _, J, root, at in places])
+            nu = np.concatenate([root[:, at] * fit.residuals[:, at] for fit, _, root, at in places])
+            self.parts[o] = sum_products(J, J)
+            self.gradients[o] = sum_products(J, nu[:, None])[:, 0]
+            fit, _, _, at = places[0]
+            rows = fit.form.model.own_outputs == at
+            single = own_parameters[rows]
+            rows[rows], single = is_held[single], single[is_held[single]]
+            if single.size:
+                E = np.concatenate(
+                    [root[:, at, None] * fit.sensitivity.own[rows].T for fit, _, root, at in places]
+                )
+                held = prior_information[single]
+                cross = sum_products(E, J)
+                L = linalg.solve(sum_products(E, E) + np.diag(held), cross, assume_a="pos")
+                own_gradient = sum_products(E, nu[:, None])[:, 0] + prior_gradient[single]
+                self.parts[o] -= cross.T @ L
+                self.gradients[o] -= L.T @ own_gradient
+                self.priors[o] = L.T @ (held[:, None] * L)
+                self.columns[single] = -L
+                for fit, left, _, at in places:
+                    left[:, at] -= fit.sensitivity.own[rows].T @ L
+        for J, root in zip(self.weighted, roots, strict=True):
+            J *= (root**2)[:, :, None]
+
+
 class _WeightedNoise:
     """Weighted sensitivities A of a maneuver, and S A with the density S of the noise."""
 
     def __init__(
         self,
         fit: FinalSpectra,
-        weighted: Complex[np.ndarray, "n_omega n_y n_theta"],
+        weighted: Complex[np.ndarray, "n_omega n_y n"],
         inverse: Float[np.ndarray, "n_theta n_theta"],
     ) -> None:
         self.fit = fit if fit.shares_noise else fit.with_leave_one_out_residuals(inverse)
@@ -168,17 +236,22 @@ class _WeightedNoise:
         self.density = np.real(np.einsum("bii->bi", S.blocks))[S.block]
         self.outputs = _list_outputs(fit)
 
-    def compute_score_covariance(self) -> Float[np.ndarray, "n_theta n_theta"]:
-        """Compute Re sum A^H S A, twice the covariance of the scores."""
+    def compute_score_covariance(
+        self, columns: Float[np.ndarray, "n_theta n"]
+    ) -> Float[np.ndarray, "n n"]:
+        """Compute Re sum A^H S A, twice the covariance of the scores.
+
+        ``columns`` are those of A in the sensitivities to all parameters.
+        """
         if self.fit.shares_noise:
             return sum_products(self.A, self.noise)
-        return score_covariance(self.fit)
+        return columns.T @ score_covariance(self.fit) @ columns
 
     def compute_change_covariance(
         self,
         output: str,
-        own: Float[np.ndarray, "n n_theta"],
-        whole: Float[np.ndarray, "n n_theta"],
+        own: Float[np.ndarray, "n n_kept"],
+        whole: Float[np.ndarray, "n n_kept"],
     ) -> Float[np.ndarray, "n n"]:
         """Compute the part of twice the covariance of a change that one output has.
 

@@ -81,19 +81,25 @@ def set_mass_table(store: Store, aircraft_id: int, table: MassTable) -> Aircraft
 def merge_masses(known: MassTable, new: MassTable) -> MassTable:
     """Return a mass table with the rows of the new one, and the known ones at other fuel weights.
 
-    A quantity that is not given at every fuel weight of the result is not given at any.
+    A quantity that is not given at every fuel weight of the result is not given at any. Standard
+    deviations are the larger ones.
     """
     rows = {fuel: (known, row) for row, fuel in enumerate(known.fuel)}
     rows |= {fuel: (new, row) for row, fuel in enumerate(new.fuel)}
     fuels = sorted(rows)
     merged: dict[str, tuple[float, ...] | None] = {"fuel": tuple(fuels)}
     for one in fields(MassTable):
-        if one.name == "fuel":
+        if one.name in ("fuel", "mass_std", "inertia_std"):
             continue
         columns = [(getattr(table, one.name), row) for table, row in (rows[f] for f in fuels)]
         is_known = all(column is not None for column, _ in columns)
         merged[one.name] = tuple(column[row] for column, row in columns) if is_known else None
-    return MassTable(**merged)  # pyright: ignore[reportArgumentType]
+    merged_table = MassTable(**merged)  # pyright: ignore[reportArgumentType]
+    return replace(
+        merged_table,
+        mass_std=max(known.mass_std, new.mass_std),
+        inertia_std=max(known.inertia_std, new.inertia_std),
+    )
 
 
 def _check_name(store: Store, definition: Aircraft, aircraft_id: int | None) -> None:

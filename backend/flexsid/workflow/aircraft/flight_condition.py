@@ -19,6 +19,8 @@ from flexsid.workflow.aircraft.thrust import (
     interpolate_thrust,
 )
 
+_STD = ("airspeed_std", "density_std")
+
 
 def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:
     """Complete mass properties, trim and flutter speed that were not measured.
@@ -31,7 +33,7 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         SI values by name: ``airspeed``, ``density`` or ``altitude``, and any of
         ``fuel_fraction``, ``alpha``, ``gamma``, ``thrust``, ``mass``,
         ``pitch_inertia``, ``roll_inertia``, ``yaw_inertia``, ``product_of_inertia``,
-        ``x_cg``, ``z_cg``. Missing thrust follows from
+        ``x_cg``, ``z_cg``, ``airspeed_std``, ``density_std``. Missing thrust follows from
         the thrust table if all its engines were measured, at ``total_temperature`` or that of
         standard air; otherwise it balances the drag.
 
@@ -63,6 +65,14 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         if measured.get(name, 1.0) <= 0:
             raise BadInput(
                 f"Impossible condition: {name} {measured[name]:g}; a positive number is expected.",
+                code="bad-condition",
+            )
+
+    stated = {name: measured[name] for name in _STD if name in measured}
+    for name, value in stated.items():
+        if not 0.0 <= value <= 1.0:
+            raise BadInput(
+                f"Impossible condition: {name} {value:g}; a number from 0 to 1 is expected.",
                 code="bad-condition",
             )
 
@@ -104,7 +114,29 @@ def complete_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Con
         roll_inertia_kg_m2=find("roll_inertia", table.roll_inertia_kg_m2),
         yaw_inertia_kg_m2=find("yaw_inertia", table.yaw_inertia_kg_m2),
         product_of_inertia_kg_m2=find("product_of_inertia", table.product_of_inertia_kg_m2),
+        **stated,
     )
+
+
+def list_wrong_conditions(aircraft: Aircraft, condition: Condition) -> dict[str, Condition]:
+    """Return the condition with one quantity larger by its standard deviation, by its cause.
+
+    Those that are stated as exact are none. Moments of inertia have errors of their own.
+    """
+    mass = aircraft.mass
+    causes = {
+        "mass": ("mass_kg", mass.mass_std),
+        "pitch inertia": ("pitch_inertia_kg_m2", mass.inertia_std),
+        "roll inertia": ("roll_inertia_kg_m2", mass.inertia_std),
+        "yaw inertia": ("yaw_inertia_kg_m2", mass.inertia_std),
+        "airspeed": ("airspeed_m_s", condition.airspeed_std),
+        "density": ("density_kg_m3", condition.density_std),
+    }
+    return {
+        cause: replace(condition, **{name: getattr(condition, name) * (1.0 + std)})
+        for cause, (name, std) in causes.items()
+        if std > 0.0 and getattr(condition, name)
+    }
 
 
 def complete_parked_condition(aircraft: Aircraft, measured: Mapping[str, float]) -> Condition:

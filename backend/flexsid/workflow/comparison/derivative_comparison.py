@@ -219,6 +219,7 @@ def _build_run_column(
                 value=parameter.value,
                 std_error=parameter.std_error,
                 modal_std=parameter.modal_std,
+                condition_std=parameter.condition_std,
             )
             for parameter in result.parameters
         },

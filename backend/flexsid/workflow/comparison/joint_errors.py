@@ -19,17 +19,18 @@ def compute_covariances(
     """Compute the covariance between runs by derivative; NaN without a standard error.
 
     Runs of one maneuver share its noise, those with the same prior means their errors, and all
-    runs the errors of the modal table. Runs of earlier releases share the latter only.
+    runs the errors of modal table, mass, airspeed and density. Runs of earlier releases share the
+    latter only.
     """
     place = {name: k for k, name in enumerate(names)}
-    modal = np.zeros((len(names), len(finished)))
+    held = np.zeros((len(names), len(finished)))
     std_errors, components, maneuvers = [], [], []
     for number, (_, result) in enumerate(finished):
         at = [place[parameter.name] for parameter in result.parameters]
         total = np.full(len(names), np.nan)
         total[at] = [p.std_error or np.nan for p in result.parameters]
-        modal[at, number] = [p.modal_std or 0.0 for p in result.parameters]
-        std_errors.append(np.sqrt(np.maximum(total**2 - modal[:, number] ** 2, 0.0)))
+        held[at, number] = [p.held_std for p in result.parameters]
+        std_errors.append(np.sqrt(np.maximum(total**2 - held[:, number] ** 2, 0.0)))
         found = None if result.error_causes is None else _load_components(store, result)
         if found is not None:
             from_names = np.zeros((len(names), len(at)))
@@ -39,7 +40,7 @@ def compute_covariances(
         causes = result.error_causes
         maneuvers.append(() if causes is None else causes.maneuver_ids)
     covariance = compute_joint_covariance(std_errors, components, maneuvers)
-    covariance += modal[:, :, None] * modal[:, None, :]
+    covariance += held[:, :, None] * held[:, None, :]
     return dict(zip(names, covariance, strict=True))
 
 

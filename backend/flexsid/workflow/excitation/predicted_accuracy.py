@@ -161,10 +161,10 @@ class PredictionModel:
         return multisine.combine({part: terms for part, terms in moved.items() if terms})
 
     def compute_std_errors(self, information: FisherInformation) -> np.ndarray:
-        """Compute standard errors with those due to the modal table, which no data reduce."""
-        modal = {row.name: row.modal_std or 0.0 for row in get_result(self.run).parameters}
+        """Compute standard errors with those due to modal table, mass and condition."""
+        held = {row.name: row.held_std for row in get_result(self.run).parameters}
         return np.hypot(
-            information.std_errors(), [modal.get(name, 0.0) for name in information.names]
+            information.std_errors(), [held.get(name, 0.0) for name in information.names]
         )
 
     def predict_multisine(self, multisine: Multisine) -> FisherInformation:
@@ -200,7 +200,8 @@ def predict_accuracy(store: Store, query: DesignQuery, report: ReportProgress) -
     Standard errors are Cramer-Rao bounds. Model, condition and free parameters are the run's;
     surfaces respond to commands as recorded there, and the noise is that of its residuals.
     Amplitudes are in radians, and residuals not explained by the model are assumed not to grow
-    with them. Errors of the modal table, which no excitation reduces, are those of the run.
+    with them. Errors of modal table, mass and condition, which no excitation reduces, are those of
+    the run.
 
     Raises
     ------
@@ -385,11 +386,11 @@ def _compare_variances(run: EstimationRun, names: tuple[str, ...], bounds: np.nd
 
     A fit does not reach its bound: its weights are estimated from the record, and what feedback
     adds to the inputs is removed with an estimate of it. The same fit of another record has the
-    same loss. Errors of the modal table are not part of it.
+    same loss. Errors of modal table, mass and condition are not part of it.
     """
     bound = dict(zip(names, bounds.tolist(), strict=True))
     ratios = [
-        (row.std_error**2 - (row.modal_std or 0.0) ** 2) / bound[row.name] ** 2
+        (row.std_error**2 - row.held_std**2) / bound[row.name] ** 2
         for row in get_result(run).parameters
         if row.std_error is not None and row.name in bound and bound[row.name] > 0.0
     ]

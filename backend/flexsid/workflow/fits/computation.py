@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 from flexsid.extensions import report_errors
-from flexsid.records.run import ModelAdequacy, Provenance, ReportProgress
+from flexsid.records.run import ModelAdequacy, Provenance, ReportProgress, VarianceShares
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.sysid.estimation.limits import find_parameters_at_limits
 from flexsid.sysid.stability.poles import NamedPole
@@ -30,6 +30,7 @@ from flexsid.workflow.fits.run_warnings import (
     warn_of_reversed_surfaces,
 )
 from flexsid.workflow.fits.software_versions import read_versions
+from flexsid.workflow.fits.variance_budget import compute_variance_budget
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,9 @@ class ComputedRun:
 
     ``held`` are the derivatives that were not free, ``at_limit`` the parameters that converged
     to a physical limit, ``versions`` is the software of the worker. ``modal_std`` are the
-    standard deviations due to the modal table, which the covariance does not include.
+    standard deviations due to the modal table, ``condition_std`` those due to mass, inertia,
+    airspeed and density, which the covariance does not include; ``shares`` those of the variances
+    by their causes.
     """
 
     estimate: Estimate
@@ -54,6 +57,8 @@ class ComputedRun:
     adequacy: ModelAdequacy
     symmetry: ModelAdequacy | None
     modal_std: dict[str, float]
+    condition_std: dict[str, float]
+    shares: dict[str, VarianceShares]
     at_limit: tuple[str, ...] = ()
     retained: ComputedRetainedModes | None = None
 
@@ -92,7 +97,8 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         *warn_of_moved_poles(select_moved_poles(task, poles), task.max_omega),
     ]
     table = parameters.table(estimate.values).named()
-    retained = marginalise(task, estimate, spread, overlap)
+    condition_std, shares = compute_variance_budget(task, parameters, estimate, spread, overlap)
+    retained = marginalise(task, estimate, spread, shares)
     limited = {name for name, out in zip(estimate.names, at_limit, strict=True) if out}
     if retained is not None:
         warnings += warn_of_poor_prediction(spread)
@@ -123,4 +129,6 @@ def compute_run(task: EstimationTask, report: ReportProgress) -> ComputedRun:
         adequacy=fit.adequacy,
         symmetry=fit.symmetry,
         modal_std=task.modal_std,
+        condition_std=condition_std,
+        shares=shares,
     )

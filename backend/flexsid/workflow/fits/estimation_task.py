@@ -28,6 +28,8 @@ class ManeuverData:
     equation error reconstructs them too, so that their static response does not
     bias the motion of the modes it estimates. ``opposed`` is the other axis of a combined
     maneuver, for tests of symmetry; ``pairs`` are its inputs with the same surfaces, by input.
+    ``wrong_models`` are the model with one assumed quantity larger by its standard deviation, by
+    cause.
     """
 
     label: str
@@ -36,6 +38,9 @@ class ManeuverData:
     measured: MeasuredSpectra
     opposed: ManeuverData | None = None
     pairs: Mapping[str, str] = field(default_factory=dict[str, str])
+    wrong_models: Mapping[str, AeroelasticModel] = field(
+        default_factory=dict[str, AeroelasticModel]
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +53,9 @@ class ManeuverTask:
     measurement: ManeuverMeasurement
     opposed: ManeuverTask | None = None
     pairs: Mapping[str, str] = field(default_factory=dict[str, str])
+    wrong_models: Mapping[str, AeroelasticModel] = field(
+        default_factory=dict[str, AeroelasticModel]
+    )
 
     def transform(self) -> ManeuverData:
         """Compute the spectra that are fitted."""
@@ -58,6 +66,7 @@ class ManeuverTask:
             self.measurement.transform(),
             None if self.opposed is None else self.opposed.transform(),
             self.pairs,
+            self.wrong_models,
         )
 
 

@@ -72,10 +72,10 @@ def assess_model_adequacy(
     if find_parameters_at_limits(parameters, estimate.values).any():
         return _describe_untested(task, "Not tested, since a parameter is at its limit.")
     maneuvers = task.maneuvers
-    is_of_record = not _fits_some_inputs(task)
+    is_of_record = not fits_some_inputs(task)
     if is_of_record and task.method is not Method.OE:
         # The tests remove the errors of the estimate to first order, whatever the estimator.
-        experiments = _build_record_experiments(task, parameters, estimate)
+        experiments = build_record_experiments(task, parameters, estimate)
     further = min(len(data.extended_model.modes.numbers) for data in maneuvers)
     try:
         tests = compute_model_tests(
@@ -110,7 +110,7 @@ def assess_model_adequacy(
     return adequacy, _summarize(of_symmetry, claim, results, is_shaped=is_shaped)
 
 
-def _fits_some_inputs(task: EstimationTask) -> bool:
+def fits_some_inputs(task: EstimationTask) -> bool:
     """Whether frequency responses of some of the excited inputs are fitted.
 
     The spectra of the record then contain the motion of the others, and are not tested.
@@ -121,7 +121,7 @@ def _fits_some_inputs(task: EstimationTask) -> bool:
     )
 
 
-def _build_record_experiments(
+def build_record_experiments(
     task: EstimationTask, parameters: Parameters, estimate: Estimate
 ) -> list[Experiment]:
     """Build output error at the estimate of another method."""

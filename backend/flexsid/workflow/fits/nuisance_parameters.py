@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from flexsid.records.run import VarianceShares
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.nuisance import compute_noise_share, estimate_spread
+from flexsid.sysid.estimation.nuisance import estimate_spread
 from flexsid.workflow.fits.estimation_task import EstimationTask
 
 _SPREAD_ROUNDS = 3
@@ -59,21 +60,19 @@ def refit_until_consistent(
 
 
 def marginalise(
-    task: EstimationTask, estimate: Estimate, spread: float, overlap: float
+    task: EstimationTask,
+    estimate: Estimate,
+    spread: float,
+    shares: Mapping[str, VarianceShares],
 ) -> ComputedRetainedModes | None:
     """Return the retained modes with the estimate of all parameters; None without them.
 
-    The variances of the estimate are multiplied by ``overlap`` already.
+    ``shares`` are those of the variances by their causes.
     """
     if task.nuisance is None:
         return None
     reported = [name for name in estimate.names if name not in estimate.nuisance]
-    known = [name for name in estimate.names if name in task.marginalised]
-    estimate = estimate.select([*reported, *known])  # end states have no prior
     priors = task.list_priors(spread)
-    share = compute_noise_share(estimate, priors, overlap)
-    std = dict(zip(estimate.names, estimate.std_errors, strict=True))
-    for name in share.keys() & task.modal_std.keys():
-        share[name] /= 1.0 + (task.modal_std[name] / std[name]) ** 2
+    share = {name: one.noise for name, one in shares.items()}
     estimate = estimate.select([*reported, *task.nuisance_names])
     return ComputedRetainedModes(task.retained, spread, estimate, priors, share)

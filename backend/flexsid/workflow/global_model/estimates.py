@@ -256,7 +256,7 @@ def _read_estimates(
         ) from error
     selected = [result.parameters[k] for k in own]
     values = {one.name: one.value for one in selected}
-    return values, covariance, {one.name: one.modal_std or 0.0 for one in selected}
+    return values, covariance, {one.name: one.held_std for one in selected}
 
 
 def _average(

@@ -45,6 +45,7 @@ from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.modal_errors import compute_modal_errors
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import (
     OutputDefinition,
     build_model,
@@ -66,6 +67,7 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_prediction,
     select_shaped_prediction,
 )
+from flexsid.workflow.aircraft.flight_condition import list_wrong_conditions
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
 from flexsid.workflow.fits.nuisance_parameters import ComputedRetainedModes
@@ -408,17 +410,26 @@ def _prepare_maneuver(
     if maneuver.axis == COMBINED and with_opposed:
         opposed = _prepare_opposed_axis(store, maneuver, aircraft, modes, body, settings)
         pairs = {} if opposed is None else pair_parts(aircraft, inputs, opposed.model.inputs)
+
+    def build_wrong_models(shapes: StructuralModes) -> dict[str, AeroelasticModel]:
+        return {
+            cause: build_model(aircraft, condition, shapes, inputs, outputs, body)
+            for cause, condition in list_wrong_conditions(aircraft, maneuver.condition).items()
+        }
+
     if retained:
         shapes = modes.table.at(fuel).select((*own, *retained))
         model = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
-        return ManeuverTask(maneuver.label, model, model, measurement, opposed, pairs)
+        wrong = build_wrong_models(shapes)
+        return ManeuverTask(maneuver.label, model, model, measurement, opposed, pairs, wrong)
     out_of_band = select_out_of_band_modes(
         modes, fuel, own, measurement.max_omega, len(outputs), body
     )
     shapes = modes.table.at(fuel).select((*own, *out_of_band))
     extended = build_model(aircraft, maneuver.condition, shapes, inputs, outputs, body)
     own_model = extended.with_modes(len(own))
-    return ManeuverTask(maneuver.label, own_model, extended, measurement, opposed, pairs)
+    wrong = build_wrong_models(modes.table.at(fuel).select(own))
+    return ManeuverTask(maneuver.label, own_model, extended, measurement, opposed, pairs, wrong)
 
 
 def _prepare_opposed_axis(
@@ -512,7 +523,13 @@ def _shape(
         found.at(np.array([task.measurement.max_omega * model.condition.rate_factor]))
         return replace(model, shape=found)
 
-    return replace(task, model=shape(task.model), extended_model=shape(task.extended_model))
+    own, wrong = shape(task.model), task.wrong_models
+    return replace(
+        task,
+        model=own,
+        extended_model=shape(task.extended_model),
+        wrong_models={cause: replace(model, shape=own.shape) for cause, model in wrong.items()},
+    )
 
 
 def _check_names(
@@ -551,8 +568,12 @@ def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
         ParameterEstimate(
             name=quality.name,
             value=float(value),
-            std_error=finite_or_none(np.hypot(quality.std_error, modal_std)),
+            std_error=finite_or_none(
+                np.sqrt(quality.std_error**2 + modal_std**2 + condition_std**2)
+            ),
             modal_std=modal_std or None,
+            condition_std=condition_std or None,
+            shares=computed.shares.get(quality.name),
             start=float(start),
             cramer_rao=finite_or_none(quality.cramer_rao),
             insensitivity=finite_or_none(quality.insensitivity),
@@ -562,6 +583,7 @@ def _build_parameters(computed: ComputedRun) -> tuple[ParameterEstimate, ...]:
             compute_parameter_quality(estimate), estimate.values, estimate.start, strict=True
         )
         for modal_std in [computed.modal_std.get(quality.name, 0.0)]
+        for condition_std in [computed.condition_std.get(quality.name, 0.0)]
     )
 
 

@@ -222,8 +222,8 @@ def _find_held_terms(
 
 
 def _compute_sigmas(row: ParameterEstimate) -> float:
-    """Compute a value over its standard error without that of the modal table; 0 without one."""
-    variance = (row.std_error or 0.0) ** 2 - (row.modal_std or 0.0) ** 2
+    """Compute a value over its standard error without what its covariance holds; 0 without one."""
+    variance = (row.std_error or 0.0) ** 2 - row.held_std**2
     return abs(row.value) / variance**0.5 if variance > 0.0 else 0.0
 
 

@@ -101,30 +101,54 @@ const NUMBERS: Column<Parameter>[] = [
   },
 ];
 
-/** Share of the variance that is due to noise. */
-const noiseColumn = (share: Record<string, number>): Column<Parameter> => ({
-  key: "noise",
-  header: "Noise",
-  help: "Noise",
-  unit: "%",
-  numeric: true,
-  onlyIf: (one) => one.name in share,
-  render: (one) => (one.name in share ? fixed(100 * (share[one.name] ?? 0), 0) : "–"),
-});
+type Shares = NonNullable<Parameter["shares"]>;
 
-/** Share of the variance that is due to the frequencies and damping of the modal table. */
-const MODAL: Column<Parameter> = {
-  key: "modal",
-  header: (
-    <span title="Share of σ² due to the frequencies and damping of the modal table">
-      Modal table
-    </span>
-  ),
-  unit: "%",
+const CAUSES: readonly [keyof Shares, string, string][] = [
+  ["noise", "Noise", "the noise of the record"],
+  ["prediction", "Prediction", "predicted derivatives, most of them of retained modes"],
+  ["mode_shapes", "Mode shapes", "the mode shapes at the sensors"],
+  ["modal_table", "Modal table", "the frequencies and damping of the modal table"],
+  ["mass", "Mass", "mass and inertia"],
+  ["condition", "Condition", "airspeed and density"],
+];
+const SHOWN = 0.005;
+
+/** Share of the variance due to a cause; noise and modal table are known of earlier runs, too. */
+function shareOf(
+  one: Parameter,
+  cause: keyof Shares,
+  noiseShare: Record<string, number>,
+): number | undefined {
+  if (one.shares != null) return one.shares[cause];
+  if (cause === "noise") return noiseShare[one.name];
+  if (cause !== "modal_table" || one.modal_std == null || !one.std_error) return undefined;
+  return (one.modal_std / one.std_error) ** 2;
+}
+
+/** Shares of the variance by the causes that any parameter has. */
+const shareColumns = (noiseShare: Record<string, number>): Column<Parameter>[] =>
+  CAUSES.map(([cause, header, meaning]) => ({
+    key: cause,
+    header: <span title={`Share of σ² due to ${meaning}`}>{header}</span>,
+    ...(cause === "noise" && { header, help: "Noise" }),
+    unit: "%",
+    numeric: true,
+    onlyIf: (one) => (shareOf(one, cause, noiseShare) ?? 0) >= SHOWN,
+    render: (one) => {
+      const share = shareOf(one, cause, noiseShare);
+      return share === undefined ? "–" : fixed(100 * share, 0);
+    },
+  }));
+
+/** What estimates from other flights differ by. */
+const REPEATABILITY: Column<Parameter> = {
+  key: "repeatability",
+  header: "Repeatability",
+  help: "Repeatability",
   numeric: true,
-  onlyIf: (one) => one.modal_std != null,
-  render: ({ modal_std, std_error }) =>
-    modal_std == null || !std_error ? "–" : fixed(100 * (modal_std / std_error) ** 2, 0),
+  onlyIf: (one) => one.shares != null,
+  render: ({ std_error, shares }) =>
+    std_error == null || shares == null ? "–" : significant(std_error * Math.sqrt(shares.noise), 2),
 };
 
 const KEYS: Record<string, (one: Parameter) => number | string> = {
@@ -155,6 +179,7 @@ interface Props {
 export function ParameterTable({ parameters, noiseShare = {}, sort, onSort }: Props) {
   const near = parameters.filter(isNearZero).length;
   const without = parameters.filter((one) => one.std_error == null).length;
+  const predicted = parameters.filter((one) => (one.shares?.prediction ?? 0) > 0.5).length;
   return (
     <>
       <DataTable
@@ -163,8 +188,8 @@ export function ParameterTable({ parameters, noiseShare = {}, sort, onSort }: Pr
         columns={[
           nameColumn(parameters.map((one) => one.name)),
           ...NUMBERS.slice(0, 3),
-          noiseColumn(noiseShare),
-          MODAL,
+          REPEATABILITY,
+          ...shareColumns(noiseShare),
           ...NUMBERS.slice(3),
         ]}
         rows={sortParameters(parameters, sort)}
@@ -175,6 +200,8 @@ export function ParameterTable({ parameters, noiseShare = {}, sort, onSort }: Pr
       <Text size="xs" className="quiet numbers" p="xs">
         {parameters.length} parameters, {near} of them within 2σ of zero
         {without > 0 && `, ${without} without standard error`}
+        {predicted > 0 &&
+          `, ${predicted} that rest on the prediction for more than half of their variance`}
       </Text>
     </>
   );
