@@ -90,6 +90,30 @@ def test_modes_are_read(client: Client, names: list[str], hertz: list[float]) ->
     assert len(import_modes(client, *names)["numbers"]) == len(hertz)
 
 
+@pytest.mark.parametrize(
+    ("model", "names", "symmetric"),
+    [
+        ("half-clamped", ["W1B", "W2B", "W1T"], [None, None, None]),
+        ("half-symmetric", ["SW1B", "AW1B"], [True, False]),
+        ("with-tail", ["SW1B", ""], [True, False]),
+        ("one-sided-pair", ["W1B", "W2B"], [None, None]),
+        (
+            "suspended",
+            ["R1", "R2", "R3", "SW1B", "SW2B", "AW1B"],
+            [True, True, False, True, True, False],
+        ),
+    ],
+)
+def test_modes_are_named_by_supports_and_symmetry(
+    client: Client, model: str, names: list[str], symmetric: list[bool | None]
+) -> None:
+    table = import_modes(client, f"wing-{model}.bdf", f"wing-{model}.f06")
+    assert (table["names"], table["symmetric"]) == (names, symmetric)
+    assert sum("symmetry unknown" in reason for reason in table["reasons"]) == symmetric.count(None)
+    modes = client.get(f"modal-tables/{table['id']}/modes", params={"fuel": 0.0})["items"]
+    assert [mode["symmetric"] for mode in modes] == symmetric
+
+
 def test_the_force_unit_of_a_file_is_not_contradicted(client: Client) -> None:
     upload = client.upload(CASES / "universal-frf-per-lbf.unv")["upload"]["id"]
     body = {"aircraft_id": 1, "name": "x", "response_unit": "m/s2", "force_unit": "N"}
