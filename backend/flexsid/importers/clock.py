@@ -11,6 +11,7 @@ from flexsid import units
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.mapping import ClockMapping, TimeMapping
 from flexsid.importers.quantity import scalar
+from flexsid.importers.repairs import suggest_repair
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.table import refuse
 
@@ -195,6 +196,9 @@ def _extract(
         first = int(stopped[0])
         stalled = f"{stamps[first + 1]:.6g} s after {stamps[first]:.6g} s"
         problem = f"time does not increase ({stalled})."
+        repair = suggest_repair(stamps, first + 1)
+        if repair:
+            problem += f' If that is right, write repair = ["{repair}"] at the top of the mapping.'
         raise _refuse(source, rule, problem, "time-backwards", first + 1)
     worst = _find_uneven_step(stamps)
     if worst is not None:
