@@ -292,3 +292,48 @@ def test_a_clock_passes_midnight(client: Client) -> None:
     assert checked["channels"][0]["rate_hz"] == RATE_HZ
     assert checked["channels"][0]["start_s"] == 86_398.0
     assert checked["channels"][0]["n_samples"] == 200
+
+
+def restart_clock(rows: Table) -> None:
+    for row in rows[AT:]:
+        row[0] -= AT / RATE_HZ
+
+
+def leave_gap(rows: Table) -> None:
+    for row in rows[AT:]:
+        row[0] += 60.0
+
+
+@pytest.mark.parametrize(
+    ("change", "start", "stop", "found"),
+    [
+        (leave_gap, 0.5, 1.5, (0.5, 50)),
+        (leave_gap, 63.0, 66.0, (63.0, 150)),
+        (leave_gap, 1.0, 64.0, "Of a record in several segments"),
+        (leave_gap, 20.0, 30.0, "in none of the segments: 0 to 1.98 s (rows 2 to 101), 62 to"),
+        (restart_clock, 3.0, 5.0, (3.0, 100)),
+        (restart_clock, 0.5, 1.0, "0 to 1.98 s (rows 2 to 101), 0 to 5.98 s (rows 102 to 401)"),
+    ],
+)
+def test_start_and_stop_select_one_segment_of_a_record(
+    client: Client,
+    tmp_path: Path,
+    change: Callable[[Table], None],
+    start: float,
+    stop: float,
+    found: Any,
+) -> None:
+    upload = client.upload(write_record(tmp_path, change))["upload"]["id"]
+    ends = "".join(
+        f'{name} = {{ value = {value}, unit = "s" }}\n'
+        for name, value in (("start", start), ("stop", stop))
+    )
+    part = MANEUVER.replace("[maneuver]\n", f"[maneuver]\n{ends}")
+    checked = check(client, upload, MAPPING.format(part=part))
+    if isinstance(found, str):
+        assert found in checked["problem"]["message"]
+        return
+    assert checked["problem"] is None
+    channel = checked["channels"][0]
+    assert (channel["start_s"], channel["n_samples"]) == pytest.approx(found)
+    assert channel["rate_hz"] == RATE_HZ

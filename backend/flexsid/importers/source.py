@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -65,6 +65,10 @@ class SourceFile:
     def not_read(self) -> tuple[str, ...]:
         """Contents that are not read, and why."""
         return tuple(str(text) for text in self.arrays.get(NOT_READ, ()))
+
+    def skip_rows(self, n: int) -> SourceFile:
+        """Return the file as the source of samples that begin ``n`` rows later."""
+        return self if n == 0 else replace(self, first_row=self.first_row + n)
 
     def check_finite(
         self, samples: np.ndarray, label: str, largest: float = LARGEST["number"]
