@@ -337,3 +337,29 @@ def test_start_and_stop_select_one_segment_of_a_record(
     channel = checked["channels"][0]
     assert (channel["start_s"], channel["n_samples"]) == pytest.approx(found)
     assert channel["rate_hz"] == RATE_HZ
+
+
+PAGE = """1    WING                      NOVEMBER  28, 2026  MSC Nastran  1/1/20   PAGE {page:6d}
+0                                                                                          SUBCASE 1
+                                              R E A L   E I G E N V A L U E S
+   MODE    EXTRACTION      EIGENVALUE            RADIANS             CYCLES            GENERALIZED
+    NO.       ORDER                                                                       MASS
+"""
+
+
+@pytest.mark.long
+def test_a_printout_of_91_megabytes_is_read(client: Client, tmp_path: Path) -> None:
+    path, n_modes = tmp_path / "large.f06", 710_000
+    with path.open("w") as file:
+        for mode in range(1, n_modes + 1):
+            if mode % 50 == 1:
+                file.write(PAGE.format(page=mode // 50 + 1))
+            omega = 10.0 + 0.01 * mode
+            values = (omega**2, omega, omega / (2.0 * np.pi), 1.0, omega**2)
+            file.write(
+                f"{mode:9d}{mode:10d}" + "".join(f"{value:20.6E}" for value in values) + "\n"
+            )
+    assert path.stat().st_size > 91e6
+    upload = client.upload(path)["upload"]["id"]
+    (found,) = client.get(f"uploads/{upload}/modal-data")["files"]
+    assert found["holds"] == [f"{n_modes} frequencies"]
