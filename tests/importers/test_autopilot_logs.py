@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from flexsid.errors import FlexsidError, UnreadableFile
 from flexsid.importers.maneuver import extract_recording
 from flexsid.importers.mapping import parse_mapping
 from flexsid.importers.proposal import write_proposal
 from flexsid.importers.sandbox import read_all
-from flexsid.importers.source import SourceFile
+from flexsid.importers.source import SourceFile, Sources
 
 RATE_HZ = 100.0
 RNG = np.random.default_rng(11)
@@ -61,6 +62,15 @@ def write_dataflash(path: Path) -> Path:
     return path
 
 
+ATTITUDE = (0.3, -0.2, 2.0)  # roll, pitch, yaw [rad]
+
+
+def make_quaternion(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    """Product of the rotations about z, y and x: w, x, y, z."""
+    turn = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_quat()
+    return turn[[3, 0, 1, 2]]
+
+
 def write_ulog(path: Path) -> Path:
     """A log as PX4 writes it, by the description of its format."""
 
@@ -71,6 +81,7 @@ def write_ulog(path: Path) -> Path:
         ("vehicle_angular_velocity", "uint64_t timestamp_sample;float[3] xyz;"),
         ("vehicle_acceleration", "uint64_t timestamp_sample;float[3] xyz;"),
         ("vehicle_air_data", "float rho;"),
+        ("vehicle_attitude", "float[4] q;"),
     )
     rows = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0), record(b"B", bytes(40))]
     rows += [record(b"F", f"{n}:uint64_t timestamp;{fields}".encode()) for n, fields in topics]
@@ -81,6 +92,7 @@ def write_ulog(path: Path) -> Path:
         rows.append(record(b"D", struct.pack("<HQQ3f", 1, late, stamp, 0.0, 0.0, AZ[k])))
         if k % 10 == 0:
             rows.append(record(b"D", struct.pack("<HQf", 2, stamp, 1.1)))
+            rows.append(record(b"D", struct.pack("<HQ4f", 3, stamp, *make_quaternion(*ATTITUDE))))
     path.write_bytes(b"".join(rows))
     return path
 
@@ -116,6 +128,12 @@ def test_a_ulog_has_the_time_of_its_measurements(tmp_path: Path) -> None:
     assert clock == "vehicle_angular_velocity.timestamp_sample"
     np.testing.assert_allclose(source.arrays[clock], TIME)
     assert source.clocks["vehicle_air_data.rho"] == "vehicle_air_data.timestamp"
+    for name, angle in zip(("roll", "pitch", "yaw"), ATTITUDE, strict=True):
+        field = f"vehicle_attitude.{name}"
+        np.testing.assert_allclose(source.arrays[field], angle, atol=1e-6)
+        assert (source.units[field], source.clocks[field]) == ("rad", "vehicle_attitude.timestamp")
+    text = write_proposal(Sources((source,)), "X-1", 1, {})
+    assert 'column = "vehicle_attitude.pitch"\nname = "theta"\nunit = "rad"' in text
 
 
 @pytest.mark.parametrize(("write", "name"), [(write_dataflash, "a.bin"), (write_ulog, "a.ulg")])

@@ -250,6 +250,7 @@ TIMES = np.arange(N_SAMPLES) / RATE_HZ
         ("hdf5-compound.h5", "log.time", "log.q"),
         ("parquet-duration.parquet", "time", "q"),
         ("matlab-struct-array.mat", "run(1).time", "run(1).q"),
+        ("matlab-version-4.mat", "time", "q"),
     ],
 )
 def test_tables_and_structures_are_read(name, time, rate):

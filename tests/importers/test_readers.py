@@ -164,8 +164,10 @@ def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         ("flight.mat", b"t_s,q\n0,1\n", "does not start like a MATLAB file"),
         ("flight.npz", b"t_s,q\n0,1\n", "does not start like a NumPy archive file"),
         ("flight.csv", b"PK\x03\x04\x00\x00", "does not start like a text file"),
-        ("flight.mat", struct.pack("<5i", 0, 2, 1, 0, 2) + b"q\0" + bytes(16), "MATLAB 4.*-v7"),
-        ("flight.mat", struct.pack(">5i", 1000, 2, 1, 0, 2) + b"q\0" + bytes(16), "MATLAB 4"),
+        ("flight.mat", struct.pack("<5i", 0, 2, 1, 0, 2) + b"q\0" + bytes(12), "MATLAB 4.*cut off"),
+        ("flight.mat", struct.pack("<5i", 0, 1, 1, 0, 2) + b"q\0" + bytes(12), "cut off at byte"),
+        ("flight.mat", 2 * (struct.pack("<5i", 0, 1, 1, 0, 2) + b"q\0" + bytes(8)), "called 'q'"),
+        ("flight.mat", struct.pack(">5i", 2000, 2, 1, 0, 2) + b"q\0" + bytes(16), "damaged"),
         ("flight.csv", b't_s,al"pha\n0,1\n', 'row 1, column 2: a quotation mark in al"pha'),
         ("flight.csv", b't_s,"q\n0,1\n', "row 1, column 2: a quotation mark"),
         ("flight.xls", b"whatever", "the suffix '.xls' is not supported"),
@@ -205,3 +207,43 @@ def test_a_field_in_two_files_needs_its_file(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"write 'a\.npz:V'"):
         sources.scalar("V")
     assert sources.scalar("b.npz:V") == ord("b")
+
+
+SAMPLES = "0.00,1.5,100\n0.02,1.6,101\n0.04,1.7,102\n"
+BLANKS = SAMPLES.replace(",", "   ")
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        ("Aircraft,X-1\nRate,50,Hz\nt,q,h\ns,deg/s,ft\n" + SAMPLES, ["s", "deg/s", "ft"]),
+        ("Aircraft,X-1,\nFlight,12,\n,,\nt,q,h\nsec,dps,feet\n" + SAMPLES, ["sec", "dps", "feet"]),
+        ("Recorder X-1\nFlight 12\n\n t q h\n s deg/s ft\n" + BLANKS, ["s", "deg/s", "ft"]),
+        ("".join(f"Key {k}: value\n" for k in range(80)) + "t,q,h\n" + SAMPLES, []),
+        ("".join(f"# line {k}\n" for k in range(80)) + "t,q,h\n" + SAMPLES, []),
+    ],
+)
+def test_rows_above_the_header_are_skipped(tmp_path: Path, text: str, units: list[str]) -> None:
+    source = read(write(tmp_path / "a.csv", text))
+    assert [source.arrays[name].tolist() for name in "tqh"] == [
+        [0.0, 0.02, 0.04],
+        [1.5, 1.6, 1.7],
+        [100.0, 101.0, 102.0],
+    ]
+    assert [source.units[name] for name in "tqh" if name in source.units] == units
+    assert source.first_row == len(text.splitlines()) - 2
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("t,q,h\nbad,worse,worst\n" + SAMPLES, "row 2, column 't' holds 'bad'"),
+        ("t,q,h\ntime,rate,height\ns,deg/s,ft\n" + SAMPLES, "row 2, column 't' holds 'time'"),
+        ("t,q,h\n0.00,n/a,99\n" + SAMPLES, "row 2, column 'q' holds 'n/a'"),
+    ],
+)
+def test_no_row_is_skipped_that_may_be_header_or_samples(
+    tmp_path: Path, text: str, what: str
+) -> None:
+    with pytest.raises(UnreadableFile, match=what):
+        read(write(tmp_path / "a.csv", text))

@@ -1,11 +1,13 @@
-"""Files of producers and of faults, from an upload to what is read or refused."""
+"""Files of producers and of faults, from an upload to what is read, repaired or refused."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import base64
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from shipped import Client, serving
 
@@ -90,9 +92,274 @@ def test_modes_are_read(client: Client, names: list[str], hertz: list[float]) ->
     assert len(import_modes(client, *names)["numbers"]) == len(hertz)
 
 
+@pytest.mark.parametrize(
+    ("model", "names", "symmetric"),
+    [
+        ("half-clamped", ["W1B", "W2B", "W1T"], [None, None, None]),
+        ("half-symmetric", ["SW1B", "AW1B"], [True, False]),
+        ("with-tail", ["SW1B", ""], [True, False]),
+        ("one-sided-pair", ["W1B", "W2B"], [None, None]),
+        (
+            "suspended",
+            ["R1", "R2", "R3", "SW1B", "SW2B", "AW1B"],
+            [True, True, False, True, True, False],
+        ),
+    ],
+)
+def test_modes_are_named_by_supports_and_symmetry(
+    client: Client, model: str, names: list[str], symmetric: list[bool | None]
+) -> None:
+    table = import_modes(client, f"wing-{model}.bdf", f"wing-{model}.f06")
+    assert (table["names"], table["symmetric"]) == (names, symmetric)
+    assert sum("symmetry unknown" in reason for reason in table["reasons"]) == symmetric.count(None)
+    modes = client.get(f"modal-tables/{table['id']}/modes", params={"fuel": 0.0})["items"]
+    assert [mode["symmetric"] for mode in modes] == symmetric
+
+
 def test_the_force_unit_of_a_file_is_not_contradicted(client: Client) -> None:
     upload = client.upload(CASES / "universal-frf-per-lbf.unv")["upload"]["id"]
     body = {"aircraft_id": 1, "name": "x", "response_unit": "m/s2", "force_unit": "N"}
     refused = client.request("post", f"uploads/{upload}/responses", body)
     assert refused.status_code == 422
     assert "its forces in lbf, N was given" in refused.text
+
+
+RATE_HZ, N_SAMPLES, AT = 50.0, 400, 100
+MAPPING = """
+[aircraft]
+name = "Cases"
+[flight]
+number = 1
+{part}
+[time]
+column = "t"
+[[channels]]
+column = "elevator"
+unit = "deg"
+role = "input"
+[[channels]]
+column = "q"
+unit = "deg/s"
+role = "output"
+"""
+MANEUVER = """
+[maneuver]
+condition.airspeed = { value = 20, unit = "m/s" }
+condition.altitude = { value = 100, unit = "m" }
+condition.fuel_fraction = { value = 0 }
+"""
+Table = list[list[float]]
+
+
+def make_table() -> Table:
+    """Rows of time, elevator and pitch rate."""
+    t = np.arange(N_SAMPLES) / RATE_HZ
+    return np.column_stack([t, 3.0 * np.sin(2.0 * t), 5.0 * np.sin(3.0 * t)]).tolist()
+
+
+def lose_sample(rows: Table) -> None:
+    rows[AT][2] = float("nan")
+
+
+def mark_sample(rows: Table) -> None:
+    rows[AT][2] = -9999.0
+
+
+def lose_stamp(rows: Table) -> None:
+    rows[AT][0] = rows[AT - 1][0]
+
+
+def repeat_row(rows: Table) -> None:
+    rows.insert(AT, list(rows[AT - 1]))
+
+
+def exchange_rows(rows: Table) -> None:
+    rows[AT], rows[AT - 1] = rows[AT - 1], rows[AT]
+
+
+def exchange_stamps(rows: Table) -> None:
+    rows[AT][0], rows[AT - 1][0] = rows[AT - 1][0], rows[AT][0]
+
+
+def roll_over(period_s: float) -> Callable[[Table], None]:
+    def change(rows: Table) -> None:
+        for at, row in enumerate(rows):
+            row[0] += period_s - AT / RATE_HZ - (period_s if at >= AT else 0.0)
+
+    return change
+
+
+def write_record(folder: Path, change: Callable[[Table], None]) -> Path:
+    rows = make_table()
+    change(rows)
+    lines = ["t,elevator,q", *(",".join(f"{value:.6f}" for value in row) for row in rows)]
+    path = folder / "record.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+DAMAGE = [
+    (lose_sample, "single-nan", "row 102, 'q': a missing sample is interpolated"),
+    (mark_sample, "single-nan", "row 102, 'q': a missing sample is interpolated"),
+    (lose_stamp, "repeated-stamps", "row 102, 't': a repeated stamp is replaced by 2"),
+    (repeat_row, "repeated-stamps", "row 102, 't': the row repeats the row before it"),
+    (exchange_rows, "exchanged-stamps", "row 102, 't': the row and the row before it"),
+    (exchange_stamps, "exchanged-stamps", "row 102, 't': its stamp and that before"),
+    (roll_over(86_400.0), "midnight", "row 102, 't': the clock begins anew; 86400 s"),
+    (roll_over(604_800.0), "gps-week", "row 102, 't': the clock begins anew; 604800 s"),
+]
+
+
+def check(client: Client, upload: str, mapping: str) -> Any:
+    return client.send("post", f"uploads/{upload}/check", {"mapping": mapping})
+
+
+@pytest.mark.parametrize(("change", "repair", "what"), DAMAGE)
+def test_damage_is_refused_until_the_mapping_repairs_it(
+    client: Client,
+    tmp_path: Path,
+    change: Callable[[Table], None],
+    repair: str,
+    what: str,
+) -> None:
+    upload = client.upload(write_record(tmp_path, change))["upload"]["id"]
+    mapping = MAPPING.format(part=MANEUVER)
+    refused = check(client, upload, mapping)["problem"]
+    assert f'repair = ["{repair}"]' in refused["message"]
+    assert "row 10" in refused["message"]
+    mapping = f'repair = ["{repair}"]\n' + mapping
+    repaired = check(client, upload, mapping)
+    assert repaired["problem"] is None
+    assert [text for text in repaired["repairs"] if what in text] == repaired["repairs"]
+    sizes = {channel["n_samples"] for channel in repaired["channels"]}
+    assert sizes == {N_SAMPLES}
+    assert {channel["rate_hz"] for channel in repaired["channels"]} == {RATE_HZ}
+    body = {"mapping": mapping, "channels": ["q"]}
+    trace = client.send("post", f"uploads/{upload}/preview", body)["data"][0]
+    samples = np.frombuffer(base64.b64decode(trace["y"]["bdata"]), trace["y"]["dtype"])
+    true = 5.0 * np.sin(3.0 * np.arange(N_SAMPLES) / RATE_HZ)
+    scale = (samples @ true) / (true @ true)  # of the unit that is shown
+    assert np.abs(samples / scale - true).max() < 1e-4
+
+
+def test_what_was_repaired_is_on_the_stored_record(client: Client, tmp_path: Path) -> None:
+    record = write_record(tmp_path, lose_sample)
+    upload = client.upload(record)["upload"]["id"]
+    body = {"mapping": 'repair = ["single-nan"]\n' + MAPPING.format(part=MANEUVER)}
+    job = client.send("post", f"uploads/{upload}/import", body)
+    assert client.wait_for_end(f"jobs/{job['id']}")["state"] == "succeeded"
+    (listed,) = client.get("maneuvers")["items"]
+    stored = client.get(f"maneuvers/{listed['id']}")
+    assert "Repaired: record.csv: row 102, 'q': a missing sample" in str(stored)
+
+    flight = MAPPING.format(part="").replace("number = 1", "number = 2")
+    upload = client.upload(record)["upload"]["id"]
+    body = {"mapping": 'repair = ["single-nan"]\n' + flight}
+    job = client.send("post", f"uploads/{upload}/import", body)
+    assert client.wait_for_end(f"jobs/{job['id']}")["state"] == "succeeded"
+    assert "Repaired: record.csv: row 102" in str(client.get("flights"))
+
+
+def lose_two(rows: Table) -> None:
+    rows[AT][2] = rows[AT + 1][2] = float("nan")
+
+
+def stop_clock(rows: Table) -> None:
+    for row in rows[AT:]:
+        row[0] -= 1.0
+
+
+@pytest.mark.parametrize("change", [lose_two, stop_clock])
+def test_other_damage_is_not_repaired(
+    client: Client, tmp_path: Path, change: Callable[[Table], None]
+) -> None:
+    upload = client.upload(write_record(tmp_path, change))["upload"]["id"]
+    steps = ", ".join(f'"{repair}"' for repair in dict.fromkeys(case[1] for case in DAMAGE))
+    checked = check(client, upload, f"repair = [{steps}]\n" + MAPPING.format(part=MANEUVER))
+    assert "repair =" not in checked["problem"]["message"]
+    unknown = check(client, upload, 'repair = ["all"]\n' + MAPPING.format(part=MANEUVER))
+    assert unknown["problem"]["code"] == "bad-mapping"
+
+
+def test_a_clock_passes_midnight(client: Client) -> None:
+    upload = client.upload(CASES / "table-midnight.csv")["upload"]["id"]
+    mapping = MAPPING.format(part="").replace('"t"', '"utc"').replace('"elevator"', '"q_degs"')
+    mapping = mapping.partition('[[channels]]\ncolumn = "q"')[0]
+    refused = check(client, upload, mapping)["problem"]
+    assert "row 102, column 'utc'" in refused["message"]
+    assert 'repair = ["midnight"]' in refused["message"]
+    checked = check(client, upload, 'repair = ["midnight"]\n' + mapping)
+    assert checked["channels"][0]["rate_hz"] == RATE_HZ
+    assert checked["channels"][0]["start_s"] == 86_398.0
+    assert checked["channels"][0]["n_samples"] == 200
+
+
+def restart_clock(rows: Table) -> None:
+    for row in rows[AT:]:
+        row[0] -= AT / RATE_HZ
+
+
+def leave_gap(rows: Table) -> None:
+    for row in rows[AT:]:
+        row[0] += 60.0
+
+
+@pytest.mark.parametrize(
+    ("change", "start", "stop", "found"),
+    [
+        (leave_gap, 0.5, 1.5, (0.5, 50)),
+        (leave_gap, 63.0, 66.0, (63.0, 150)),
+        (leave_gap, 1.0, 64.0, "Of a record in several segments"),
+        (leave_gap, 20.0, 30.0, "in none of the segments: 0 to 1.98 s (rows 2 to 101), 62 to"),
+        (restart_clock, 3.0, 5.0, (3.0, 100)),
+        (restart_clock, 0.5, 1.0, "0 to 1.98 s (rows 2 to 101), 0 to 5.98 s (rows 102 to 401)"),
+    ],
+)
+def test_start_and_stop_select_one_segment_of_a_record(
+    client: Client,
+    tmp_path: Path,
+    change: Callable[[Table], None],
+    start: float,
+    stop: float,
+    found: Any,
+) -> None:
+    upload = client.upload(write_record(tmp_path, change))["upload"]["id"]
+    ends = "".join(
+        f'{name} = {{ value = {value}, unit = "s" }}\n'
+        for name, value in (("start", start), ("stop", stop))
+    )
+    part = MANEUVER.replace("[maneuver]\n", f"[maneuver]\n{ends}")
+    checked = check(client, upload, MAPPING.format(part=part))
+    if isinstance(found, str):
+        assert found in checked["problem"]["message"]
+        return
+    assert checked["problem"] is None
+    channel = checked["channels"][0]
+    assert (channel["start_s"], channel["n_samples"]) == pytest.approx(found)
+    assert channel["rate_hz"] == RATE_HZ
+
+
+PAGE = """1    WING                      NOVEMBER  28, 2026  MSC Nastran  1/1/20   PAGE {page:6d}
+0                                                                                          SUBCASE 1
+                                              R E A L   E I G E N V A L U E S
+   MODE    EXTRACTION      EIGENVALUE            RADIANS             CYCLES            GENERALIZED
+    NO.       ORDER                                                                       MASS
+"""
+
+
+@pytest.mark.long
+def test_a_printout_of_91_megabytes_is_read(client: Client, tmp_path: Path) -> None:
+    path, n_modes = tmp_path / "large.f06", 710_000
+    with path.open("w") as file:
+        for mode in range(1, n_modes + 1):
+            if mode % 50 == 1:
+                file.write(PAGE.format(page=mode // 50 + 1))
+            omega = 10.0 + 0.01 * mode
+            values = (omega**2, omega, omega / (2.0 * np.pi), 1.0, omega**2)
+            file.write(
+                f"{mode:9d}{mode:10d}" + "".join(f"{value:20.6E}" for value in values) + "\n"
+            )
+    assert path.stat().st_size > 91e6
+    upload = client.upload(path)["upload"]["id"]
+    (found,) = client.get(f"uploads/{upload}/modal-data")["files"]
+    assert found["holds"] == [f"{n_modes} frequencies"]

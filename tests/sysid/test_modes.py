@@ -142,7 +142,7 @@ def test_symmetry_is_found_from_shapes_wherever_the_plane_lies():
     half = nodes[:, 1] >= 0
     # A half model: by the motion of its plane of symmetry, not by that of a wing with itself.
     assert list(find_symmetry(nodes[half], translation[:, half])) == classes
-    clamped = translation[:, half] * np.minimum(nodes[half, 1], 1.0)[:, None]
+    clamped = translation[:, half] * np.square(np.minimum(nodes[half, 1], 1.0))[:, None]
     assert set(find_symmetry(nodes[half], clamped)) == {None}
     one_wing = np.where(half[:, None], translation[:1], 0.0)
     assert find_symmetry(nodes, one_wing) == (None,)

@@ -77,7 +77,7 @@ def import_files(settings: Settings, arguments: argparse.Namespace) -> int:
             confirmed=arguments.confirm,
         )
     lines = _describe_import(imported, len(upload.channels))
-    lines += _list_not_read(imported)
+    lines += _list_notes(imported)
     print_result(lines, _collect_result(imported), as_json=arguments.json)
     return 0
 
@@ -107,7 +107,7 @@ def _import_each(
             text = f"{len(result.flight_channels)} channels of a whole flight"
             if result.maneuver is not None:
                 text = f"maneuver {result.maneuver.id}, {result.maneuver.label}"
-            lines = [f"{file}: {text}", *_list_not_read(result)]
+            lines = [f"{file}: {text}", *_list_notes(result)]
             found = {"file": str(file), **_collect_result(result)}
             print_next_result("\n".join(lines), found, as_json=as_json)
     if refused and not as_json:
@@ -149,12 +149,15 @@ def _encode_jsbsim(store: Store, arguments: argparse.Namespace) -> bytes:
     return write_jsbsim_aircraft(store, arguments.run, arguments.other_run)
 
 
-def _list_not_read(imported: Imported) -> list[str]:
-    return [f"not read: {text}" for text in imported.not_read]
+def _list_notes(imported: Imported) -> list[str]:
+    return [
+        *(f"repaired: {text}" for text in imported.repairs),
+        *(f"not read: {text}" for text in imported.not_read),
+    ]
 
 
 def _collect_result(imported: Imported) -> dict[str, Any]:
-    """Return the ids of the imported records, and what was not read."""
+    """Return the ids of the imported records, what was repaired and what was not read."""
     return {
         "aircraft": imported.aircraft.id,
         "flight": None if imported.flight is None else imported.flight.id,
@@ -162,6 +165,7 @@ def _collect_result(imported: Imported) -> dict[str, Any]:
         "modal_tables": [table.id for table in imported.modal_tables],
         "predictions": [prediction.id for prediction in imported.predictions],
         "not_read": list(imported.not_read),
+        "repairs": list(imported.repairs),
     }
 
 

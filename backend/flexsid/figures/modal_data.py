@@ -31,6 +31,7 @@ from flexsid.records.modal_data import (
 )
 
 _LEAST_SHOWN = 0.05
+_DASHES = {True: "solid", False: "dash", None: "dot"}  # symmetric, antisymmetric, not known
 
 
 def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
@@ -40,7 +41,7 @@ def draw_modes_against_fuel(value: ModesAgainstFuel) -> Spec:
     over_fuel = "lines" if value.fuel.size > 1 else "markers"
     for index, name in enumerate(value.names):
         colour, _ = style.of_index(index)
-        dash = "solid" if value.symmetric[index] else "dash"
+        dash = _DASHES[value.symmetric[index]]
         shared: Spec = {"name": name, "legendgroup": name}
         line = {"color": colour, "width": 1.5, "dash": dash}
         hover = f"{name}<br>fuel %{{x:.3f}}<br>%{{y:.3f}} {frequency.unit}<extra></extra>"

@@ -109,7 +109,8 @@ def _make_channel(
     clock = timing.clock(source, str(rule.array or label), label, samples.size, rule.clock)
     unit = rule.find_unit(label)
     known = units.lookup(unit)
-    source.check_finite(samples, label, units.LARGEST[known.dimension] / known.factor)
+    samples, part = clock.select(samples), source.skip_rows(clock.first_row)
+    part.check_finite(samples, label, units.LARGEST[known.dimension] / known.factor)
     name = rule.template.replace("{label}", label) if rule.labels is not None else rule.template
     try:
         name = check_line(name)

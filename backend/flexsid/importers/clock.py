@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -11,6 +14,7 @@ from flexsid import units
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.mapping import ClockMapping, TimeMapping
 from flexsid.importers.quantity import scalar
+from flexsid.importers.repairs import suggest_repair
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.table import refuse
 
@@ -28,6 +32,7 @@ or two samples at the end of a long record."""
 _FEW = 0.1
 """Fraction of the steps that may differ before a clock is rounded rather than interrupted."""
 
+_SHOWN_SEGMENTS = 6  # in messages
 UNUSUAL_RATE = "unusual-rate"
 
 UNEVEN_STEPS = (0.2, 3.0)
@@ -36,6 +41,20 @@ samples are missing, and no two are so close that a spline through both amplifie
 
 DRIFT_TOLERANCE = 0.5
 """Tolerance of a time stamp against the uniform clock, as a fraction of a sample."""
+
+
+_JUMP = 3.0
+"""Usual steps of time beyond which a recording begins anew, as after a change of clock."""
+
+
+class Segment(NamedTuple):
+    """Rows of a file between jumps of its clock, of ``n_rows`` in all; times of the ends. [s]"""
+
+    first: int
+    end: int
+    n_rows: int
+    start_s: float
+    stop_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +71,9 @@ class Clock:
     stamps: np.ndarray | None = field(default=None, compare=False, repr=False)
     """Times of recorded samples that are interpolated to this clock. [s]"""
 
+    segment: Segment | None = None
+    """Rows of the file that have this clock, where it jumps elsewhere; None for all."""
+
     @property
     def stop_s(self) -> float:
         """One sample after the last. [s]"""
@@ -59,8 +81,19 @@ class Clock:
 
     @property
     def n_recorded(self) -> int:
-        """Number of samples before interpolation."""
+        """Number of samples in the file."""
+        if self.segment is not None:
+            return self.segment.n_rows
         return self.n_samples if self.stamps is None else self.stamps.size
+
+    @property
+    def first_row(self) -> int:
+        """Row of the file, from 0, with the first sample of this clock."""
+        return 0 if self.segment is None else self.segment.first
+
+    def select(self, samples: np.ndarray) -> np.ndarray:
+        """Return the recorded samples that have this clock."""
+        return samples if self.segment is None else samples[self.segment.first : self.segment.end]
 
     @property
     def unevenness_s(self) -> float:
@@ -70,7 +103,7 @@ class Clock:
         return float(np.abs(np.diff(self.stamps) - 1.0 / self.rate_hz).max())
 
     def interpolate(self, samples: np.ndarray) -> np.ndarray:
-        """Return samples of this clock from the recorded ones.
+        """Return samples of this clock from the selected ones.
 
         Notes
         -----
@@ -102,6 +135,9 @@ class Timing:
     default: TimeMapping | None
     named: tuple[ClockMapping, ...]
     sources: Sources
+    window_s: tuple[float | None, float | None] = (None, None)
+    """Start and stop of the maneuver: of a clock that jumps, the segment there is used."""
+
     _known: dict[tuple[TimeMapping, str], Clock] = field(default_factory=dict)
 
     def clock(self, source: SourceFile, path: str, label: str, n: int, name: str | None) -> Clock:
@@ -120,7 +156,7 @@ class Timing:
         key = (rule, (at or source).name)
         found = self._known.get(key)
         if found is None:
-            found = _extract(rule, at, self.sources, n)
+            found = _extract(rule, at, self.sources, n, self.window_s)
             self._known[key] = found
         if found.n_recorded != n:
             short, row = (label, n) if n < found.n_recorded else (rule.column, found.n_recorded)
@@ -155,7 +191,11 @@ class Timing:
 
 
 def _extract(
-    rule: TimeMapping, source: SourceFile | None, sources: Sources, n_samples: int
+    rule: TimeMapping,
+    source: SourceFile | None,
+    sources: Sources,
+    n_samples: int,
+    window_s: tuple[float | None, float | None],
 ) -> Clock:
     if rule.column is None or source is None:
         rate = 0.0 if rule.rate is None else scalar(rule.rate, sources)
@@ -172,6 +212,71 @@ def _extract(
     if stamps.ndim != 1 or stamps.size < 2:
         problem = f"holds {stamps.size} time stamp; a record has at least two samples."
         raise _refuse(source, rule, problem)
+    segment = _select_segment(rule, source, stamps, window_s)
+    if segment is None:
+        return _fit_clock(rule, source, stamps)
+    clock = _fit_clock(rule, source.skip_rows(segment.first), stamps[segment.first : segment.end])
+    return replace(clock, segment=segment)
+
+
+def _select_segment(
+    rule: TimeMapping,
+    source: SourceFile,
+    stamps: np.ndarray,
+    window_s: tuple[float | None, float | None],
+) -> Segment | None:
+    """Return the only segment with start and stop; None if the clock does not jump, or in several.
+
+    Raises
+    ------
+    UnreadableFile
+        If start and stop are in none, naming all of them.
+    """
+    start_s, stop_s = window_s
+    segments = _find_segments(stamps)
+    if len(segments) < 2 or (start_s is None and stop_s is None):
+        return None
+    low = start_s if start_s is not None else stop_s
+    high = stop_s if stop_s is not None else start_s
+    assert low is not None
+    assert high is not None
+    inside = [one for one in segments if one.start_s <= high and one.stop_s >= low]
+    if inside:
+        return inside[0] if len(inside) == 1 else None
+    problem = (
+        "the clock jumps, and start and stop of the maneuver are in none of the segments: "
+        f"{_list_segments(source, segments)}."
+    )
+    raise _refuse(source, rule, problem, "time-not-uniform", segments[1].first)
+
+
+def _find_segments(stamps: np.ndarray) -> list[Segment]:
+    """Return the segments of at least two rows between steps backwards and long gaps."""
+    steps = np.diff(stamps)
+    if not (steps > 0).any():
+        return []
+    jumps = (steps < 0) | ~(steps <= _JUMP * float(np.median(steps[steps > 0])))
+    ends = [0, *(np.flatnonzero(jumps) + 1).tolist(), stamps.size]
+    return [
+        Segment(first, end, stamps.size, float(stamps[first]), float(stamps[end - 1]))
+        for first, end in pairwise(ends)
+        if end - first > 1
+    ]
+
+
+def _list_segments(source: SourceFile, segments: Sequence[Segment]) -> str:
+    shown = [
+        f"{one.start_s:.6g} to {one.stop_s:.6g} s (rows {source.first_row + one.first} to "
+        f"{source.first_row + one.end - 1})"
+        for one in segments[:_SHOWN_SEGMENTS]
+    ]
+    more = len(segments) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
+
+
+def _fit_clock(rule: TimeMapping, source: SourceFile, stamps: np.ndarray) -> Clock:
+    """Return the uniform clock of the stamps of a file, or of a segment of it."""
+    assert rule.column is not None
     if units.LARGEST["time"] < abs(float(stamps[0])) < np.inf:
         expected = f"expected at most {units.LARGEST['time']:g} s. Check its unit."
         raise _refuse(source, rule, f"begins at {stamps[0]:.4g} s; {expected}", "bad-rate")
@@ -195,13 +300,20 @@ def _extract(
         first = int(stopped[0])
         stalled = f"{stamps[first + 1]:.6g} s after {stamps[first]:.6g} s"
         problem = f"time does not increase ({stalled})."
+        repair = suggest_repair(stamps, first + 1)
+        segments = _find_segments(stamps)
+        if repair:
+            problem += f' If that is right, write repair = ["{repair}"] at the top of the mapping.'
+        elif len(segments) > 1:
+            problem += _propose_segments(source, segments)
         raise _refuse(source, rule, problem, "time-backwards", first + 1)
     worst = _find_uneven_step(stamps)
     if worst is not None:
         usual = float(np.median(steps))
         if rule.uneven is not None:
             return _extract_uneven(rule, source, stamps, usual)
-        raise _refuse_step(source, rule, worst, float(steps[worst - 1]), usual)
+        segments = _find_segments(stamps)
+        raise _refuse_step(source, rule, worst, float(steps[worst - 1]), usual, segments)
     return _clock(rule, source, stamps, steps.size / float(stamps[-1] - stamps[0]))
 
 
@@ -389,14 +501,28 @@ def _refuse(
     return UnreadableFile(message, code=code, row=row, column=rule.column)
 
 
+def _propose_segments(source: SourceFile, segments: Sequence[Segment]) -> str:
+    return (
+        " Of a record in several segments, start and stop of the maneuver select one: "
+        f"{_list_segments(source, segments)}."
+    )
+
+
 def _refuse_step(
-    source: SourceFile, rule: TimeMapping, sample: int, step: float, usual: float
+    source: SourceFile,
+    rule: TimeMapping,
+    sample: int,
+    step: float,
+    usual: float,
+    segments: Sequence[Segment] = (),
 ) -> UnreadableFile:
     problem = (
         f"the time step is not uniform ({step:.6g} s, usually {usual:.6g} s). Samples are missing "
         "or the clock jumped. If every sample has its true time, interpolate the samples by "
         'uneven = "interpolate" in [time].'
     )
+    if len(segments) > 1:
+        problem += _propose_segments(source, segments)
     return _refuse(source, rule, problem, "time-not-uniform", sample)
 
 

@@ -39,7 +39,7 @@ _SUFFIXES = {
     "psi": "psi", "inhg": "inHg", "kmh": "km/h", "mps2": "m/s2", "fps2": "ft/s2", "ms2": "m/s2",
     "degps": "deg/s", "radps": "rad/s", "degps2": "deg/s2", "radps2": "rad/s2", "ftps": "ft/s",
     "ftps2": "ft/s2", "mrad": "mrad", "slug": "slug", "lbf": "lbf", "hz": "Hz",
-    "microstrain": "ustrain",
+    "microstrain": "ustrain", "sec": "s", "feet": "ft", "knots": "kt",
 }  # fmt: skip
 
 _ANGLE, _RATE, _ACCELERATION, _SPEED = "deg", "deg/s", "g", "kt"
@@ -146,6 +146,11 @@ Source: SIDPAC, scripts compfc, compmc and f16_fltdatsel (E. A. Morelli).
 FDATA_COLUMNS = 90
 
 BODY_VELOCITIES = ("u", "v", "w")
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit, also as recorders spell it (dps, knots)."""
+    return bool(_unit(text))
 
 
 def is_time_name(path: str) -> bool:

@@ -16,8 +16,8 @@ from typing import TextIO
 
 import numpy as np
 
-from flexsid import units
 from flexsid.errors import UnreadableFile
+from flexsid.importers.column_names import is_unit
 from flexsid.importers.source import NOT_READ, Field
 from flexsid.importers.time_stamps import parse_time_stamp
 
@@ -26,7 +26,7 @@ LARGEST_COLUMNS = 4096
 
 LARGEST_LINE = 1024 * 1024
 _BLOCK_LINES = 20_000
-_HEAD_LINES = 50
+_HEAD_LINES = 500
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _CLEARLY_DECIMAL = re.compile(r"[-+]?(?:0,\d+|\d+,(?:\d{1,2}|\d{4,})(?:[Ee][-+]?\d+)?)")
 """A comma of decimals; that of 1,010 may separate thousands."""
@@ -222,21 +222,36 @@ def _has_decimal_commas(lines: Sequence[str], delimiter: str | None) -> bool:
 def _count_preamble(lines: Sequence[str]) -> int:
     """Return the number of rows of text above the header.
 
-    The header is the first of the rows with as many cells as the last one; no row above it
-    may hold samples.
+    The header is the row above the first row of samples (and of units), if it names every column
+    and no row above it could be a header or samples. Else it is the first of the rows with as
+    many cells as the last one, unless a row above it holds samples.
     """
     # A comma may be that of the decimals.
     delimiter = next((one for one in (";", "\t", ",") if one in lines[-1]), None)
+    rows = [_split(line, delimiter, None) for line in lines]
+    count = len(rows[-1])
+    values = [[_is_value(cell) or _is_decimal_comma(cell) for cell in row] for row in rows]
+    begin = next((k for k, row in enumerate(values) if len(row) == count and all(row)), 0)
+    header = begin - 1
+    if header > 0 and len(rows[header]) == count and _are_units(rows[header]):
+        header -= 1
+    if header > 0 and _could_be_header(rows[header], values[header], count):
+        above = list(zip(rows[:header], values[:header], strict=True))
+        if not any(_could_be_header(*one, count) or one[1][0] for one in above):
+            return header
     if delimiter is None:
         return 0
-    counts = [_count(line, delimiter) for line in lines]
     first = len(lines)
-    while first > 0 and counts[first - 1] == counts[-1]:
+    while first > 0 and len(rows[first - 1]) == count:
         first -= 1
     holds_samples = any(
         all(map(_is_value, _split(line, _delimiter(line), None))) for line in lines[: first + 1]
     )
     return 0 if holds_samples else first
+
+
+def _could_be_header(cells: Sequence[str], values: Sequence[bool], count: int) -> bool:
+    return len(cells) == count and all(cells) and not any(values)
 
 
 def _is_comment(line: str) -> bool:
@@ -313,7 +328,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     named = [cell.strip("[]()") for cell in cells if cell not in ("", "-", "1")]
     if any(map(_is_value, named)):
         return False
-    return 2 * sum(map(units.is_known, named)) > len(named)
+    return 2 * sum(map(is_unit, named)) > len(named)
 
 
 def _check_quotes(header: str, delimiter: str | None, row: int) -> None:

@@ -67,7 +67,7 @@ def extract_maneuver(part: ManeuverMapping, mapping: MappingFile, sources: Sourc
         If anything is missing or invalid; the message names the key of the
         mapping, or row and column of the file.
     """
-    timing = Timing(mapping.time, mapping.clocks, sources)
+    timing = Timing(mapping.time, mapping.clocks, sources, (part.start_s, part.stop_s))
     channels = extract_channels(mapping.channels, sources, timing)
     inputs = [channel.name for channel in channels if channel.role is Role.INPUT]
     if not inputs:
@@ -169,6 +169,7 @@ def _average(quantity: Quantity, sources: Sources, timing: Timing, part: Maneuve
     source, _ = sources.find(quantity.field)
     values = values.reshape(-1)
     clock = timing.clock(source, quantity.field, quantity.field, values.size, None)
+    values, source = clock.select(values), source.skip_rows(clock.first_row)
     if clock.stamps is not None:
         source.check_finite(values, quantity.field)
     samples = clock.interpolate(values)[clock.window(part.start_s, part.stop_s)]

@@ -378,9 +378,13 @@ class PredictionMapping(MappingTable):
     note: Note = key("free text", "")
 
 
+Repair = Literal["midnight", "gps-week", "exchanged-stamps", "repeated-stamps", "single-nan"]
+
+
 class MappingFile(MappingTable):
     """A mapping file."""
 
+    repair: tuple[Repair, ...] = key("damage of the record that is repaired, and noted", ())
     aircraft: Annotated[AircraftPart, FromTable(AircraftMapping)] | None = key("aircraft", None)
     flight: FlightMapping | None = key("flight of the recording", None)
     maneuver: ManeuverMapping | None = key("maneuver; if omitted, the flight is stored", None)

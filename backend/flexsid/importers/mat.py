@@ -1,4 +1,4 @@
-"""MATLAB files: v5 through scipy, v7.3 as the HDF5 they are; structs become dotted paths."""
+"""MATLAB files: v4 and v5 through scipy, v7.3 as the HDF5 they are; structs become paths."""
 
 from __future__ import annotations
 
@@ -21,6 +21,9 @@ _V4_KINDS = {
     for number in range(6)
     for matrix in range(3)
 }
+
+_V4_SIZES = {0: 8, 1: 4, 2: 4, 3: 2, 4: 2, 5: 1}
+"""Bytes of a number by the precision of a MATLAB 4 variable."""
 
 
 def recognises(head: bytes) -> bool:
@@ -52,19 +55,17 @@ def read(path: Path) -> Iterator[Field]:
     Raises
     ------
     UnreadableFile
-        If the file is a MATLAB 4 file, or refers to data outside the file.
+        If the file is cut off, or refers to data outside the file.
     """
     with path.open("rb") as file:
         head = file.read(1024)
     if hdf5.recognises(head):
         yield from hdf5.read(path, matlab=True)
         return
-    if not _is_v5(head):
-        raise UnreadableFile(
-            "the file is a MATLAB 4 file (save -v4), which is not supported; save it in MATLAB "
-            "with -v7 or -v7.3."
-        )
-    _check_length(path)
+    if _is_v5(head):
+        _check_length(path)
+    else:
+        _check_v4_length(path)
     # MATLAB objects (e.g. an ss system) are listed as unnamed variables; they are skipped.
     names = [name for name, _, _ in io.whosmat(path) if not name.startswith("__")]
     left: list[str] = []
@@ -88,6 +89,38 @@ def _check_length(path: Path) -> None:
                     f"the MATLAB file is cut off: an element at byte {position} is incomplete."
                 )
             position = file.seek(end)
+
+
+def _check_v4_length(path: Path) -> None:
+    """Reject a MATLAB 4 file that ends within a variable, is of an old machine or repeats a name.
+
+    Notes
+    -----
+    Before each variable are five integers: ``1000 M + 10 P + T`` (machine, precision, kind), rows,
+    columns, whether it is complex, and the length of its name. Source: MAT-File Format, The
+    MathWorks.
+    """
+    length, position, names = path.stat().st_size, 0, set[bytes]()
+    with path.open("rb") as file:
+        while position < length:
+            file.seek(position)
+            header = file.read(20)
+            if len(header) < 20:
+                raise UnreadableFile(f"the MATLAB 4 file is cut off at byte {position}.")
+            order = "<" if struct.unpack("<i", header[:4])[0] in _V4_KINDS else ">"
+            kind, rows, columns, is_complex, n_name = struct.unpack(order + "5i", header)
+            size = _V4_SIZES.get(kind // 10 % 10)
+            valid = kind in _V4_KINDS and kind < 2000 and size is not None
+            if not valid or min(rows, columns) < 0 or not 1 < n_name <= 256:
+                raise UnreadableFile(f"the MATLAB 4 file is damaged at byte {position}.")
+            name = file.read(n_name)
+            if name in names:
+                text = name.rstrip(bytes(1)).decode("latin-1")
+                raise UnreadableFile(f"two variables are called '{text}'; names must be unique.")
+            names.add(name)
+            position += 20 + n_name + (size or 0) * rows * columns * (2 if is_complex else 1)
+    if position > length:
+        raise UnreadableFile("the MATLAB 4 file is cut off within its last variable.")
 
 
 def _leaves(

@@ -11,6 +11,7 @@ import re
 _POINTED = r"(?:\d+\.\d*|\.\d+)"
 _MANTISSA = rf"(?:{_POINTED}|\d+)"
 _REAL = re.compile(rf"([-+]?{_MANTISSA})(?:[ED]([-+]?\d+)|([-+]\d+))?", re.ASCII | re.IGNORECASE)
+_USUAL = re.compile(r"[-+]?\d\.\d+E[-+]\d\d", re.ASCII)  # as most printed numbers are
 # Fortran omits the letter before an exponent of three digits. A number that follows without a
 # blank has a sign and a point, so that -101 is an exponent and -101.5 is not.
 _PACKED = re.compile(
@@ -30,6 +31,8 @@ def read_real(text: str) -> float:
     """
     if not text:
         return 0.0
+    if _USUAL.fullmatch(text) is not None:
+        return float(text)
     found = _REAL.fullmatch(text)
     if found is None:
         raise ValueError(f"'{text}' is not a number")

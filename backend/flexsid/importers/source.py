@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,8 @@ NOT_READ = "not_read"
 _MISSING = (-9999.0, -99999.0, -999.0, -999.25, 9999.0, 99999.0, -32768.0, 1e30, -1e30)
 _MISSING_RATIO = 5.0
 """Values that recorders write for a missing sample, if they exceed all others by this ratio."""
+
+_SINGLE = ' Single ones are interpolated with repair = ["single-nan"] at the top of the mapping.'
 
 COUNTS = "counts"
 """Unit of numbers that a file does not convert: they are no known quantity."""
@@ -64,6 +66,10 @@ class SourceFile:
         """Contents that are not read, and why."""
         return tuple(str(text) for text in self.arrays.get(NOT_READ, ()))
 
+    def skip_rows(self, n: int) -> SourceFile:
+        """Return the file as the source of samples that begin ``n`` rows later."""
+        return self if n == 0 else replace(self, first_row=self.first_row + n)
+
     def check_finite(
         self, samples: np.ndarray, label: str, largest: float = LARGEST["number"]
     ) -> None:
@@ -71,9 +77,11 @@ class SourceFile:
         bad = np.flatnonzero(~(np.abs(samples) <= largest))
         if bad.size:
             row = self.first_row + int(bad[0])
+            single = np.isnan(samples[bad]).all() and (np.diff(bad) > 1).all()
             raise UnreadableFile(
                 f"{self.name}: row {row}, column '{label}' holds {samples[bad[0]]}; "
-                f"every sample must be a finite number of at most {largest:.3g}.",
+                f"every sample must be a finite number of at most {largest:.3g}."
+                f"{_SINGLE if single else ''}",
                 code="not-finite",
                 row=row,
                 column=label,
@@ -82,20 +90,26 @@ class SourceFile:
 
     def _check_missing(self, samples: np.ndarray, label: str) -> None:
         """Reject numbers that stand for missing samples, naming row and column."""
-        is_missing = np.isin(samples, _MISSING)
-        if samples.dtype.kind not in "iuf" or not is_missing.any() or is_missing.all():
-            return
-        rest = np.abs(samples[~is_missing]).max()
-        at = np.flatnonzero(is_missing & (np.abs(samples) > _MISSING_RATIO * rest))
+        at = np.flatnonzero(self.find_missing(samples))
         if at.size:
             row = self.first_row + int(at[0])
             raise UnreadableFile(
                 f"{self.name}: row {row}, column '{label}' holds {samples[at[0]]:g}, which stands "
-                f"for a missing sample ({at.size} of {samples.size}); cut the record there.",
+                f"for a missing sample ({at.size} of {samples.size}); cut the record there."
+                f"{_SINGLE if (np.diff(at) > 1).all() else ''}",
                 code="missing-sample",
                 row=row,
                 column=label,
             )
+
+    def find_missing(self, samples: np.ndarray) -> np.ndarray:
+        """Return where samples are NaN, or numbers that stand for missing ones."""
+        missing = np.isnan(samples)
+        stands = np.isin(samples, _MISSING)
+        if samples.dtype.kind not in "iuf" or not stands.any() or (stands | missing).all():
+            return missing
+        rest = np.abs(samples[~(stands | missing)]).max()
+        return missing | (stands & (np.abs(samples) > _MISSING_RATIO * rest))
 
 
 def refuse_field(field: str, problem: str, code: str | None = None) -> BadInput:

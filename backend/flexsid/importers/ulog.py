@@ -18,6 +18,8 @@ from flexsid.importers.source import NOT_READ, Field
 
 _MAGIC = b"ULog\x01\x12\x35"
 _CLOCKS = ("timestamp_sample", "timestamp")  # of the measurement, of the message
+_QUATERNION = tuple(f"q[{k}]" for k in range(4))
+_UNIT = 1e-2  # most difference of the size of a quaternion from one
 _US = 1e-6
 _FILE_HEADER = 16  # bytes
 _MESSAGE = struct.Struct("<HB")  # size of the content and type
@@ -33,7 +35,7 @@ def read(path: Path) -> Iterator[Field]:
 
     A further instance of a topic is called ``sensor_gyro.1``. The clock of a topic is the time of
     its measurements, else that of its messages, since the start of the autopilot. The file states
-    no units.
+    no units. The quaternion of an attitude is read as roll, pitch and yaw besides.
     """
     from pyulog import ULog
 
@@ -50,9 +52,33 @@ def read(path: Path) -> Iterator[Field]:
             if key not in _CLOCKS and not key.startswith("_padding"):
                 path_of_field = key.replace("[", ".").replace("]", "")
                 yield Field(f"{name}.{path_of_field}", samples, "", f"{name}.{clock}")
+        if all(key in topic.data for key in _QUATERNION):
+            parts = np.stack([topic.data[key].astype(np.float64) for key in _QUATERNION])
+            for angle, samples in _convert_quaternion(parts).items():
+                yield Field(f"{name}.{angle}", samples, "rad", f"{name}.{clock}")
     if _is_cut_off(path):
         note = "the log ends within a message: what follows is missing"
         yield Field(NOT_READ, np.array([note]))
+
+
+def _convert_quaternion(parts: np.ndarray) -> dict[str, np.ndarray]:
+    """Return roll, pitch and yaw [rad] of quaternions (4, n); none if these are no rotations.
+
+    Notes
+    -----
+    w, x, y, z turn body axes (forward, right, down) into north, east, down; angles in the order
+    yaw, pitch, roll. Source: B. L. Stevens, F. L. Lewis, Aircraft Control and Simulation.
+    """
+    size = np.sqrt(np.square(parts).sum(axis=0))
+    if not (np.abs(size - 1.0) < _UNIT).all():  # also of NaN
+        return {}
+    w, x, y, z = parts / size
+    angles = {
+        "roll": np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x**2 + y**2)),
+        "pitch": np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)),
+        "yaw": np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2)),
+    }
+    return {name: np.unwrap(values) for name, values in angles.items()}
 
 
 def _is_cut_off(path: Path) -> bool:

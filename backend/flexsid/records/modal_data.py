@@ -41,7 +41,8 @@ class ModalTable:
     and ``shown`` (rows) and ``shown_lines`` what is drawn. ``order`` and ``sign`` (F, n)
     track the modes of each row from the first one, ``assurance`` (F, n) is the MAC.
 
-    Tables of one name are versions of each other. ``reasons`` are those of name and symmetry
+    Tables of one name are versions of each other. ``symmetric`` is None of a mode whose symmetry is
+    not known, which belongs to both motions. ``reasons`` are those of name and symmetry
     of each mode, ``notes`` the remarks of the import.
     """
 
@@ -51,7 +52,7 @@ class ModalTable:
     fuel: tuple[float, ...]
     numbers: tuple[int, ...]
     names: tuple[str, ...]
-    symmetric: tuple[bool, ...]
+    symmetric: tuple[bool | None, ...]
     points: tuple[str, ...] = ()
     gauges: tuple[str, ...] = ()
     arrays: dict[str, str]
@@ -146,7 +147,7 @@ class ModeAtFuel:
 
     number: int
     name: str
-    symmetric: bool
+    symmetric: bool | None
     reason: str
     frequency_hz: float
     damping: float | None
@@ -216,7 +217,7 @@ class ModesAgainstFuel:
 
     title: str
     names: tuple[str, ...]
-    symmetric: tuple[bool, ...]
+    symmetric: tuple[bool | None, ...]
     fuel: np.ndarray
     frequency_hz: np.ndarray
     damping: np.ndarray

@@ -4,6 +4,7 @@ import {
   guessedKeys,
   matchRules,
   readKey,
+  readList,
   readQuantity,
   removeTable,
   setKey,
@@ -107,5 +108,13 @@ describe("edits of a mapping", () => {
     expect(readKey(TEXT, "aircraft", "name")).toBe("X-1");
     expect(readKey(TEXT, "flight", "number")).toBe("7");
     expect(readKey(TEXT, "maneuver", "label")).toBeUndefined();
+  });
+
+  it("sets a key before the first table", () => {
+    const repaired = setKey(TEXT, "", 0, "repair", ["single-nan", "midnight"]);
+    expect(repaired).toBe(`repair = ["single-nan","midnight"]\n${TEXT}`);
+    expect(readList(repaired, "", 0, "repair")).toEqual(["single-nan", "midnight"]);
+    expect(setKey(repaired, "", 0, "repair", undefined)).toBe(TEXT);
+    expect(readList(TEXT, "", 0, "repair")).toEqual([]);
   });
 });

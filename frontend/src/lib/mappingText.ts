@@ -1,7 +1,11 @@
 /** Edits to a mapping as TOML text, so that its comments and order stay. */
 
-/** Lines of the nth table of a name: from the line after its header to the next header. */
+/** Lines of the nth table of a name, or of the top: from after its header to the next header. */
 function block(lines: string[], table: string, nth: number): [number, number] | null {
+  if (table === "") {
+    const first = lines.findIndex((line) => /^\s*\[/.test(line));
+    return [0, first < 0 ? lines.length : first];
+  }
   const headers = [`[[${table}]]`, `[${table}]`];
   let seen = -1;
   for (const [at, line] of lines.entries()) {
@@ -69,13 +73,17 @@ function setLine(
 }
 
 /** Keys of the nth table of a name that were proposed and that nobody has confirmed. */
-export function guessedKeys(text: string, table: string, nth: number): string[] {
+export const guessedKeys = (text: string, table: string, nth: number): string[] =>
+  readList(text, table, nth, "guessed");
+
+/** Texts of a list of the nth table of a name, written on one line. */
+export function readList(text: string, table: string, nth: number, key: string): string[] {
   const lines = text.split("\n");
   const found = block(lines, table, nth);
   if (found === null) return [];
-  const line = lines.slice(...found).find((own) => isKey(own, "guessed"));
+  const line = lines.slice(...found).find((own) => isKey(own, key));
   return [...(line ?? "").replace(/^[^=]*=/, "").matchAll(/"([^"]*)"/g)].map(
-    ([, key]) => key ?? "",
+    ([, one]) => one ?? "",
   );
 }
 

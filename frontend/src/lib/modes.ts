@@ -25,3 +25,10 @@ export function atFuel(
     (value, mode) => (1 - share) * (below[mode] ?? value) + share * value,
   );
 }
+
+/** Whether a mode may be one of symmetric (or antisymmetric) motion: of both if that is unknown. */
+export const mayHaveSymmetry = (known: boolean | null | undefined, symmetric: boolean): boolean =>
+  (known ?? symmetric) === symmetric;
+
+export const symmetryLetter = (known: boolean | null): string =>
+  known === null ? "unknown" : known ? "S" : "A";

@@ -81,6 +81,11 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         }
       />
       <ConditionFacts maneuver={maneuver} />
+      {maneuver.note !== "" && (
+        <Text size="sm" mt="xs" className="quiet" style={{ whiteSpace: "pre-line" }}>
+          {maneuver.note}
+        </Text>
+      )}
       <Tabs
         mt="lg"
         value={tab}

@@ -14,6 +14,7 @@ import { ProblemAlert } from "../components/display/ProblemAlert";
 import { Section } from "../components/display/Section";
 import { derivativeNames } from "../lib/derivatives";
 import { dateTime } from "../lib/format";
+import { mayHaveSymmetry } from "../lib/modes";
 import { counts } from "../lib/structure";
 import { useDraft } from "../lib/useDraft";
 import { integer } from "../lib/urlState";
@@ -122,7 +123,8 @@ function NewStructure({ structures, aircraft }: Props) {
   const origin = structures.find((one) => one.id === copied && one.aircraft_id === craft);
   const tables = useQuery({ ...modalTablesQuery(craft ?? 0), enabled: craft !== undefined });
   const modal = tables.data?.find((one) => one.kind === "FEM");
-  const symmetric = modal?.numbers.filter((_, index) => modal.symmetric[index]) ?? [];
+  const symmetric =
+    modal?.numbers.filter((_, index) => mayHaveSymmetry(modal.symmetric[index], true)) ?? [];
   return (
     <Section title="New model structure" note="Editable later; every version is stored.">
       <form

@@ -40,6 +40,7 @@ import { limitsText } from "../lib/limits";
 import { excitedInputs, named } from "../lib/channels";
 import type { RunDraft } from "../lib/runDraft";
 import { axisNames } from "../lib/derivatives";
+import { mayHaveSymmetry } from "../lib/modes";
 import { listOutOfBandModes } from "../lib/runDraft";
 import { integer } from "../lib/urlState";
 import { useDraft } from "../lib/useDraft";
@@ -156,7 +157,8 @@ function Form(props: FormProps) {
 
   const modal = tables.find((one) => one.id === draft.modalTable);
   const isSymmetric = axisNames(draft.axis).symmetry === "symmetric";
-  const ofAxis = modal?.numbers.filter((_, index) => modal.symmetric[index] === isSymmetric) ?? [];
+  const ofAxis =
+    modal?.numbers.filter((_, index) => mayHaveSymmetry(modal.symmetric[index], isSymmetric)) ?? [];
   const predicted = predictions.find((one) => one.id === draft.prediction)?.names ?? [];
 
   const excited = excitedInputs(maneuver);

@@ -17,7 +17,7 @@ from flexsid.importers.nastran.modal_cases import (
     list_cases,
     list_notes,
 )
-from flexsid.importers.nastran.solutions import BUCKLING, FLUTTER, find_solution
+from flexsid.importers.nastran.solutions import BUCKLING, FLUTTER, ROW_OF_NUMBERS, find_solution
 from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
 from flexsid.importers.numbers import read_integer, read_real
 from flexsid.importers.source import Field
@@ -81,6 +81,7 @@ class _Table:
     def __init__(self, subcase: int, superelement: int) -> None:
         self.subcase, self.superelement = subcase, superelement
         self.augmented = False
+        self.highest = 0
         self.rows: dict[int, tuple[float, float]] = {}
 
 
@@ -119,6 +120,9 @@ class _Printout:
 
     def take(self, line: str) -> None:
         """Read a line: a heading, or a row of a table."""
+        if self._second_line is None and ROW_OF_NUMBERS.fullmatch(line):
+            self._take(line)
+            return
         if self._second_line == "":
             self._second_line = line
         elif self._second_line is not None:  # the label follows the subtitle
@@ -177,6 +181,7 @@ class _Printout:
         if mode in self._tables[-1].rows:
             raise ValueError(f"mode {mode} is repeated")
         self._tables[-1].rows[mode] = (read_real(parts[3]), read_real(parts[5]))
+        self._tables[-1].highest = max(self._tables[-1].highest, mode)
 
     def _continues_table(self, mode: int) -> bool:
         """Return whether the table of a new page continues that of the page before."""
@@ -184,7 +189,7 @@ class _Printout:
             return False
         before, now = self._tables[-2:]
         return (before.subcase, before.superelement) == (now.subcase, now.superelement) and (
-            max(before.rows, default=0) + 1 == mode > 1
+            before.highest + 1 == mode > 1
         )
 
     def _begin_vector(self, line: str, mode: str | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -107,9 +108,10 @@ def _list_shapes(case: NastranCase, prefix: str) -> Iterator[Field]:
 def _name_cases(cases: Sequence[NastranCase]) -> list[str]:
     """Name analyses by subcase and label; those of one name are numbered."""
     names: list[str] = []
+    counts: Counter[str] = Counter()
     for case in cases:
         name = f"subcase {case.subcase}" + (f": {case.label}" if case.label else "")
         name += ", complex modes" if case.is_complex else ""
-        again = sum(one == name or one.startswith(f"{name} (") for one in names)
-        names.append(f"{name} ({again + 1})" if again else name)
+        counts[name] += 1
+        names.append(f"{name} ({counts[name]})" if counts[name] > 1 else name)
     return names

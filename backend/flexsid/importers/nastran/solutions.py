@@ -31,7 +31,10 @@ _WORD = re.compile(r"B U C K L I N G|\bBUCKLING\b", re.IGNORECASE)
 _CANDIDATE = re.compile(
     r"SOL|BUCK|B U C K|EIGB|ANALYSIS|FMETHOD|AERO|FLUTTER|FLFACT", re.IGNORECASE
 )
-"""Text of every line of interest: a printout may have a million others."""
+"""Text of every line of interest."""
+
+ROW_OF_NUMBERS = re.compile(r" [-+. \dDEG]*")
+"""A row of a table; no heading has these letters alone. A printout may have a million of them."""
 
 
 def find_solution(lines: Iterable[str]) -> str:
@@ -42,7 +45,9 @@ def find_solution(lines: Iterable[str]) -> str:
     neither states the kind.
     """
     sequence, by_card, is_named = "", set[str](), False
-    for line in filter(_CANDIDATE.search, lines):
+    for line in lines:
+        if ROW_OF_NUMBERS.fullmatch(line) or _CANDIDATE.search(line) is None:
+            continue
         if (found := _SOLUTION.match(line)) is not None:
             sequence = sequence or _BY_SOLUTION.get(found[1].upper(), "")
         by_card |= {kind for pattern, kind in _CARDS if pattern.match(line)}

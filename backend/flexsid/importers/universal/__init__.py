@@ -39,6 +39,7 @@ def read(path: Path) -> Iterator[Field]:
         if reader is None:
             unread.setdefault(block.kind, []).append(place)
             continue
+        before = found.count_content()
         try:
             reader(found, block)
         except Contradiction as error:
@@ -47,6 +48,7 @@ def read(path: Path) -> Iterator[Field]:
                 code="contradiction",
             ) from error
         except (UnusableDataSet, ValueError, IndexError) as error:
+            found.truncate(before)
             found.refused.append(f"data set {place} (kind {block.kind}): {error}")
     for kind, places in unread.items():
         which = f"data set {places[0]} is" if len(places) == 1 else f"{len(places)} data sets are"

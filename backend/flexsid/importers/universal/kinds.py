@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -59,6 +60,23 @@ class FoundKind:
     units: dict[str, float] = field(default_factory=dict)
     header: list[str] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
+
+    def count_content(self) -> tuple[int, ...]:
+        """Return the sizes of the content, to which ``truncate`` returns."""
+        return tuple(len(part) for part in self._list_content())
+
+    def truncate(self, sizes: tuple[int, ...]) -> None:
+        """Remove what was added since: of a data set that is refused no part is read."""
+        for part, size in zip(self._list_content(), sizes, strict=True):
+            while len(part) > size:
+                if isinstance(part, dict):
+                    part.popitem()
+                else:
+                    part.pop()
+
+    def _list_content(self) -> list[dict[Any, Any] | list[Any]]:
+        dicts: list[dict[Any, Any] | list[Any]] = [self.grids, self.frames, self.exported]
+        return [*dicts, self.shapes, self.lines, self.elements, self.functions]
 
 
 def _nodes_15(found: FoundKind, block: Block) -> None:

@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from scipy import linalg
 from scipy.spatial import cKDTree
 
-from flexsid.sysid.modes.symmetry import find_symmetry
+from flexsid.sysid.modes.symmetry import find_symmetry, has_one_side
 
 _OUTBOARD = 0.45  # of the span from its middle: winglets lie further out
 _OFF_PLANE = 0.005  # of the span above or below the wing: nodes of a winglet
@@ -25,8 +25,13 @@ _OUTER = 0.3  # of the span from its middle: the wing alone reaches further out
 _CHORD_MARGIN = 0.5  # of the outer chord, before and behind the edges extended inboard
 _LEAST_NODES = 6  # of a part whose deformation is compared with that of the wing
 _BRANCH_RATIO = 4.0  # mean square deformation of the other parts over that of the wing
+_FAR_RATIO = 25.0  # the same of their motion as a whole: a tail may turn on a flexible fuselage
 _LETTER = {True: "S", False: "A", None: ""}
-_WORD = {True: "symmetric", False: "antisymmetric", None: "neither symmetric nor antisymmetric"}
+_WORD = {
+    True: "symmetric",
+    False: "antisymmetric",
+    None: "neither symmetric nor antisymmetric, symmetry unknown",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +48,8 @@ class _Motion:
     """Mean square motions of a wing, as shares of its own (sum 1), and of its winglets.
 
     ``rigid`` is the share of the whole motion that six motions of a rigid body account for,
-    ``branch`` the mean square deformation of fuselage and tail over that of the wing.
+    ``branch`` the mean square deformation of fuselage and tail over that of the wing, ``far`` that
+    of their whole motion.
     """
 
     fore_aft: float
@@ -52,6 +58,7 @@ class _Motion:
     winglet: float
     rigid: float
     branch: float
+    far: float
 
 
 def name_modes(
@@ -85,13 +92,20 @@ def name_modes(
     """
     pitch = None if rotation is None else np.asarray(rotation[:, :, 1], dtype=float)
     motions = _measure_motions(nodes, translation, pitch)
-    least = _FIXED_RIGID_SHARE if _has_fixed_nodes(translation, rotation) else _RIGID_SHARE
+    is_half = has_one_side(nodes)
+    is_held = is_half or _has_fixed_nodes(translation, rotation)
+    least = _FIXED_RIGID_SHARE if is_held else _RIGID_SHARE
+    if not _resolves_rigid_motion(nodes, translation):
+        least = np.inf
     counts: dict[str, int] = {}
     names: list[ModeName] = []
     for symmetric, motion in zip(find_symmetry(nodes, translation), motions, strict=True):
         kind, why = _classify_motion(motion, least)
+        if kind != "R":
+            least = max(least, _FIXED_RIGID_SHARE)  # a suspension is softer than the structure
+        word = "symmetry unknown" if is_half and symmetric is None else _WORD[symmetric]
         if not kind:
-            names.append(ModeName("", symmetric, f"{why}; {_WORD[symmetric]}"))
+            names.append(ModeName("", symmetric, f"{why}; {word}"))
             continue
         letter = "" if kind == "R" else _LETTER[symmetric]
         counts[letter + kind] = count = counts.get(letter + kind, 0) + 1
@@ -101,7 +115,7 @@ def name_modes(
             name = f"R{count}"
         else:
             name = f"{letter}{kind}" if count == 1 else f"{letter}{count}{kind}"
-        names.append(ModeName(name, symmetric, f"{why}; {_WORD[symmetric]}"))
+        names.append(ModeName(name, symmetric, f"{why}; {word}"))
     return tuple(names)
 
 
@@ -115,6 +129,15 @@ def _has_fixed_nodes(
     return not np.any(moves, axis=(0, 1, 3)).all()
 
 
+def _resolves_rigid_motion(
+    nodes: Float[np.ndarray, "n_nodes 3"], translation: Float[np.ndarray, "n_modes n_nodes 3"]
+) -> bool:
+    """Return whether there are measured motions enough to see that a body does not deform."""
+    moves = np.any(translation != 0.0, axis=0).reshape(-1)
+    basis = _build_rigid_basis(nodes)[moves]
+    return int(moves.sum()) >= 2 * int(np.linalg.matrix_rank(basis, tol=_RANK_TOLERANCE))
+
+
 def _classify_motion(motion: _Motion, least_rigid: float) -> tuple[str, str]:
     def percent(share: float) -> str:
         return f"{100.0 * share:.0f} %"
@@ -125,6 +148,11 @@ def _classify_motion(motion: _Motion, least_rigid: float) -> tuple[str, str]:
         return "", (
             f"fuselage and tail deform {motion.branch**0.5:.3g} times as much as the wing: not a "
             "mode of the wing"
+        )
+    if motion.far > _FAR_RATIO:
+        return "", (
+            f"fuselage and tail move {motion.far**0.5:.3g} times as far as the wing: not a mode of "
+            "the wing"
         )
     if motion.winglet > _WINGLET_RATIO:
         return "WL", f"winglets move sideways {motion.winglet**0.5:.1f} times as far as the wing"
@@ -170,7 +198,7 @@ def _measure_motions(
     rigid = np.square(flat @ _build_rigid_basis(nodes)).sum(axis=1)
     rows = [*_divide(squares, total), _divide(lateral, total)]
     rows.append(_divide(rigid, np.einsum("ij,ij->i", flat, flat)))
-    rows.append(_compare_branches(nodes, translation, station))
+    rows += _compare_branches(nodes, translation, station)
     return [_Motion(*row) for row in np.array(rows).T.tolist()]
 
 
@@ -178,13 +206,13 @@ def _compare_branches(
     nodes: Float[np.ndarray, "n_nodes 3"],
     translation: Float[np.ndarray, "n_modes n_nodes 3"],
     station: Int[np.ndarray, " n_nodes"],
-) -> Float[np.ndarray, " n_modes"]:
-    """Mean square deformation of fuselage and tail over that of the wing; zero without these.
+) -> list[Float[np.ndarray, " n_modes"]]:
+    """Mean square deformation and motion of fuselage and tail over the wing's; zero without them.
 
     They are the nodes before and behind the edges of the outer wing, extended inboard. A
     deformation is what remains of the motion of a part without its motion as a rigid body.
     """
-    none = np.zeros(translation.shape[0])
+    none = [np.zeros(translation.shape[0])] * 2
     y = nodes[:, 1]
     out = np.abs(y) if y.min() * y.max() < 0.0 else np.abs(y - y[np.argmin(np.abs(y))])
     half = float(out.max())
@@ -198,16 +226,17 @@ def _compare_branches(
     branch = ~is_wing & (station >= 0)
     if branch.sum() < _LEAST_NODES or is_wing.sum() < _LEAST_NODES:
         return none
-    deformation = []
+    deformation, motion = [], []
     for part in (branch, is_wing):
         flat = translation[:, part].reshape(translation.shape[0], -1)
         basis = _build_rigid_basis(nodes[part])
         rest = flat - (flat @ basis) @ basis.T
         deformation.append(np.square(rest).sum(axis=1) / int(part.sum()))
+        motion.append(np.square(flat).sum(axis=1) / int(part.sum()))
     total = np.square(translation).sum(axis=(1, 2)) / nodes.shape[0]
-    return np.divide(
-        deformation[0], np.maximum(deformation[1], 1e-6 * total), out=none, where=total > 0
-    )
+    return [
+        _divide(part, np.maximum(of_wing, 1e-6 * total)) for part, of_wing in (deformation, motion)
+    ]
 
 
 def _divide(part: np.ndarray, whole: Float[np.ndarray, " n_modes"]) -> np.ndarray:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _CLAMPED = 1e-3  # of the largest motion: less in the plane is none
 _PLANE_RATIO = 25.0  # least ratio of mean squares of the motions within and across the plane
 _LEAST_DEGREE = 0.6  # of symmetry, 1 is perfect: least of a symmetric or antisymmetric mode
+_SAME_PLACE = 0.01  # of the extent of the structure
+_ODD_RATIO = 0.25  # most residual square of an odd motion over that of a clamped one
+_ROOT_STATIONS = 4  # beside the plane of symmetry, that determine the slope
+
+
+def may_be(known: bool | None, symmetric: bool) -> bool:
+    """Whether a mode belongs to symmetric (else antisymmetric) motion; to both if not known."""
+    return known is None or known == symmetric
 
 
 def find_symmetry(
@@ -20,8 +28,8 @@ def find_symmetry(
 
     True for each symmetric mode, False for antisymmetric ones; None where the shape is
     neither, or no node that moves has a counterpart. Of a half model, which begins at the plane
-    y = 0, it is the motion of the nodes in that plane: within it, or across it; None if they are
-    clamped.
+    y = 0, it is the motion of the nodes in that plane: within it, or across it, or a wing that
+    turns about it; None if they are clamped.
 
     Parameters
     ----------
@@ -48,6 +56,13 @@ def find_symmetry(
     return tuple(bool(one > 0) if sure else None for one, sure in zip(degree, known, strict=True))
 
 
+def has_one_side(nodes: Float[np.ndarray, "n_nodes 3"]) -> bool:
+    """Return whether all nodes are on one side of the plane y = 0, as those of a half model."""
+    y = nodes[:, 1]
+    extent = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    return bool(max(y.min(), -y.max()) >= -_SAME_PLACE * extent)
+
+
 def _find_half_symmetry(
     nodes: Float[np.ndarray, "n_nodes 3"],
     translation: Float[np.ndarray, "n_modes n_nodes 3"],
@@ -55,16 +70,59 @@ def _find_half_symmetry(
     """Compare the motion in the plane y = 0 of a half model with that across it."""
     n_modes = translation.shape[0]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0))) if nodes.size else 0.0
-    root = np.abs(nodes[:, 1]) <= 0.01 * size
+    root = np.abs(nodes[:, 1]) <= _SAME_PLACE * size
     if not root.any():
         return (None,) * n_modes
     squares = np.square(translation[:, root]).sum(axis=1)
     across, within = squares[:, 1], squares[:, 0] + squares[:, 2]
     least = _CLAMPED**2 * int(root.sum()) * np.square(translation).sum(axis=2).max(axis=1)
+    turns = _turns_about_root(nodes, translation, root, size)
     return tuple(
-        None if max(a, b) <= c or _PLANE_RATIO * min(a, b) > max(a, b) else bool(b > a)
-        for a, b, c in zip(across, within, least, strict=True)
+        (False if turn else None)
+        if max(a, b) <= c
+        else (None if _PLANE_RATIO * min(a, b) > max(a, b) else bool(b > a))
+        for a, b, c, turn in zip(across, within, least, turns, strict=True)
     )
+
+
+def _turns_about_root(
+    nodes: Float[np.ndarray, "n_nodes 3"],
+    translation: Float[np.ndarray, "n_modes n_nodes 3"],
+    root: Bool[np.ndarray, " n_nodes"],
+    size: float,
+) -> Bool[np.ndarray, " n_modes"]:
+    """Return of which modes the motion x and z begins with a slope at the plane y = 0.
+
+    Notes
+    -----
+    The bending of an antisymmetric mode is odd in y, that of a clamped wing has no slope: the
+    motion of the nearest stations is fitted by ``a y + b y^3`` and by ``a y^2 + b y^3``, where a
+    and b are linear in x. Twist begins with a slope in both; it is that of a turning root where
+    another mode shows it.
+    """
+    none = np.zeros(translation.shape[0], dtype=bool)
+    out = np.abs(nodes[:, 1])
+    stations = np.unique(np.round(out[~root] / (0.001 * size)))[:_ROOT_STATIONS]
+    if stations.size < _ROOT_STATIONS:
+        return none
+    near = ~root & (out <= (stations[-1] + 0.5) * 0.001 * size)
+    y, x = out[near] / out[near].max(), (nodes[near, 0] - nodes[near, 0].mean()) / size
+    motion = translation[:, near][:, :, [0, 2]].transpose(1, 0, 2).reshape(y.size, -1)
+
+    def fit(*powers: int, chord: bool = True) -> np.ndarray:
+        terms = np.stack([y**power for power in powers], axis=1)
+        basis = np.concatenate([terms, terms * x[:, None]], axis=1) if chord else terms
+        return basis @ np.linalg.lstsq(basis, motion, rcond=None)[0]
+
+    odd, clamped, moved, bent = (
+        np.square(part).reshape(y.size, -1, 2).sum(axis=(0, 2))
+        for part in (
+            *(motion - fit(1, 3), motion - fit(2, 3), motion),
+            fit(1, 2, 3, chord=False),
+        )
+    )
+    turns = (bent > 0.5 * moved) & (odd < _ODD_RATIO * clamped) & (clamped > _CLAMPED**2 * moved)
+    return turns | (turns.any() & (bent <= 0.5 * moved))
 
 
 def _find_pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pairs 2"]:
@@ -73,9 +131,9 @@ def _find_pairs(nodes: Float[np.ndarray, "n_nodes 3"]) -> Int[np.ndarray, "n_pai
     if nodes.shape[0] == 0:
         return empty
     low, high = nodes[:, 1].min(), nodes[:, 1].max()
-    tolerance = 0.01 * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    tolerance = _SAME_PLACE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     best = empty
-    if max(low, -high) >= -tolerance:  # a half model, though a wing may mirror itself
+    if has_one_side(nodes):  # though a wing may mirror itself
         return empty
     for plane in (0.0, 0.5 * (low + high)):
         image = nodes * _MIRROR + np.array([0.0, 2.0 * plane, 0.0])

@@ -28,6 +28,7 @@ from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.stability.state_family import Aeroelastic, compute_named_roots
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
@@ -287,7 +288,7 @@ def _list_structural_targets(flight: _FlightModes, aid: FlightTestAid | None) ->
     for group, columns in groups.items():
         for column in order[columns]:
             number = modes.table.numbers[column]
-            if symmetric is not None and modes.symmetric[number] != symmetric:
+            if symmetric is not None and not may_be(modes.symmetric[number], symmetric):
                 continue
             root = flight.roots.get(str(number))
             damping = float(np.interp(flight.fuel, modes.table.fuel, modes.table.zeta[:, column]))

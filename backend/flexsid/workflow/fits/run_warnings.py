@@ -22,6 +22,7 @@ from flexsid.sysid.estimation.model_tests import Hypothesis
 from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, is_derivative
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.stability.poles import NamedPole
 
 MAX_CORRELATION = 0.9
@@ -57,7 +58,7 @@ def list_request_warnings(
     model: AeroelasticModel,
     max_omega: float,
     names: Mapping[int, str],
-    symmetric: Mapping[int, bool],
+    symmetric: Mapping[int, bool | None],
 ) -> list[str]:
     """List warnings about modes out of the band, omitted inputs and held delays.
 
@@ -68,7 +69,7 @@ def list_request_warnings(
     max_omega
         Highest frequency of the fit. [rad/s]
     names, symmetric
-        Name of every mode, and whether it is symmetric, by number.
+        Name of every mode, and whether it is symmetric (None: not known), by number.
     """
     numbers = model.modes.numbers
     held = run.method is Method.EE and run.structure.free_delays
@@ -78,7 +79,7 @@ def list_request_warnings(
             f"{names[number]} is not {model.body.symmetry} and not identifiable from "
             f"{model.body.axis} motion."
             for number in numbers
-            if symmetric[number] != (model.body.symmetry == "symmetric")
+            if not may_be(symmetric[number], model.body.symmetry == "symmetric")
         ),
         *(() if run.method is Method.FRE else _warn_of_omitted_inputs(maneuver, aircraft, model)),
         *(["Equation error holds the delays; OE and FRE estimate them."] if held else []),

@@ -20,6 +20,7 @@ from flexsid.records.flutter_summary import (
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.model.standard_atmosphere import compute_standard_density
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.flutter.root_onsets import (
@@ -152,7 +153,8 @@ def _name_roots(
     usable = [
         place
         for place, is_symmetric in enumerate(modes.table.symmetric)
-        if omega[place] > RIGID_BODY_OMEGA and symmetric in (None, is_symmetric)
+        if omega[place] > RIGID_BODY_OMEGA
+        and (symmetric is None or may_be(is_symmetric, symmetric))
     ]
     swept = [root for root in roots if root.omega[0] > RIGID_BODY_OMEGA]
     first = np.array([root.omega[0] for root in swept])

@@ -59,6 +59,7 @@ from flexsid.workflow.aircraft.flight_condition import (
 from flexsid.workflow.aircraft.thrust import set_thrust_table
 from flexsid.workflow.importing.parsed_files import (
     ParsedUpload,
+    add_repairs,
     check_builtin,
     parse_upload,
     refuse_guesses,
@@ -390,7 +391,8 @@ def _add_once(
 class Imported:
     """Records of an import: added, or existing aircraft, tables and predictions.
 
-    ``not_read`` names contents of the files that are not read or assumed, and why.
+    ``not_read`` names contents of the files that are not read or assumed, and why; ``repairs``
+    what of the record was changed, as the mapping allows.
     """
 
     aircraft: Aircraft
@@ -400,6 +402,7 @@ class Imported:
     modal_tables: tuple[ModalTable, ...] = ()
     predictions: tuple[DerivativePrediction, ...] = ()
     not_read: tuple[str, ...] = ()
+    repairs: tuple[str, ...] = ()
 
 
 def read_upload(
@@ -526,6 +529,9 @@ def store_upload(
             )
             if upload.maneuver is None:
                 _refuse_recorded(store, flight, upload.channels)
+                if upload.repairs:
+                    noted = add_repairs(flight.description, upload.repairs)
+                    flight = store.flights.replace(replace(flight, description=noted))
                 build = partial(_build_flight_channel, flight.id or 0, chunks)
                 _store_channels(store, upload, store.flight_channels, build)
                 recorded = tuple(store.flight_channels.find(flight_id=flight.id))
@@ -548,6 +554,7 @@ def store_upload(
         modal_tables=tables,
         predictions=predictions,
         not_read=tuple(text for file in sources.items for text in file.not_read),
+        repairs=upload.repairs,
     )
 
 

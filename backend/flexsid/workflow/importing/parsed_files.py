@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from enum import StrEnum
 
@@ -15,6 +15,7 @@ from flexsid.importers import mapping as mappings
 from flexsid.importers.channels import RawChannel
 from flexsid.importers.clock import UNUSUAL_RATE, USUAL_RATES_HZ, Clock
 from flexsid.importers.maneuver import RawManeuver, extract_maneuver, extract_recording
+from flexsid.importers.repairs import repair_sources
 from flexsid.importers.source import Sources
 from flexsid.importers.table import Guessed
 from flexsid.records.aircraft import Aircraft
@@ -29,7 +30,7 @@ class ParsedUpload:
     """Files with their mapping, before storage.
 
     Channels are extracted from the files and checked; those of a whole flight belong to no
-    maneuver.
+    maneuver. ``repairs`` name what was changed in the record, as the mapping allows.
     """
 
     sources: Sources
@@ -37,6 +38,7 @@ class ParsedUpload:
     channels: tuple[RawChannel, ...] = ()
     maneuver: RawManeuver | None = None
     rows: Mapping[str, ArrayRow] = field(default_factory=dict)
+    repairs: tuple[str, ...] = ()
 
     @property
     def builtin(self) -> str | None:
@@ -56,13 +58,23 @@ def parse_upload(sources: Sources, mapping: mappings.MappingFile) -> ParsedUploa
     if not mapping.channels:
         return ParsedUpload(sources, mapping)
     raw = None
+    sources, repairs = repair_sources(mapping, sources)
     if mapping.maneuver is None:
         channels = extract_recording(mapping, sources)
     else:
         raw = extract_maneuver(mapping.maneuver, mapping, sources)
+        raw = replace(raw, note=add_repairs(raw.note, repairs))
         channels = raw.channels
     _check_rates(channels)
-    return ParsedUpload(sources, mapping, channels, raw)
+    return ParsedUpload(sources, mapping, channels, raw, repairs=repairs)
+
+
+def add_repairs(note: str, repairs: Sequence[str]) -> str:
+    """Return the note of a record with what its import changed in it."""
+    lines = [f"Repaired: {text}" for text in repairs[:_MOST_REPAIRS]]
+    if len(repairs) > _MOST_REPAIRS:
+        lines.append(f"Repaired: {len(repairs) - _MOST_REPAIRS} further places.")
+    return "\n".join([*([note] if note else []), *lines])
 
 
 def _check_rates(channels: Sequence[RawChannel]) -> None:
@@ -82,6 +94,7 @@ def _check_rates(channels: Sequence[RawChannel]) -> None:
 
 
 _EARLIEST_DATE_S, _LATEST_DATE_S = 3.1e8, 4.1e9  # 1979 to 2099, in seconds since 1970
+_MOST_REPAIRS = 50  # named in the note of a record
 _SHOWN: dict[str, tuple[str, ...]] = {
     "angle": ("deg", "rad"),
     "angular rate": ("deg/s", "rad/s"),

@@ -104,7 +104,8 @@ class MappingProblem:
 class Checked:
     """Channels of an upload by a mapping, with warnings on implausible units.
 
-    ``guesses`` are unconfirmed values; they prevent the import.
+    ``guesses`` are unconfirmed values; they prevent the import. ``repairs`` name what is changed in
+    the record, as the mapping allows.
     ``rules`` are the ``[[channels]]`` of the mapping as written, for the table in the page.
     """
 
@@ -113,6 +114,7 @@ class Checked:
     queries: tuple[UnitWarning, ...]
     guesses: tuple[Guess, ...]
     problem: MappingProblem | None
+    repairs: tuple[str, ...] = ()
 
 
 def describe_files(sources: Sources) -> list[UploadedFile]:
@@ -212,6 +214,7 @@ def check_mapping(store: Store, sources: Sources, text: str) -> Checked:
         queries=find_unit_warnings(upload.channels),
         guesses=find_guesses(store, upload),
         problem=None,
+        repairs=upload.repairs,
     )
 
 

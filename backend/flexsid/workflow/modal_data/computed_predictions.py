@@ -36,6 +36,7 @@ from flexsid.sysid.model.derivatives import list_derivative_names, variables
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.text import LONGEST_TEXT
 from flexsid.units import factor
 from flexsid.workflow.aircraft.axes import get_symmetry, require_axis_inputs
@@ -184,7 +185,7 @@ def prepare_prediction(store: Store, request: PredictionRequest) -> PredictionTa
     nodes = read_nodes(store, modes.table)
     body = _BODIES[request.axis]
     symmetric = dict(zip(modes.table.numbers, modes.table.symmetric, strict=True))
-    own = [n for n in modes.table.numbers if symmetric[n] == (body.symmetry == "symmetric")]
+    own = [n for n, known in symmetric.items() if may_be(known, body.symmetry == "symmetric")]
     numbers = request.modes or tuple(own[:_MOST_MODES])
     for number in numbers:
         if number not in symmetric:

@@ -87,7 +87,7 @@ def store_modal_data(
                 fuel=tuple(map(float, raw.fuel)),
                 numbers=raw.numbers,
                 names=tuple(mode.name for mode in named),
-                symmetric=tuple(mode.symmetric is not False for mode in named),
+                symmetric=tuple(mode.symmetric for mode in named),
                 points=tuple(points),
                 arrays={name: store.arrays.put(array) for name, array in arrays.items()},
                 origin=raw.origin,

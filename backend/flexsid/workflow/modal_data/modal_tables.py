@@ -26,6 +26,7 @@ from flexsid.sysid.model.modal_errors import (
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.assurance import compute_mac
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.modes.table import (
     align_modes,
     compute_fuel_weights,
@@ -95,15 +96,15 @@ class AircraftModes:
 
     table: ModeTable
     names: dict[int, str]
-    symmetric: dict[int, bool]
+    symmetric: dict[int, bool | None]
     warnings: tuple[str, ...]
     frequency_std: dict[int, float]
     damping_std: dict[int, float]
     shape_std: dict[int, float]
 
     def belongs_to(self, number: int, body: RigidBody) -> bool:
-        """Whether a mode has the symmetry of the motion of an axis."""
-        return self.symmetric[number] == (body.symmetry == "symmetric")
+        """Whether a mode may have the symmetry of the motion of an axis."""
+        return may_be(self.symmetric[number], body.symmetry == "symmetric")
 
 
 NO_MODES = AircraftModes(
@@ -598,7 +599,7 @@ def _match_by_number(
         other = test.numbers.index(number)
         if other in taken or test.names[other]:
             continue
-        if test.symmetric[other] != modal.symmetric[mode]:
+        if {test.symmetric[other], modal.symmetric[mode]} >= {True, False}:
             continue
         at = interpolate(model.fuel, model.omega, float(measured.fuel[0]))[mode]
         if abs(measured.omega[0, other] / at - 1.0) < SAME_FREQUENCY:

@@ -17,6 +17,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.modes import StructuralModes
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.spectra.peaks import (
     InputRatios,
     compute_channel_rms,
@@ -204,7 +205,9 @@ def _find_excited_modes(
             axis=LATERAL.axis,
         )
     antisymmetric = moved == {"antisymmetric"}
-    return np.array([known.symmetric[number] != antisymmetric for number in modes.numbers])
+    return np.array(
+        [may_be(known.symmetric[number], not antisymmetric) for number in modes.numbers]
+    )
 
 
 def _match_peaks(

@@ -18,6 +18,7 @@ from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.standard_atmosphere import compute_standard_density
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.stability.order import (
     BAND,
     POLE_BAND,
@@ -154,7 +155,7 @@ def _build_full_model(store: Store, query: OrderQuery) -> _Full:
     modal, damping = find_modal_tables(store, query.aircraft_id, query.modal_table_id, None)
     modes = load_modes(store, modal, damping)
     inputs = list_axis_surfaces(aircraft, LONGITUDINAL)
-    symmetric = tuple(n for n in modes.table.numbers if modes.symmetric[n])
+    symmetric = tuple(n for n in modes.table.numbers if may_be(modes.symmetric[n], True))
     prediction = select_prediction(store, query.aircraft_id, query.prediction_id, symmetric, inputs)
     if prediction is None:
         raise BadInput(

@@ -15,6 +15,7 @@ from flexsid.sysid.modes.observability import (
     compute_modal_information,
     rank_candidate_sensors,
 )
+from flexsid.sysid.modes.symmetry import may_be
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
 from flexsid.workflow.modal_data.modal_tables import (
     Modes,
@@ -63,7 +64,7 @@ def compute_observability(
         place
         for place in np.argsort(omega)
         if omega[place] <= 2.0 * np.pi * up_to_hz
-        and (symmetric is None or table.symmetric[place] == symmetric)
+        and (symmetric is None or may_be(table.symmetric[place], symmetric))
     ]
     if not columns:
         raise BadInput(f"the table has no such mode below {up_to_hz:g} Hz", code="no-modes")

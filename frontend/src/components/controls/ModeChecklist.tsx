@@ -3,7 +3,7 @@ import { useState } from "react";
 import type { ModalTableDetail } from "../../api/types";
 import { axisNames } from "../../lib/derivatives";
 import { hertz } from "../../lib/format";
-import { atFuel } from "../../lib/modes";
+import { atFuel, mayHaveSymmetry } from "../../lib/modes";
 import { Quantity } from "../display/Quantity";
 
 interface Props {
@@ -23,11 +23,11 @@ export function ModeChecklist({ table, axis, fuel, value, onChange }: Props) {
     .map((number, index) => ({
       number,
       name: table.names[index] ?? "",
-      own: (table.symmetric[index] ?? true) === isSymmetric,
+      own: mayHaveSymmetry(table.symmetric[index], isSymmetric),
       omega: omega[index],
     }))
     .filter((mode) => others || mode.own || value.includes(mode.number));
-  const hasOthers = table.symmetric.some((symmetric) => symmetric !== isSymmetric);
+  const hasOthers = table.symmetric.some((own) => !mayHaveSymmetry(own, isSymmetric));
   return (
     <Stack gap="xs">
       <Table verticalSpacing={4} fz="sm" className="numbers" withRowBorders={false}>

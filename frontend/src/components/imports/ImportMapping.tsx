@@ -3,6 +3,7 @@ import {
   Autocomplete,
   Button,
   Group,
+  List,
   SegmentedControl,
   Select,
   Stack,
@@ -218,7 +219,7 @@ function Belongings({ text, onChange, found }: Edit & { found: UploadDetail }) {
 
 /** Problems of the mapping, and unit warnings to resolve. */
 function Remarks({ checked, text, onChange }: Edit & { checked: CheckedMapping }) {
-  const { problem, queries } = checked;
+  const { problem, queries, repairs } = checked;
   const resolve = (warning: UnitWarning, key: string, value: string | string[]) => {
     const nth = checked.rules.findIndex(
       (rule) => (rule["name"] ?? rule["column"]) === warning.channel,
@@ -230,6 +231,15 @@ function Remarks({ checked, text, onChange }: Edit & { checked: CheckedMapping }
       {problem !== null && (
         <Alert color="red" variant="light" title="Mapping incomplete" data-testid="mapping-problem">
           {problem.message}
+        </Alert>
+      )}
+      {repairs.length > 0 && (
+        <Alert color="yellow" variant="light" title="Repaired" data-testid="mapping-repairs">
+          <List size="sm">
+            {repairs.map((text) => (
+              <List.Item key={text}>{text}</List.Item>
+            ))}
+          </List>
         </Alert>
       )}
       {queries.map((warning) => (

@@ -2,6 +2,7 @@ import {
   Autocomplete,
   Checkbox,
   Group,
+  MultiSelect,
   NativeSelect,
   SegmentedControl,
   Stack,
@@ -10,6 +11,7 @@ import {
 import type { UploadDetail } from "../../api/types";
 import {
   readKey,
+  readList,
   readQuantity,
   removeTable,
   setKey,
@@ -25,6 +27,13 @@ interface Props {
 }
 
 const TIME_UNITS = ["s", "ms", "us", "ns", "min"];
+const REPAIRS = [
+  { value: "single-nan", label: "single missing samples" },
+  { value: "repeated-stamps", label: "repeated time stamps" },
+  { value: "exchanged-stamps", label: "exchanged time stamps" },
+  { value: "midnight", label: "clock that begins anew at midnight" },
+  { value: "gps-week", label: "clock that begins anew with the GPS week" },
+];
 const OF_FILES = "clocks in the files"; // no column has this name
 const CONDITION = "maneuver.condition";
 const QUANTITIES = [
@@ -34,7 +43,7 @@ const QUANTITIES = [
   { key: "fuel_fraction", label: "Fuel", unit: "%" },
 ] as const;
 
-/** Time base, and flight condition of a maneuver: from columns of the files, or as numbers. */
+/** Time base, flight condition (from columns of the files, or as numbers), and what is repaired. */
 export function MappingClock({ text, onChange, found }: Props) {
   const fields = [...new Set(found.fields.map((one) => one.field))];
   const isManeuver = /^\s*\[maneuver\]/m.test(text);
@@ -94,6 +103,18 @@ export function MappingClock({ text, onChange, found }: Props) {
               </Group>
             );
           })}
+        <MultiSelect
+          size="xs"
+          miw={180}
+          label="Repair"
+          placeholder="nothing"
+          data={REPAIRS}
+          value={readList(text, "", 0, "repair")}
+          onChange={(steps) => {
+            onChange(setKey(text, "", 0, "repair", steps.length > 0 ? steps : undefined));
+          }}
+          data-testid="mapping-repair"
+        />
       </Group>
     </Stack>
   );

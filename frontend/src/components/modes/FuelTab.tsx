@@ -6,6 +6,7 @@ import { useCorrectMode } from "../../api/commands";
 import { modesAtQuery } from "../../api/queries";
 import type { ModeAtFuel } from "../../api/types";
 import { fixed, percent, significant } from "../../lib/format";
+import { symmetryLetter } from "../../lib/modes";
 import { DataTable, numeric, type Column } from "../controls/DataTable";
 import { Figure } from "../figures/Figure";
 import { Loaded } from "../display/Loaded";
@@ -24,7 +25,7 @@ export function FuelTab({ table, view }: TableProps) {
       <div className="panel" style={{ padding: 12 }}>
         <Figure
           kind="modes-against-fuel"
-          title="Frequency and damping over fuel; antisymmetric modes dashed, crossings circled"
+          title="Frequency and damping over fuel; antisymmetric modes dashed, of unknown symmetry dotted, crossings circled"
           params={{ modal_table_id: table.id }}
         />
       </div>
@@ -87,7 +88,7 @@ function columnsOf(correct: (mode: ModeAtFuel) => void): Column<ModeAtFuel>[] {
   return [
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
     { key: "name", header: "Name", render: (row) => row.name },
-    { key: "symmetry", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
+    { key: "symmetry", header: "Symmetry", render: (row) => symmetryLetter(row.symmetric) },
     quantity("frequency", "Frequency", (row) => row.frequency_hz, "Hz", 3),
     {
       ...quantity<ModeAtFuel>("frequency_std", "±", (row) => row.frequency_std_hz, "Hz", 4),
@@ -135,7 +136,7 @@ interface CorrectionProps {
 function Correction({ tableId, mode, onClose }: CorrectionProps) {
   const send = useCorrectMode(tableId);
   const [name, setName] = useState(mode.name);
-  const [symmetric, setSymmetric] = useState(mode.symmetric);
+  const [symmetric, setSymmetric] = useState(mode.symmetric ?? true);
   const [reason, setReason] = useState("");
   return (
     <Modal opened onClose={onClose} title={`Mode ${String(mode.number)}: ${mode.name}`}>

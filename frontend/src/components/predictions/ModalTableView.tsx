@@ -4,7 +4,7 @@ import type { ReactNode } from "react";
 import { modalTableQuery } from "../../api/queries";
 import type { ModalTable, ModalTableDetail } from "../../api/types";
 import { hertz, percent } from "../../lib/format";
-import { someFuels } from "../../lib/modes";
+import { someFuels, symmetryLetter } from "../../lib/modes";
 import { DataTable, type Column } from "../controls/DataTable";
 import { Loaded } from "../display/Loaded";
 import { Quantity, UnitName } from "../display/Quantity";
@@ -13,7 +13,7 @@ import { Section } from "../display/Section";
 interface Row {
   number: number;
   name: string;
-  symmetric: boolean;
+  symmetric: boolean | null;
   index: number;
 }
 
@@ -31,7 +31,7 @@ export function ModalTableView({ table }: { table: ModalTable }) {
               rows={modal.numbers.map((number, index) => ({
                 number,
                 name: modal.names[index] ?? "",
-                symmetric: modal.symmetric[index] ?? true,
+                symmetric: modal.symmetric[index] ?? null,
                 index,
               }))}
               rowKey={(row) => row.number}
@@ -66,7 +66,7 @@ function columnsOf(modal: ModalTableDetail): Column<Row>[] {
   return [
     { key: "number", header: "Mode", numeric: true, render: (row) => row.number },
     { key: "name", header: "Shape", render: (row) => row.name },
-    { key: "symmetric", header: "Symmetry", render: (row) => (row.symmetric ? "S" : "A") },
+    { key: "symmetric", header: "Symmetry", render: (row) => symmetryLetter(row.symmetric) },
     ...over("f", <UnitName unit="Hz" />, modal.omega, (value) => (
       <Quantity value={value === undefined ? undefined : hertz(value)} unit="Hz" decimals={2} />
     )),

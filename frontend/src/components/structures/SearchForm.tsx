@@ -6,6 +6,7 @@ import { useQueries, useQuery } from "@tanstack/react-query";
 import { useRequestSearch } from "../../api/commands";
 import { maneuverQuery, modalTablesQuery, searchesQuery } from "../../api/queries";
 import { METHOD_NAMES, METHODS } from "../../api/types";
+import { mayHaveSymmetry } from "../../lib/modes";
 import { integer, integers, oneOf } from "../../lib/urlState";
 import { SEARCH_ALGORITHMS, INITIAL_TERMS, type SearchView } from "../../views";
 import { ManeuverSelect } from "../maneuvers/ManeuverSelect";
@@ -100,9 +101,9 @@ export function SearchForm({ view, onChange }: Props) {
             .map((number, index) => ({
               value: String(number),
               label: `${String(number)} ${table?.names[index] ?? ""}`,
-              symmetric: table?.symmetric[index] ?? true,
+              symmetric: table?.symmetric[index],
             }))
-            .filter((mode) => mode.symmetric === isSymmetric)}
+            .filter((mode) => mayHaveSymmetry(mode.symmetric, isSymmetric))}
           data-testid="search-modes"
           value={(view.modes ?? []).map(String)}
           onChange={(modes) => {
