@@ -13,8 +13,11 @@ LIMIT = 0.9  # |rho| above which two parameters are nearly collinear
 _NAMED = 120  # largest number of parameters with hover names
 
 
-def draw_parameter_correlation(value: ParameterCorrelation) -> Spec:
-    """Draw the correlation matrix of the estimates, with pairs above ``LIMIT`` marked."""
+def draw_parameter_correlation(value: ParameterCorrelation, selected: str | None = None) -> Spec:
+    """Draw the correlation matrix of the estimates, with pairs above ``LIMIT`` marked.
+
+    Row and column of the ``selected`` derivative are framed.
+    """
     if not value.names:
         return empty("No free parameters")
     labels = [parameter_label(name) for name in value.names]
@@ -56,6 +59,20 @@ def draw_parameter_correlation(value: ParameterCorrelation) -> Spec:
         "xaxis": {**ticks, "tickangle": -90, "constrain": "domain"},
         "yaxis": {**ticks, "autorange": "reversed", "scaleanchor": "x", "constrain": "domain"},
         "showlegend": False,
+        "shapes": _frame(value.names, selected),
         "meta": {"rows": max(2.0, len(labels) / 8)},
     }
     return {"data": data, "layout": layout}
+
+
+def _frame(names: tuple[str, ...], selected: str | None) -> list[Spec]:
+    """Return frames around the row and the column of a derivative."""
+    if selected not in names:
+        return []
+    at, last = names.index(selected), len(names) - 0.5
+    line = {"color": style.OCHRE, "width": 2}
+    spans = ((-0.5, last, at - 0.5, at + 0.5), (at - 0.5, at + 0.5, -0.5, last))
+    return [
+        {"type": "rect", "x0": x0, "x1": x1, "y0": y0, "y1": y1, "line": line}
+        for x0, x1, y0, y1 in spans
+    ]
