@@ -315,6 +315,10 @@ class _RunWithSelection(_Run):
     selected: _Text = Field(None, max_length=64, description="Derivative or sensor to emphasise.")
 
 
+class _Correlation(_RunWithSelection):
+    grouped: bool = Field(False, description="The lower triangle, with a tick per coefficient.")
+
+
 class _ConditionDerivatives(QueryParameters):
     condition_id: _Id
     truth: bool = Field(False, description="With the true values of a simulated aircraft.")
@@ -698,10 +702,10 @@ _KINDS = (
         "Draw the fitted model and the measured data points."),
     FigureKind("residual", _Block, compute_residuals, draw_residual,
         "Draw the residuals by output and frequency."),
-    FigureKind("parameter-correlation", _RunWithSelection, compute_parameter_correlation,
+    FigureKind("parameter-correlation", _Correlation, compute_parameter_correlation,
         draw_parameter_correlation,
         "Draw the correlation matrix of the estimates.",
-        drawing=("selected",)),
+        drawing=("selected", "grouped")),
     FigureKind("adequacy", _RunWithSelection, read_adequacy, draw_adequacy,
         "Draw the p-values of all tests for remaining model error, by hypothesis.",
         drawing=("selected",)),

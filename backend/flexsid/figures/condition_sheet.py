@@ -18,7 +18,7 @@ REACH = 5.0
 """σ shown on either side of the reference; what lies beyond is an arrow with its percentage."""
 
 _ROW_PX = 19
-_TOP_PX, _BOTTOM_PX = 62, 44
+_TOP_PX, _BOTTOM_PX = 34, 44
 _WIDE = 20.0  # 2σ in % of the value above which it is flagged
 _UNKNOWN = 100.0  # and above which the derivative is not identifiable here
 _SELECTED = "rgba(255, 193, 7, 0.33)"
@@ -26,8 +26,8 @@ _WITHIN = "rgba(134, 142, 150, 0.16)"
 _SHARED = "rgba(134, 142, 150, 0.45)"
 
 # Shares of the width: name, value, error, unit, percent, then the deviations.
-_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.20, 0.215, 0.295, 0.385
-_LEFT = 0.42
+_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.205, 0.215, 0.315, 0.40
+_LEFT = 0.43
 
 
 def draw_condition_derivatives(value: ConditionSheet, selected: str | None = None) -> Spec:
@@ -353,11 +353,8 @@ def draw_adequacy(value: ModelAdequacy, selected: str | None = None) -> Spec:
                 marker={
                     "symbol": "line-ns-open",
                     "size": 13,
-                    "color": style.GREY,
-                    "line": {
-                        "width": 1.4,
-                        "color": [style.FLAG if test.rejects else style.GREY for test in tests],
-                    },
+                    "color": [style.FLAG if test.rejects else style.GREY for test in tests],
+                    "line": {"width": 1.4},
                 },
                 name=name,
                 hovertext=[
@@ -377,7 +374,8 @@ def draw_adequacy(value: ModelAdequacy, selected: str | None = None) -> Spec:
                 marker={
                     "symbol": "line-ns-open",
                     "size": 17,
-                    "line": {"width": 3, "color": style.OCHRE},
+                    "color": style.OCHRE,
+                    "line": {"width": 3},
                 },
                 name=describe(selected or "").label,
                 hoverinfo="skip",
