@@ -178,8 +178,6 @@ export const conditionView = view((search) => ({
   input: text(search.input),
   /** Absolute values in panels of their own, instead of deviations. */
   absolute: flag(search.absolute),
-  /** True values of a simulated aircraft. */
-  truth: flag(search.truth),
 }));
 export type ConditionView = ReturnType<typeof conditionView>;
 

@@ -91,6 +91,28 @@ def test_a_sheet_compares_methods_repeats_predictions_and_truth(
     assert [one.label for one in sheet.held_out] == [repeat.label]
 
 
+def test_without_a_decision_the_structure_is_that_of_most_methods(
+    store, aircraft, modal_table, add_result, maneuver
+):
+    del modal_table
+    larger, smaller = (
+        add_structure(store, ModelStructure(aircraft_id=aircraft.id, name=name, structure=kind))
+        for name, kind in (("A", STRUCTURE), ("B", replace(STRUCTURE, absent=("CZ_q",))))
+    )
+    for record, method in ((larger, Method.OE), (larger, Method.EE), (smaller, Method.OE)):
+        add_result(
+            {"Cm_q": (-8.0, 0.3)},
+            method=method,
+            structure=record.structure,
+            structure_id=record.id,
+            structure_version=1,
+        )
+    sheet = read_sheet(store, maneuver.id)
+    assert sheet.structure is not None
+    assert sheet.structure.name == "A", "not that of the newest run"
+    assert [one.method for one in sheet.sources] == [Method.OE, Method.EE]
+
+
 def test_without_a_run_a_sheet_says_so(store, maneuver):
     sheet = read_sheet(store, maneuver.id)
     assert sheet.reference_run_id is None

@@ -35,9 +35,8 @@ def find_stored_predictions(
         return None
 
 
-def read_condition_sheet(store: Store, condition_id: int, *, truth: bool = False) -> ConditionSheet:
-    """Return the sheet of the condition of a maneuver; ``truth`` with the true derivatives."""
-    del truth
+def read_condition_sheet(store: Store, condition_id: int) -> ConditionSheet:
+    """Return the sheet of the condition of a maneuver, from stored results."""
     return build_condition_sheet(
         store,
         condition_id,

@@ -275,7 +275,6 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
           params={{
             condition_id: sheet.condition.id,
             selected: view.selected,
-            truth: view.truth,
           }}
           revision="rows"
           onPick={(row) => {

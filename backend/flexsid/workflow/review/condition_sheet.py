@@ -185,8 +185,8 @@ def build_condition_sheet(
     Notes
     -----
     The model structure is that of the newest open decision at this condition, else of its
-    baseline, else of the newest run. The record is the one with the most methods of this structure.
-    Repeats are the newest runs of the other records with it.
+    baseline, else the one that most records and methods have in common. The record is the one with
+    the most methods of this structure. Repeats are the newest runs of the other records with it.
     """
     item = find_condition(store, maneuver_id)
     finished, unfinished = _load_runs(store, item)
@@ -277,10 +277,15 @@ def _choose_structure(
     ):
         if not finished or any(has_structure(one.run, version) for one in finished):
             return decision, version
+    counts: dict[tuple[int, int | None], set[tuple[int, Method]]] = {}
     for one in reversed(finished):
         if one.run.structure_id is not None:
-            return None, get_version(store, one.run.structure_id, one.run.structure_version)
-    return None, None
+            key = one.run.structure_id, one.run.structure_version
+            counts.setdefault(key, set()).add((one.run.maneuver_id, one.run.method))
+    if not counts:
+        return None, None
+    # max returns the first of equal ones, which has the newest run
+    return None, get_version(store, *max(counts, key=lambda key: len(counts[key])))
 
 
 def _arrange_runs(

@@ -1,6 +1,7 @@
 import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
+import { Fragment } from "react";
 import { decisionQuery, voteEvidenceQuery } from "../../api/queries";
 import type { ConditionSheet, Decision, VoteEvidence } from "../../api/types";
 import { isOpen } from "../../api/types";
@@ -95,10 +96,12 @@ export function ReviewSummary({ sheet }: { sheet: ConditionSheet }) {
               {" "}
               Most changed:{" "}
               {reference.largest_changes.map((one, index) => (
-                <span key={one.name} className="nowrap">
+                <Fragment key={one.name}>
                   {index > 0 && ", "}
-                  <DerivativeName name={one.name} /> {sigmaOf(one)}
-                </span>
+                  <span className="nowrap">
+                    <DerivativeName name={one.name} /> {sigmaOf(one)}
+                  </span>
+                </Fragment>
               ))}
               .
             </>
