@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, create_model
 from flexsid.errors import BadInput
 from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
+from flexsid.figures.condition_sheet import draw_adequacy, draw_condition_derivatives
 from flexsid.figures.control_loop import draw_control_loop
 from flexsid.figures.derivative_coverage import draw_derivative_coverage
 from flexsid.figures.derivatives import draw_derivatives
@@ -70,6 +71,7 @@ from flexsid.jobs.kinds import (
     RECONSTRUCTION,
     TRANSFER_FUNCTION,
 )
+from flexsid.jobs.stored_results import read_condition_sheet
 from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.excitation import DEFAULT_LEVEL
@@ -147,6 +149,7 @@ from flexsid.workflow.views.run import (
     compare_derivatives,
     compute_parameter_correlation,
     compute_residuals,
+    read_adequacy,
     read_fit,
     read_iterations,
     read_poles,
@@ -306,6 +309,19 @@ class _TransferFunction(QueryParameters):
 
 class _Run(QueryParameters):
     run_id: _Id
+
+
+class _RunWithSelection(_Run):
+    selected: _Text = Field(None, max_length=64, description="Derivative or sensor to emphasise.")
+
+
+class _Correlation(_RunWithSelection):
+    grouped: bool = Field(False, description="The lower triangle, with a tick per coefficient.")
+
+
+class _ConditionDerivatives(QueryParameters):
+    condition_id: _Id
+    selected: _Text = Field(None, max_length=64, description="Derivative to emphasise.")
 
 
 class _Block(_Run):
@@ -685,9 +701,17 @@ _KINDS = (
         "Draw the fitted model and the measured data points."),
     FigureKind("residual", _Block, compute_residuals, draw_residual,
         "Draw the residuals by output and frequency."),
-    FigureKind("parameter-correlation", _Run, compute_parameter_correlation,
+    FigureKind("parameter-correlation", _Correlation, compute_parameter_correlation,
         draw_parameter_correlation,
-        "Draw the correlation matrix of the estimates."),
+        "Draw the correlation matrix of the estimates.",
+        drawing=("selected", "grouped")),
+    FigureKind("adequacy", _RunWithSelection, read_adequacy, draw_adequacy,
+        "Draw the p-values of all tests for remaining model error, by hypothesis.",
+        drawing=("selected",)),
+    FigureKind("condition-derivatives", _ConditionDerivatives, read_condition_sheet,
+        draw_condition_derivatives,
+        "Draw the derivatives of a flight condition, normalised: by method, repeats, predictions.",
+        drawing=("selected",)),
     FigureKind("poles", _Poles, read_poles, draw_poles,
         "Draw the poles of identified models, and the in-vacuo modes of the first."),
     FigureKind("iterations", _Run, read_iterations, draw_iterations,

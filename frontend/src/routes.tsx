@@ -18,6 +18,7 @@ import {
   campaignView,
   closedLoopView,
   compareView,
+  conditionView,
   dashboardView,
   designView,
   excitationView,
@@ -74,6 +75,20 @@ const campaign = createRoute({
   path: "/campaign",
   validateSearch: campaignView,
   component: page(() => import("./pages/CampaignPage"), "CampaignPage"),
+});
+
+const conditions = createRoute({
+  getParentRoute: () => root,
+  path: "/conditions",
+  component: page(() => import("./pages/ConditionsPage"), "ConditionsPage"),
+});
+
+const condition = createRoute({
+  getParentRoute: () => root,
+  path: "/conditions/$id",
+  params: byId,
+  validateSearch: conditionView,
+  component: page(() => import("./pages/ConditionPage"), "ConditionPage"),
 });
 
 const dashboard = createRoute({
@@ -357,6 +372,8 @@ export const router = createRouter({
   routeTree: root.addChildren([
     start,
     campaign,
+    conditions,
+    condition,
     dashboard,
     runs,
     runTemplates,

@@ -21,6 +21,7 @@ export interface MenuPage {
     | "/excitation"
     | "/preflight-simulation"
     | "/campaign"
+    | "/conditions"
     | "/dashboard"
     | "/quality"
     | "/mini-gvt"
@@ -65,6 +66,7 @@ export const MENU: readonly { label: string; pages: readonly [MenuPage, ...MenuP
         key: "c",
         at: /^\/(campaign|maneuvers\/\d+|flights\/\d+)\/?$/,
       },
+      { to: "/conditions", label: "Conditions", key: "u", at: /^\/conditions/ },
       { to: "/dashboard", label: "Dashboard", key: "k" },
       { to: "/quality", label: "Quality", key: "q" },
       {
@@ -168,6 +170,16 @@ export const dashboardView = view((search) => ({
   aircraft: integer(search.aircraft),
   coefficient: text(search.coefficient),
 }));
+
+export const conditionView = view((search) => ({
+  /** Derivative or sensor that is emphasised in all panels. */
+  selected: text(search.selected),
+  /** Input of the frequency responses. */
+  input: text(search.input),
+  /** Absolute values in panels of their own, instead of deviations. */
+  absolute: flag(search.absolute),
+}));
+export type ConditionView = ReturnType<typeof conditionView>;
 
 export const flightView = view((search) => ({
   channels: words(search.channels),

@@ -12,6 +12,7 @@ from flexsid.api.routes.figures import Figure
 from flexsid.api.routes.jobs import QueueStatus
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.comparison import Comparison
+from flexsid.records.condition_sheet import ConditionItem, ConditionSheet
 from flexsid.records.job import JobEvent
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalTable
@@ -34,7 +35,9 @@ FIGURES = (
     "bode?maneuver_id=1&output=q&run_id=1",
     "fit?run_id=1",
     "residual?run_id=1",
-    "parameter-correlation?run_id=1",
+    "parameter-correlation?run_id=1&selected=Cm_alpha",
+    "adequacy?run_id=1",
+    "condition-derivatives?condition_id=1&selected=Cm_alpha",
     "poles?run_id=1",
     "iterations?run_id=1",
     "derivatives?run_ids=1&prediction_ids=1,2&coefficient=Cm",
@@ -58,6 +61,8 @@ FIGURES = (
         ("model-structures?aircraft_id=1", Page[ModelStructure]),
         ("runs?maneuver_id=1&method=EE&state=succeeded", Page[RunItem]),
         ("runs/1", run_responses.Run),
+        ("conditions?aircraft_id=1", Items[ConditionItem]),
+        ("conditions/1/sheet", ConditionSheet),
         ("runs/1/export", RunExport),
         ("jobs", Page[JobItem]),
         ("jobs/1", JobItem),

@@ -21,6 +21,7 @@ SHOWN = {
     "/batches/$id": "{batch}",
     "/excitation/$id": "{design}",
     "/model-structures/$id": "1",
+    "/conditions/$id": "2",
     "/decisions/$id": "{decision}",
     "/global-model/$id": "{global_model}",
 }

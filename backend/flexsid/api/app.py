@@ -24,7 +24,7 @@ from flexsid.api.middleware.security import SecurityMiddleware
 from flexsid.api.middleware.write_limit import THREADS, WriteLimit
 from flexsid.api.openapi.description import add_examples
 from flexsid.api.openapi.docs import add_docs
-from flexsid.api.page import add_page
+from flexsid.api.page import FindStart, add_page
 from flexsid.api.parameters import DESCRIPTION
 from flexsid.api.router import make_operation_id
 from flexsid.api.routes import (
@@ -36,6 +36,7 @@ from flexsid.api.routes import (
     comparisons,
     compatibility,
     conditioning,
+    conditions,
     controllers,
     decisions,
     design_predictions,
@@ -96,6 +97,7 @@ def create_app(
     *,
     add_builtin_aircraft: AddBuiltinAircraft | None = None,
     check_additional_part: Callable[[], PartHealth | None] = lambda: None,
+    find_start: FindStart | None = None,
 ) -> FastAPI:
     """Make the application: migrated database, dispatcher, routes and frontend.
 
@@ -107,6 +109,8 @@ def create_app(
         Adds an aircraft that comes with the software when an upload needs it.
     check_additional_part
         Returns the health of a part that only this server has, or None.
+    find_start
+        Returns the address on which the page opens, or None for the start page.
     """
 
     @asynccontextmanager
@@ -210,6 +214,7 @@ def create_app(
         backups,
         batches,
         comparisons,
+        conditions,
         reports,
         designs,
         design_predictions,
@@ -229,7 +234,7 @@ def create_app(
     metrics = RequestMetrics()
     add_metrics(app, metrics)
     add_docs(app)
-    add_page(app)
+    add_page(app, find_start=find_start)
     add_error_handlers(app)
     app.add_middleware(WriteLimit)
     app.add_middleware(BodyLimit)

@@ -48,7 +48,11 @@ _NAMED = {
     "aircraft_id": "aircraft",
     "flight_id": "flights",
     **dict.fromkeys(
-        ("maneuver_id", "maneuver_ids", "additional_maneuver_ids", "validate_on"), "maneuvers"
+        (
+            *("maneuver_id", "maneuver_ids", "additional_maneuver_ids", "validate_on"),
+            "condition_id",
+        ),
+        "maneuvers",
     ),
     **dict.fromkeys(
         ("run_id", "run_ids", "other_run_id", "start_run_id", "derived_from_run_id"), "runs"

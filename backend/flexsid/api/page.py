@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import mimetypes
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from fastapi import FastAPI, Response
-from fastapi.responses import FileResponse, HTMLResponse
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.datastructures import Headers
 from starlette.types import Scope
@@ -27,9 +28,15 @@ builds it.</p></html>
 """
 
 
-def add_page(app: FastAPI, folder: Path = FRONTEND) -> None:
+FindStart = Callable[[], str | None]
+"""Returns the address on which the page opens in place of the start page; None for that."""
+
+
+def add_page(app: FastAPI, folder: Path = FRONTEND, find_start: FindStart | None = None) -> None:
     """Serve the built frontend at ``/`` and at the addresses of its views."""
     if (folder / "index.html").is_file():
+        if find_start is not None:
+            _add_start(app, folder, find_start)
         app.mount("/assets", _Assets(directory=folder / "assets"))
         app.frontend("/", directory=folder, fallback="index.html")
         return
@@ -37,6 +44,17 @@ def add_page(app: FastAPI, folder: Path = FRONTEND) -> None:
     @app.get("/", include_in_schema=False)
     async def show_missing_frontend() -> HTMLResponse:
         return HTMLResponse(_NOT_BUILT)
+
+
+def _add_start(app: FastAPI, folder: Path, find_start: FindStart) -> None:
+    """Open the page on another view than the start page; links within the page are as before."""
+
+    @app.get("/", include_in_schema=False)
+    def open_page() -> Response:
+        start = find_start()
+        if start is None:
+            return FileResponse(folder / "index.html")
+        return RedirectResponse(start, 307, {"Cache-Control": "no-store"})
 
 
 class _Assets(StaticFiles):

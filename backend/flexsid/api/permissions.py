@@ -70,6 +70,7 @@ _ROUTES: dict[Permission, tuple[str, ...]] = {
         *("list_saved_views", "list_searches", "get_search"),
         *("list_jobs", "get_queue_status", "get_job", "get_job_log", "stream_events"),
         *("list_batches", "get_batch", "get_comparison", "get_trend", "report_run"),
+        *("list_conditions", "get_condition_sheet"),
         *("report_comparison", "report_decision", "report_campaign", "list_designs", "get_design"),
         *("report_run_card", "report_global_model", "report_flutter", "report_closed_loop"),
         *("report_sortie", "print_run", "print_comparison", "print_decision", "print_campaign"),

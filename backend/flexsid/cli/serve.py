@@ -6,6 +6,7 @@ import argparse
 import logging
 import socket
 import sys
+from contextlib import closing
 from importlib.util import find_spec
 from types import FrameType
 
@@ -20,6 +21,7 @@ from flexsid.cli.output import print_next_result, show_progress
 from flexsid.demo import campaign
 from flexsid.demo.campaign_process import CampaignProcess
 from flexsid.demo.demonstration import add_demonstration
+from flexsid.demo.first_sheet import find_record
 from flexsid.demo.flex28 import NAME, UNSTEADY_NAME
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.importers.readers import load_formats
@@ -108,11 +110,17 @@ def _serve_on(
     def check_campaign() -> PartHealth | None:
         return None if campaign_process is None else campaign_process.check_health()
 
+    def find_start() -> str | None:
+        with closing(Store.open(settings.database)) as store:
+            record = find_record(store)
+        return None if record is None else f"/conditions/{record.id}"
+
     with loading():
         app = create_app(
             settings,
             add_builtin_aircraft=add_builtin_aircraft,
             check_additional_part=check_campaign,
+            find_start=None if campaign_process is None else find_start,
         )
     config = uvicorn.Config(
         app,

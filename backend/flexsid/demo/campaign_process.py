@@ -12,6 +12,7 @@ from types import FrameType
 
 from flexsid.demo.campaign import Report
 from flexsid.demo.demonstration import add_demonstration
+from flexsid.demo.first_sheet import FirstSheet
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.health import PartHealth, PartState
@@ -99,11 +100,16 @@ def main(arguments: list[str]) -> None:
     try:
         database, unsteady = connection.recv()
         with closing(Store.open(database)) as store:
-            add_demonstration(
-                store,
-                lambda fraction, message: connection.send((fraction, message)),
-                unsteady=unsteady,
-            )
+            sheet = None if unsteady else FirstSheet(store)
+
+            def report(fraction: float, message: str) -> None:
+                if sheet is not None:
+                    sheet.advance()
+                connection.send((fraction, message))
+
+            add_demonstration(store, report, unsteady=unsteady)
+            if sheet is not None:
+                sheet.finish()
     except FlexsidError as error:
         connection.send((None, error.message))
     except (KeyboardInterrupt, EOFError, OSError):

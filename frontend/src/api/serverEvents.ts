@@ -11,11 +11,12 @@ const LISTS = [
   ...[["runs"], ["jobs"], ["batches"], ["batch"], ["queue"], ["maneuvers"], ["searches"]],
   ["quality", "list"],
   ["dashboard"],
+  ["conditions"],
 ];
 
 /** Queries of each sort of records that a team changes, by the name in the event. */
 const QUERIES_OF: Record<string, string[]> = {
-  decisions: ["decisions", "notifications", "dashboard"],
+  decisions: ["decisions", "notifications", "dashboard", "conditions"],
   model_structures: ["structures", "notifications"],
   notes: ["notes"],
   review_rules: ["review-rules", "decisions", "notifications"],

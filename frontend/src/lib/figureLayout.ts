@@ -36,9 +36,10 @@ function under(defaults: Layout, own: unknown): Layout {
   return merged;
 }
 
-/** Height with readable rows of panels; the server counts them in `meta.rows`. [px] */
+/** Height with readable rows of panels; the server counts them in `meta.rows`, or gives `meta.height`. [px] */
 export function figureHeight(layout: Layout): number {
   const meta = layout.meta;
+  if (isObject(meta) && typeof meta.height === "number") return meta.height;
   const rows = isObject(meta) && typeof meta.rows === "number" ? Math.max(1, meta.rows) : 1;
   if (rows <= 2) return 180 + 200 * rows;
   return 90 + rows * (rows <= 4 ? 200 : 150);

@@ -15,6 +15,10 @@ export function fixed(value: Maybe, decimals: number): string {
   return signed(value.toFixed(decimals));
 }
 
+/** Fixed decimals with a sign, and what follows the number. */
+export const signedWith = (value: number, decimals: number, unit: string): string =>
+  `${value > 0 && Number(value.toFixed(decimals)) !== 0 ? "+" : ""}${fixed(value, decimals)}${unit}`;
+
 /** An SI value in another unit, with about the resolution of its decimals in SI. */
 export function converted(value: Maybe, factor: number, decimals: number): string {
   const places = Math.ceil(decimals - Math.log10(factor) - 0.25);

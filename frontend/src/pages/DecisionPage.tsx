@@ -122,7 +122,12 @@ function OneDecision({ decision }: { decision: Decision }) {
             {open && (
               <Loaded query={evidence}>{(data) => <EvidenceSummary evidence={data} />}</Loaded>
             )}
-            <DecisionComposer decision={decision} revision={read} derivative={view.derivative} />
+            <DecisionComposer
+              decision={decision}
+              revision={read}
+              derivative={view.derivative}
+              consequence={evidence.data?.consequence}
+            />
           </Section>
         </aside>
       </div>

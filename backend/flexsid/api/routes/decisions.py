@@ -29,7 +29,7 @@ from flexsid.api.serialization import (
     drop_none,
     dump_json,
 )
-from flexsid.jobs.stored_results import find_stored_flutter
+from flexsid.jobs.stored_results import find_stored_flutter, find_stored_predictions
 from flexsid.records.decision import Decision, DecisionState
 from flexsid.storage.paging import Items
 from flexsid.storage.signatures import SignaturePlace, sign_content
@@ -91,7 +91,11 @@ def get_vote_evidence(store: TheStore, decision_id: Identity) -> VoteEvidence:
     """Return the evidence for a vote: fits, warnings, and comparison with the baseline."""
     decision = store.decisions.get(decision_id)
     return collect_vote_evidence(
-        store, decision.proposal, partial(find_stored_flutter, store), decision
+        store,
+        decision.proposal,
+        partial(find_stored_flutter, store),
+        decision,
+        partial(find_stored_predictions, store),
     )
 
 

@@ -114,3 +114,42 @@ def compute_joint_covariance(
             shared = compute_shared_covariance(found, other, common) * shares[i] * shares[j]
             result[:, i, j] = result[:, j, i] = shared
     return result
+
+
+def normalise_deviation(
+    difference: float, covariance: Float[np.ndarray, "n n"], pair: tuple[int, int]
+) -> float | None:
+    """Divide a difference of two estimates by its standard error; None where one has none."""
+    i, j = pair
+    if not (covariance[i, i] > 0.0 and covariance[j, j] > 0.0):
+        return None
+    return float(difference / np.sqrt(compute_difference_variance(covariance, pair)))
+
+
+def compute_correlation(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """Compute the correlation of estimates; NaN where a variance is not positive."""
+    std = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), np.nan))
+    return covariance / np.outer(std, std)
+
+
+def find_correlated_pairs(
+    correlation: Float[np.ndarray, "n n"], count: int
+) -> list[tuple[int, int, float]]:
+    """Find the most correlated pairs of estimates.
+
+    Parameters
+    ----------
+    correlation
+        Of the estimates; NaN where it is unknown.
+    count
+        Largest number of pairs.
+
+    Returns
+    -------
+    list of tuple
+        Both estimates and their correlation, largest magnitude first.
+    """
+    i, j = np.triu_indices(len(correlation), 1)
+    found = np.nan_to_num(correlation[i, j])
+    order = np.argsort(-np.abs(found), kind="stable")[:count]
+    return [(int(i[k]), int(j[k]), float(found[k])) for k in order]

@@ -18,11 +18,14 @@ from flexsid.records.flutter import Flutter
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.model_structure import Structure, StructureVersion
 from flexsid.records.run import AdequacyState, EstimationRun, RunState
+from flexsid.records.validation import CrossPredictionMatrix
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.agreement import AGREEMENT_SIGMA
 from flexsid.text import count_noun
 from flexsid.workflow.comparison.derivative_comparison import compare
 from flexsid.workflow.model_structures.baselines import (
+    is_covered,
     is_in_range,
     is_overlapping,
     list_approved,
@@ -32,7 +35,7 @@ from flexsid.workflow.model_structures.model_structures import (
     get_version,
     list_structure_differences,
 )
-from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.model_structures.run_results import describe_data_changes, get_result
 from flexsid.workflow.review.search_evidence import (
     SearchEvidence,
     collect_search_evidence,
@@ -48,8 +51,14 @@ _RANGES = {
 }
 _CONVERGED = "converged"
 
+_MOST_CHANGES = 5
+"""Most changed derivatives and predicted outputs that are listed."""
+
 FindFlutter = Callable[[tuple[int, ...]], Flutter | None]
 """Finds the stored flutter prediction of runs; computes nothing."""
+
+FindPredictions = Callable[[tuple[int, ...], tuple[int, ...]], CrossPredictionMatrix | None]
+"""Finds the stored prediction of maneuvers by runs; computes nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +114,36 @@ class DerivativeDifference:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PoleChange:
+    """A pole of a run, and of the run with the reference structure on the same maneuver.
+
+    Frequencies are in rad/s, damping ratios in 1; of a pole that only one of both has, those of
+    the other are None.
+    """
+
+    name: str
+    run_id: int
+    baseline_run_id: int
+    frequency: float | None
+    damping: float | None
+    damping_std: float | None
+    baseline_frequency: float | None
+    baseline_damping: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldOutEvidence:
+    """Prediction of a maneuver that neither of two runs was fitted to, by output. [1]"""
+
+    maneuver_label: str
+    run_id: int
+    baseline_run_id: int
+    output: str
+    r_squared: float
+    baseline_r_squared: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FlutterEvidence:
     """Flutter speed of runs; ``sentence`` is None where no result of these runs is stored."""
 
@@ -121,7 +160,9 @@ class ReferenceComparison:
 
     Without a baseline of the range the reference is the structure that the proposal changes, and
     ``decision_id`` is None. ``derivatives`` are those, of ``n_derivatives`` with standard errors,
-    that differ by more than the limit of a comparison of two runs (2 sigma).
+    that differ by more than the limit of a comparison of two runs (2 sigma); ``largest_changes``
+    are the most changed ones, also below it, and ``held_out`` the outputs whose stored prediction
+    differs most, both largest first.
     """
 
     decision_id: int | None
@@ -130,6 +171,9 @@ class ReferenceComparison:
     terms: tuple[TermChange, ...]
     n_derivatives: int
     derivatives: tuple[DerivativeDifference, ...]
+    largest_changes: tuple[DerivativeDifference, ...]
+    poles: tuple[PoleChange, ...]
+    held_out: tuple[HeldOutEvidence, ...]
     flutter: FlutterEvidence
     flutter_change_m_s: float | None
 
@@ -139,8 +183,8 @@ class VoteEvidence:
     """What a vote on a proposal can rest on.
 
     ``limits`` are the range of airspeed and fuel that the runs cover; ``warnings`` state what is
-    missing or speaks against the proposal. ``searches`` are those with the proposed model
-    structure among their candidates.
+    missing or speaks against the proposal. ``consequence`` completes "Approve:". ``searches`` are
+    those with the proposed model structure among their candidates.
     """
 
     runs: tuple[RunEvidence, ...]
@@ -148,6 +192,7 @@ class VoteEvidence:
     flutter: FlutterEvidence
     limits: Limits
     warnings: tuple[str, ...]
+    consequence: str
     searches: tuple[SearchEvidence, ...] = ()
 
 
@@ -162,6 +207,7 @@ def collect_vote_evidence(
     proposal: ModelProposal,
     find_flutter: FindFlutter,
     decision: Decision | None = None,
+    find_predictions: FindPredictions | None = None,
 ) -> VoteEvidence:
     """Collect the evidence for a vote on a proposal.
 
@@ -176,6 +222,8 @@ def collect_vote_evidence(
     decision
         The decision on the proposal, which is not its own baseline; None before it is made,
         when its range is not final and has no warnings.
+    find_predictions
+        Returns the stored prediction of maneuvers by the models of runs; computes nothing.
 
     Raises
     ------
@@ -200,7 +248,9 @@ def collect_vote_evidence(
         runs=rows,
         reference=None
         if proposed is None or reference is None
-        else _compare_with_reference(store, rows, proposed, reference, flutter, find_flutter),
+        else _compare_with_reference(
+            store, rows, proposed, reference, flutter, find_flutter, find_predictions
+        ),
         flutter=flutter,
         limits=covered,
         warnings=(
@@ -214,8 +264,50 @@ def collect_vote_evidence(
             *_warn_of_reference(rows, reference),
             *warn_of_searches(searches),
         ),
+        consequence=_describe_consequence(store, proposal, proposed, decision),
         searches=searches,
     )
+
+
+def _describe_consequence(
+    store: Store,
+    proposal: ModelProposal,
+    proposed: StructureVersion | None,
+    decision: Decision | None,
+) -> str:
+    """Describe what approval changes: earlier baselines, and the default of new runs."""
+    if proposed is not None:
+        aircraft_id = store.model_structures.get(proposed.structure_id).aircraft_id
+        axis = proposed.structure.axis
+    else:
+        model = store.global_model_versions.get(proposal.global_model_id or 0)
+        aircraft_id, axis = model.aircraft_id, model.axis
+    earlier = [
+        one
+        for one in list_approved(store, aircraft_id)
+        if (decision is None or one.id != decision.id)
+        and one.axis == axis
+        and (one.proposal.structure is None) == (proposed is None)
+        and is_overlapping(one.proposal.limits, proposal.limits)
+    ]
+    parts = []
+    for whole, verb in ((True, "supersedes"), (False, "narrows")):
+        ids = [
+            str(one.id)
+            for one in sorted(earlier, key=lambda one: one.id or 0)
+            if is_covered(one.proposal.limits, [proposal.limits]) is whole
+        ]
+        if ids:
+            parts.append(f"{verb} {'decision' if len(ids) == 1 else 'decisions'} {', '.join(ids)}")
+    name = store.aircraft.get(aircraft_id).name
+    use = "default of all new runs" if proposed is not None else "global model"
+    where = " and ".join(
+        _RANGES[quantity].format(*limits)
+        for quantity, limits in proposal.limits.items()
+        if quantity in _RANGES
+    )
+    parts.append(f"{use} of {name}" + (f" at {where}" if where else ""))
+    return ", ".join(parts)
 
 
 def _collect_searches(
@@ -301,12 +393,13 @@ def _describe_run(
             *((adequacy.reason,) if adequacy.state is AdequacyState.SUSPECT else ()),
             *fit.warnings,
         ),
-        has_proposed_structure=proposed is None or _has_structure(run, proposed),
+        has_proposed_structure=proposed is None or has_structure(run, proposed),
         baseline_run_id=counterpart,
     )
 
 
-def _has_structure(run: EstimationRun, version: StructureVersion) -> bool:
+def has_structure(run: EstimationRun, version: StructureVersion) -> bool:
+    """Whether a run estimated a version of a model structure, or an equal structure."""
     named = (run.structure_id, run.structure_version)
     return named == (version.structure_id, version.version) or run.structure == version.structure
 
@@ -324,7 +417,7 @@ def _find_counterpart(store: Store, run: EstimationRun, version: StructureVersio
         and one.derived_from_run_id is None
         and not one.altered
         and one.settings.additional_maneuver_ids == run.settings.additional_maneuver_ids
-        and _has_structure(one, version)
+        and has_structure(one, version)
     ]
     return max(found, default=None)
 
@@ -336,6 +429,7 @@ def _compare_with_reference(
     reference: _Reference,
     flutter: FlutterEvidence,
     find_flutter: FindFlutter,
+    find_predictions: FindPredictions | None,
 ) -> ReferenceComparison:
     before = reference.version
     pairs = [
@@ -344,6 +438,11 @@ def _compare_with_reference(
         if row.has_proposed_structure and row.baseline_run_id is not None
     ]
     judged = [_compare_pair(store, *pair) for pair in pairs]
+    all_changes = sorted(
+        (change for changes in judged for change in changes),
+        key=lambda change: change.difference_sigma,
+        reverse=True,
+    )
     of_reference = _read_flutter(tuple(dict.fromkeys(b for _, b in pairs)), find_flutter)
     speeds = (flutter.airspeed_m_s, of_reference.airspeed_m_s)
     return ReferenceComparison(
@@ -351,8 +450,18 @@ def _compare_with_reference(
         name=before.name,
         structure=StructureReference(id=before.structure_id, version=before.version),
         terms=_list_terms(store, before, proposed.structure),
-        n_derivatives=sum(count for count, _ in judged),
-        derivatives=tuple(change for _, changes in judged for change in changes),
+        n_derivatives=len(all_changes),
+        derivatives=tuple(
+            change
+            for changes in judged
+            for change in changes
+            if change.difference_sigma > AGREEMENT_SIGMA
+        ),
+        largest_changes=tuple(all_changes[:_MOST_CHANGES]),
+        poles=() if not pairs else _compare_poles(store, *pairs[0]),
+        held_out=()
+        if not pairs or find_predictions is None
+        else _compare_held_out(rows, *pairs[0], find_predictions),
         flutter=of_reference,
         flutter_change_m_s=(
             None if speeds[0] is None or speeds[1] is None else speeds[0] - speeds[1]
@@ -369,20 +478,12 @@ def _list_terms(store: Store, before: StructureVersion, after: Structure) -> tup
     )
 
 
-def _compare_pair(
-    store: Store, run_id: int, baseline_run_id: int
-) -> tuple[int, list[DerivativeDifference]]:
-    """Compare two runs of one maneuver; return how many derivatives were judged, and changes."""
-    rows = [
-        row
-        for row in compare(store, (run_id, baseline_run_id), ()).rows
-        if row.max_difference_sigma is not None
-    ]
+def _compare_pair(store: Store, run_id: int, baseline_run_id: int) -> list[DerivativeDifference]:
+    """Compare two runs of one maneuver by all derivatives with standard errors of both."""
     changes: list[DerivativeDifference] = []
-    for row in rows:
+    for row in compare(store, (run_id, baseline_run_id), ()).rows:
         one, other, *_ = row.values
-        if row.consistent is False and one is not None and other is not None:
-            assert row.max_difference_sigma is not None
+        if row.max_difference_sigma is not None and one is not None and other is not None:
             changes.append(
                 DerivativeDifference(
                     name=row.name,
@@ -395,7 +496,63 @@ def _compare_pair(
                     difference_sigma=row.max_difference_sigma,
                 )
             )
-    return len(rows), changes
+    return changes
+
+
+def _compare_poles(store: Store, run_id: int, baseline_run_id: int) -> tuple[PoleChange, ...]:
+    """Compare the poles of two runs of one maneuver by their names."""
+    own, before = (
+        {pole.name: pole for pole in get_result(store.runs.get(number)).poles if pole.imag >= 0.0}
+        for number in (run_id, baseline_run_id)
+    )
+    return tuple(
+        PoleChange(
+            name=name,
+            run_id=run_id,
+            baseline_run_id=baseline_run_id,
+            frequency=own[name].frequency if name in own else None,
+            damping=own[name].damping if name in own else None,
+            damping_std=own[name].damping_std if name in own else None,
+            baseline_frequency=before[name].frequency if name in before else None,
+            baseline_damping=before[name].damping if name in before else None,
+        )
+        for name in dict.fromkeys((*own, *before))
+    )
+
+
+def _compare_held_out(
+    rows: Sequence[RunEvidence],
+    run_id: int,
+    baseline_run_id: int,
+    find_predictions: FindPredictions,
+) -> tuple[HeldOutEvidence, ...]:
+    """Compare the stored predictions of the other maneuvers of a proposal by two runs."""
+    fitted = next(row.maneuver_id for row in rows if row.run_id == run_id)
+    others = {row.maneuver_id: row.maneuver_label for row in rows if row.maneuver_id != fitted}
+    found: list[HeldOutEvidence] = []
+    for maneuver_id, label in others.items():
+        matrix = find_predictions((run_id, baseline_run_id), (maneuver_id,))
+        if matrix is None:
+            continue
+        by_run = {
+            one.run_id: {output.output: output.r_squared for output in one.outputs}
+            for one in matrix.predictions
+        }
+        before = by_run.get(baseline_run_id, {})
+        found += [
+            HeldOutEvidence(
+                maneuver_label=label,
+                run_id=run_id,
+                baseline_run_id=baseline_run_id,
+                output=output,
+                r_squared=r_squared,
+                baseline_r_squared=before[output],
+            )
+            for output, r_squared in by_run.get(run_id, {}).items()
+            if output in before
+        ]
+    found.sort(key=lambda one: -abs(one.r_squared - one.baseline_r_squared))
+    return tuple(found[:_MOST_CHANGES])
 
 
 def _read_flutter(run_ids: tuple[int, ...], find_flutter: FindFlutter) -> FlutterEvidence:

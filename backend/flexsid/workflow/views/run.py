@@ -9,7 +9,7 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
 from flexsid.records.comparison import Comparison
-from flexsid.records.run import EstimationRun, FitBlock, Method, Pole, RunResult
+from flexsid.records.run import EstimationRun, FitBlock, Method, ModelAdequacy, Pole, RunResult
 from flexsid.records.views import (
     Convergence,
     FitPlot,
@@ -20,6 +20,7 @@ from flexsid.records.views import (
     Residuals,
 )
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.agreement import compute_correlation
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 from flexsid.workflow.model_structures.run_results import get_result
 from flexsid.workflow.views.modes import list_modal_poles
@@ -117,15 +118,16 @@ def compute_residuals(store: Store, run_id: int, block: str | None = None) -> Re
 def compute_parameter_correlation(store: Store, run_id: int) -> ParameterCorrelation:
     """Read the correlation of the estimates from their covariance."""
     _, result = read_finished_run(store, run_id)
-    covariance = store.arrays.get(result.covariance)
-    sigma = np.sqrt(np.diag(covariance))
-    scale = np.outer(sigma, sigma)
-    undefined = np.full(covariance.shape, np.nan)
     return ParameterCorrelation(
         run_id=run_id,
         names=tuple(parameter.name for parameter in result.parameters),
-        correlation=np.divide(covariance, scale, out=undefined, where=scale > 0),
+        correlation=compute_correlation(store.arrays.get(result.covariance)),
     )
+
+
+def read_adequacy(store: Store, run_id: int) -> ModelAdequacy:
+    """Read the tests for remaining model error of a run."""
+    return read_finished_run(store, run_id)[1].adequacy
 
 
 def read_poles(store: Store, run_ids: Sequence[int]) -> PoleMap:

@@ -1,5 +1,6 @@
 /** What pages read: one query per resource. Pages and tests share these keys. */
 export * from "./aircraft";
+export * from "./conditions";
 export * from "./designs";
 export * from "./flights";
 export * from "./flutter";

@@ -1,4 +1,5 @@
 import { screen } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
 import { afterEach, expect, it, vi } from "vitest";
 import { setAccountName } from "../../api/analyst";
 import type { Decision, Session } from "../../api/types";
@@ -23,7 +24,9 @@ async function open(mode: Session["mode"], roles: Session["roles"]) {
     ),
   );
   setAccountName(name);
-  await show(<DecisionComposer decision={DECISION} revision={1} />);
+  await show(
+    <DecisionComposer decision={DECISION} revision={1} consequence="supersedes decision 2" />,
+  );
 }
 
 afterEach(() => {
@@ -62,4 +65,15 @@ it("offers all to whoever has set a name, without accounts", async () => {
   await open("personal", []);
   expect(await screen.findByText("As Cid, unverified.")).toBeInTheDocument();
   expect(screen.getByTestId("vote-approve")).toBeInTheDocument();
+});
+
+it("states the consequence of approval in the button, and offers no approval without it", async () => {
+  localStorage.setItem("flexsid.analyst", "Cid");
+  await open("personal", []);
+  await userEvent.type(await screen.findByTestId("comment-text"), "looked at");
+  expect(screen.getByTestId("vote-approve")).toHaveTextContent("Approve: supersedes decision 2");
+  expect(screen.getByTestId("vote-approve")).toBeEnabled();
+  await show(<DecisionComposer decision={DECISION} revision={1} consequence={undefined} />);
+  for (const button of screen.getAllByText("Approve"))
+    expect(button.closest("button")).toBeDisabled();
 });

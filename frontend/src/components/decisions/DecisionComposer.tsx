@@ -15,15 +15,25 @@ const VOTES: [Vote, string][] = [
   ["reject", "Reject"],
 ];
 
+/** A button with a sentence, over several lines where the page is narrow. */
+const SENTENCE = {
+  h: "auto",
+  mih: 36,
+  py: 6,
+  styles: { label: { whiteSpace: "normal" } },
+} as const;
+
 interface Props {
   decision: Decision;
   /** Revision that was read; a vote on any other is refused. */
   revision: number;
   derivative?: string;
+  /** What approval changes; without it a proposal cannot be approved. */
+  consequence: string | undefined;
 }
 
 /** Form to comment, vote or withdraw; a text is required. */
-export function DecisionComposer({ decision, revision, derivative }: Props) {
+export function DecisionComposer({ decision, revision, derivative, consequence }: Props) {
   const name = useAnalyst();
   const signature = useSignature();
   const mayWrite = useMay("analyst", decision.aircraft_id);
@@ -107,13 +117,16 @@ export function DecisionComposer({ decision, revision, derivative }: Props) {
             <Button
               key={value}
               variant={value === "approve" ? "filled" : "default"}
-              disabled={empty || busy}
+              disabled={empty || busy || (value === "approve" && consequence === undefined)}
               data-testid={`vote-${value}`}
+              {...(value === "approve" ? SENTENCE : {})}
               onClick={() => {
                 vote.mutate({ revision, vote: value, text }, done);
               }}
             >
-              {label}
+              {value === "approve" && consequence !== undefined
+                ? `${label}: ${consequence}`
+                : label}
             </Button>
           ))}
         {open && own && (
