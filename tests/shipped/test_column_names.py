@@ -5,6 +5,10 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import numpy as np
+import pytest
+from campaign import draw_flight
+from drawn_columns import DrawnFile, write_drawn_file
 from shipped import serving
 
 PROPOSED = {
@@ -52,3 +56,42 @@ def test_what_a_log_computes_is_no_measurement(tmp_path: Path) -> None:
     proposed = {name: (channels[name]["name"], channels[name]["unit"]) for name in names[1:]}
     assert proposed == {name: LOGGED[name] for name in names[1:]}
     assert all("role" in channels[name]["guessed"] for name in names[1:] if "_id" in name)
+
+
+UNITS = {"ue": 1e-6, "microstrain": 1e-6, "ustrain": 1e-6, "ft/s^2": 0.3048, "ft/s2": 0.3048}
+"""Spellings of one unit, by its factor."""
+
+
+@pytest.mark.parametrize(
+    "seed", [4, *(pytest.param(k, marks=pytest.mark.long) for k in range(20) if k != 4)]
+)
+def test_strange_names_are_recognised_by_words_and_motion(seed: int, tmp_path: Path) -> None:
+    flight = draw_flight(777, seed, rows=6000)
+    rng = np.random.default_rng([seed, 7])
+    drawn = write_drawn_file(rng, tmp_path, flight.aircraft, flight.record)
+    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
+        proposal = server.connect().upload(drawn.path)["proposal"]["text"]
+    wrong, silent = judge_proposal(drawn, proposal)
+    assert not silent  # what is guessed is asked
+    assert len(wrong) <= 0.12 * len(drawn.truth), wrong
+
+
+def judge_proposal(drawn: DrawnFile, proposal: str) -> tuple[list[str], list[str]]:
+    """Return the columns that are wrong, and those of them that nobody is asked about."""
+    channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
+    wrong, silent = [], []
+    for column, truth in drawn.truth.items():
+        channel = channels[column]
+        unit = channel["unit"]
+        is_unit = UNITS.get(unit, unit) == UNITS.get(truth.unit, truth.unit.replace("^", ""))
+        is_role = channel["role"] == truth.role
+        is_name = truth.name in (None, channel["name"])
+        if is_unit and is_role and is_name:
+            continue
+        wrong.append(f"{column} is {truth}, proposed as {channel}")
+        asked = set(channel.get("guessed", ()))
+        if (not is_unit and "unit" not in asked) or (
+            not (is_role and is_name) and "role" not in asked
+        ):
+            silent.append(wrong[-1])
+    return wrong, silent

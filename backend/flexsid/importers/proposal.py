@@ -25,12 +25,16 @@ from flexsid.importers.column_names import (
     recognise_column,
 )
 from flexsid.importers.plausibility import find_unit_warning
+from flexsid.importers.recognition import Recorded, recognise_columns
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.maneuver import Role
 from flexsid.units import is_known
 
 MOST_COLUMNS = 500
 """Largest number of columns of a matrix that are proposed as channels."""
+
+MOST_SAMPLES = 400_000
+"""Longest record whose columns are compared with each other: an hour at 100 Hz."""
 
 _MOST_CHANNELS = 100
 """Most columns that are proposed from files with several clocks; else those with usual names: logs
@@ -97,6 +101,7 @@ def write_proposal(
         and not _is_time(column)
         and (meaning := _meaning(column, known)) is not None
     ]
+    selected = _recognise_motion(sources, time, selected)
     velocities = _find_body_velocities(columns)
     selected = [(column, velocities.get(column.field, own)) for column, own in selected]
     known_before = remembered or {}
@@ -126,6 +131,30 @@ def write_proposal(
             text += f"clock = {_text(column.file)}\n"
         parts.append(text)
     return "\n".join(parts)
+
+
+def _recognise_motion(
+    sources: Sources, time: Mapping[str, str], selected: list[tuple[Column, Meaning]]
+) -> list[tuple[Column, Meaning]]:
+    """Recognise columns whose name is no usual one by their words and their motion."""
+    found = {id(column): meaning for column, meaning in selected}
+    for source in sources.items:
+        stamps = source.arrays.get(time.get(source.name, ""))
+        if stamps is None or source.clocks or not _increases(stamps):
+            continue
+        rate_hz = float((stamps.size - 1) / (stamps[-1] - stamps[0]))
+        own = [
+            (c, m) for c, m in selected if c.file == source.name and c.samples.size == stamps.size
+        ]
+        if all(meaning.known for _, meaning in own) or not 16 <= stamps.size <= MOST_SAMPLES:
+            continue
+        recorded = [
+            Recorded(field=c.field, unit=c.unit, samples=c.samples, rate_hz=rate_hz, named=m)
+            for c, m in own[:MOST_COLUMNS]
+        ]
+        meanings = recognise_columns(recorded)
+        found |= {id(c): m for (c, _), m in zip(own, meanings, strict=False)}
+    return [(column, found[id(column)]) for column, _ in selected]
 
 
 def _find_body_velocities(columns: Sequence[Column]) -> dict[str, Meaning]:
