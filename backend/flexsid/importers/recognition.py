@@ -141,7 +141,7 @@ _MAY_BE_THETA = frozenset({("", ""), ("", "angle"), ("theta", "angle")})
 _MAY_BE_Q = frozenset({("", ""), ("", "rate"), ("q", "rate")})
 
 
-class _Motion:
+class _MovingColumns:
     """Spectra and derivatives of all columns of one clock, each computed once."""
 
     def __init__(self, columns: Sequence[Recorded]) -> None:
@@ -283,7 +283,7 @@ def recognise_columns(columns: Sequence[Recorded]) -> list[Meaning]:
     if not columns:
         return []
     steady = [c if np.isfinite(c.samples).all() else _without_gaps(c) for c in columns]
-    motion = _Motion(steady)
+    motion = _MovingColumns(steady)
     hints = [_read_words(c) for c in columns]
     found = _find_kinds(motion, hints)
     return [_to_meaning(c, own) for c, own in zip(columns, _find_units(motion, found), strict=True)]
@@ -352,7 +352,7 @@ def _stated_unit(column: Recorded) -> str:
     return ""
 
 
-def _find_kinds(motion: _Motion, hints: Sequence[_Hint]) -> list[_Found]:
+def _find_kinds(motion: _MovingColumns, hints: Sequence[_Hint]) -> list[_Found]:
     """Return name, kind and role of each column."""
     found = [_Found(h.name, h.kind, h.role) for h in hints]
     pair = _find_rate(motion, found)
@@ -376,13 +376,15 @@ def _find_kinds(motion: _Motion, hints: Sequence[_Hint]) -> list[_Found]:
     return found
 
 
-def _drifts(motion: _Motion, k: int) -> bool:
+def _drifts(motion: _MovingColumns, k: int) -> bool:
     """Return whether a column describes the condition: it drifts, or only falls, as fuel does."""
     steps = np.diff(motion.columns[k].samples)
     return bool(motion.fast[k] < _SLOW or (steps <= 0).all() or (steps >= 0).all())
 
 
-def _find_surfaces(motion: _Motion, hints: Sequence[_Hint], slow: Iterable[int]) -> dict[int, Role]:
+def _find_surfaces(
+    motion: _MovingColumns, hints: Sequence[_Hint], slow: Iterable[int]
+) -> dict[int, Role]:
     """Return measured surfaces and commands: they share no lines, and commands lead."""
     still = set(slow)
     possible = [
@@ -435,7 +437,7 @@ def _find_disjoint(overlap: np.ndarray, first: Sequence[int], named: Sequence[bo
 
 
 def _find_commands(
-    motion: _Motion, hints: Sequence[_Hint], group: Sequence[int]
+    motion: _MovingColumns, hints: Sequence[_Hint], group: Sequence[int]
 ) -> dict[int, Role]:
     """Return which columns of one surface are commands: those ahead of the others."""
     ahead = {k: motion.lead(k, group[0]) for k in group}
@@ -458,7 +460,7 @@ def _find_g(mean: float) -> str:
     return ""
 
 
-def _find_rate(motion: _Motion, found: list[_Found]) -> set[int]:
+def _find_rate(motion: _MovingColumns, found: list[_Found]) -> set[int]:
     """Find the attitude and the gyro of which one is the derivative of the other."""
     angles = [k for k, own in enumerate(found) if (own.name, own.kind) in _MAY_BE_THETA]
     rates = [k for k, own in enumerate(found) if (own.name, own.kind) in _MAY_BE_Q]
@@ -481,7 +483,7 @@ def _find_rate(motion: _Motion, found: list[_Found]) -> set[int]:
     return set(pair)
 
 
-def _find_alpha(motion: _Motion, found: list[_Found], rest: Sequence[int]) -> None:
+def _find_alpha(motion: _MovingColumns, found: list[_Found], rest: Sequence[int]) -> None:
     """Find the vane: the normal acceleration is V times the rate of alpha less q."""
     names = {own.name: k for k, own in enumerate(found) if own.name}
     az = [k for k in rest if found[k].kind == "acceleration"]
@@ -506,7 +508,7 @@ def _size(span: float, kind: str) -> float:
     return float(min(abs(ratio), abs(ratio + np.log10(180 / np.pi))))
 
 
-def _name_conditions(motion: _Motion, found: list[_Found], slow: Iterable[int]) -> None:
+def _name_conditions(motion: _MovingColumns, found: list[_Found], slow: Iterable[int]) -> None:
     """Name what drifts: fuel falls, altitude is large, the rest is airspeed or temperature."""
     names = {own.name for own in found}
     kinds = {
@@ -537,7 +539,7 @@ def _name_conditions(motion: _Motion, found: list[_Found], slow: Iterable[int]) 
             names.add(name)
 
 
-def _find_units(motion: _Motion, found: Sequence[_Found]) -> list[_Found]:
+def _find_units(motion: _MovingColumns, found: Sequence[_Found]) -> list[_Found]:
     """Return units: as stated, else those in which related columns agree, else the usual size."""
     result: list[_Found] = []
     names = {own.name: k for k, own in enumerate(found) if own.name}
@@ -563,7 +565,7 @@ def _by_size(span: float, kind: str) -> str:
     return ("deg" if span > usual / np.sqrt(180 / np.pi) else "rad") + per_s
 
 
-def _of_twin(motion: _Motion, found: Sequence[_Found], stated: Sequence[str], k: int) -> str:
+def _of_twin(motion: _MovingColumns, found: Sequence[_Found], stated: Sequence[str], k: int) -> str:
     """Return the unit of a deflection from its command or other side, whose unit is stated."""
     for other, own in enumerate(found):
         same = other != k and own.kind == "deflection" and stated[other]
@@ -581,7 +583,7 @@ class _Attitude:
 
 
 def _find_attitude_units(
-    motion: _Motion, stated: Sequence[str], names: Mapping[str, int]
+    motion: _MovingColumns, stated: Sequence[str], names: Mapping[str, int]
 ) -> _Attitude | None:
     """Return the units of theta and q: as stated, else of usual size, each by the other."""
     theta, q = names.get("theta"), names.get("q")
@@ -607,7 +609,7 @@ def _find_attitude_units(
     return _Attitude(theta, angle, rate)
 
 
-def _of_attitude(motion: _Motion, own: _Found, attitude: _Attitude | None, k: int) -> str:
+def _of_attitude(motion: _MovingColumns, own: _Found, attitude: _Attitude | None, k: int) -> str:
     """Return the unit of theta or q, or that in which another one moves about as far."""
     if attitude is None:
         return ""
@@ -619,7 +621,7 @@ def _of_attitude(motion: _Motion, own: _Found, attitude: _Attitude | None, k: in
     return min(_KINDS["angle"], key=lambda u: abs(np.log(factor / units.lookup(u).factor)))
 
 
-def _of_condition(motion: _Motion, own: _Found, k: int) -> str:
+def _of_condition(motion: _MovingColumns, own: _Found, k: int) -> str:
     mean = abs(float(motion.mean[k]))
     if own.kind == "fuel":
         return "%" if mean > 1.0 else "1"
@@ -630,7 +632,9 @@ def _of_condition(motion: _Motion, own: _Found, k: int) -> str:
     return _KINDS[own.kind][0] if own.kind in _KINDS else ""
 
 
-def _check_airspeed(motion: _Motion, found: list[_Found], names: Mapping[str, int]) -> list[_Found]:
+def _check_airspeed(
+    motion: _MovingColumns, found: list[_Found], names: Mapping[str, int]
+) -> list[_Found]:
     """Find airspeed and its unit: normal acceleration is V times the rate of the flight path."""
     speed = _find_speed(motion, found, names)
     if speed is None:
@@ -658,7 +662,9 @@ def _check_airspeed(motion: _Motion, found: list[_Found], names: Mapping[str, in
     return found
 
 
-def _find_speed(motion: _Motion, found: Sequence[_Found], names: Mapping[str, int]) -> float | None:
+def _find_speed(
+    motion: _MovingColumns, found: Sequence[_Found], names: Mapping[str, int]
+) -> float | None:
     """Return the airspeed [m/s] by which an accelerometer, the vane and the gyro agree."""
     if not {"alpha", "q"} <= names.keys():
         return None
