@@ -114,7 +114,7 @@ def _client() -> str:
             "",
             "::: flexsid.client.workbench.Workbench",
             "",
-            "::: flexsid.client.polling.RunFailed",
+            "::: flexsid.client.connection.RunFailed",
             "",
             "::: flexsid.client.connection.RequestRefused",
             "",

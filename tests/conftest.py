@@ -21,14 +21,13 @@ from shape_checks import check_first_calls
 from threadpoolctl import threadpool_limits
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Sensor, Surface
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Channel, Condition, Excitation, Flight, Maneuver, Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.sysid.model.instruments import Butterworth, FirstOrder, Instrument, SecondOrder
-from flexsid.sysid.model.sensor_models import GYRO
+from flexsid.sysid.model.sensor_models import GYRO, Butterworth, FirstOrder, Instrument, SecondOrder
 
 # Without `make` too: two threads take several times as long as one for small matrices. The
 # environment is read by libraries that are loaded later and by other processes.
@@ -255,7 +254,7 @@ def _fly(url: str) -> None:
     """Add FLEX-28, one flown maneuver and an EE run of it to a database."""
     from flexsid.demo.campaign import add_aircraft, add_maneuver
     from flexsid.demo.flights import fly
-    from flexsid.jobs.inline import execute_run
+    from flexsid.jobs.dispatcher import execute_run
     from flexsid.jobs.kinds import RUN
 
     store = Store.open(url)

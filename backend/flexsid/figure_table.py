@@ -10,54 +10,66 @@ from typing import Annotated, Any, get_type_hints
 from pydantic import AfterValidator, Field, ValidationInfo, create_model
 
 from flexsid.errors import BadInput
-from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode
-from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
+from flexsid.figures.bode import AxisScale, MagnitudeScale, View, draw_bode, draw_fit
+from flexsid.figures.closed_loop import (
+    draw_closed_loop_margins,
+    draw_closed_loop_roots,
+    draw_control_loop,
+    draw_loops,
+)
 from flexsid.figures.condition_sheet import draw_adequacy, draw_condition_derivatives
-from flexsid.figures.control_loop import draw_control_loop
-from flexsid.figures.derivative_coverage import draw_derivative_coverage
-from flexsid.figures.derivatives import draw_derivatives
-from flexsid.figures.envelope import draw_envelope
-from flexsid.figures.equivalent_modes import draw_equivalent_modes
+from flexsid.figures.derivatives import draw_derivatives, draw_forest, draw_trend
+from flexsid.figures.estimates import (
+    draw_cross_predictions,
+    draw_iterations,
+    draw_parameter_correlation,
+    draw_plot_matrix,
+    draw_residual,
+    draw_residual_correlation,
+    draw_search_path,
+    draw_search_stability,
+)
 from flexsid.figures.excitation import (
     draw_design_history,
     draw_design_information,
     draw_design_signal,
     draw_design_spectrum,
+    draw_signal_to_noise,
+    draw_spectrum,
 )
-from flexsid.figures.fit import draw_fit
-from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
-from flexsid.figures.flutter_summary import draw_flutter_summary
-from flexsid.figures.forest import draw_forest
-from flexsid.figures.global_model import draw_coverage, draw_slice
-from flexsid.figures.ground_test import draw_ground_test
-from flexsid.figures.iterations import draw_iterations
-from flexsid.figures.lattice import draw_lattice
-from flexsid.figures.live_history import draw_live_history
-from flexsid.figures.loops import draw_loops
+from flexsid.figures.flutter import (
+    draw_equivalent_modes,
+    draw_flutter_forecast,
+    draw_flutter_map,
+    draw_flutter_summary,
+)
+from flexsid.figures.global_model import (
+    draw_coverage,
+    draw_derivative_coverage,
+    draw_envelope,
+    draw_slice,
+)
 from flexsid.figures.modal_data import (
     draw_assurance,
+    draw_ground_test,
     draw_measured_response,
     draw_model_order,
     draw_modes_against_fuel,
     draw_reduced_responses,
     draw_stabilisation,
 )
-from flexsid.figures.parameter_correlation import draw_parameter_correlation
-from flexsid.figures.plot_matrix import draw_plot_matrix
-from flexsid.figures.poles import draw_poles
-from flexsid.figures.reconstruction import draw_reconstruction
-from flexsid.figures.residual import draw_residual
-from flexsid.figures.roots import draw_root_locus, draw_v_omega_zeta
-from flexsid.figures.search import draw_search_path, draw_search_stability
-from flexsid.figures.signal_to_noise import draw_signal_to_noise
+from flexsid.figures.mode_shapes import draw_lattice
+from flexsid.figures.roots import draw_poles, draw_root_locus, draw_v_omega_zeta
 from flexsid.figures.spec import Spec
-from flexsid.figures.spectrum import draw_spectrum
-from flexsid.figures.surface_histories import draw_surface_histories
-from flexsid.figures.time_check import draw_time_check
-from flexsid.figures.time_comparison import Arrangement, draw_time_comparison
-from flexsid.figures.time_history import draw_time_history
-from flexsid.figures.trend import draw_trend
-from flexsid.figures.validation import draw_cross_predictions, draw_residual_correlation
+from flexsid.figures.time_histories import (
+    Arrangement,
+    draw_live_history,
+    draw_reconstruction,
+    draw_surface_histories,
+    draw_time_check,
+    draw_time_comparison,
+    draw_time_history,
+)
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import (
     CLOSED_LOOP,
@@ -70,16 +82,21 @@ from flexsid.jobs.kinds import (
     PREDICTED_FLUTTER,
     RECONSTRUCTION,
     TRANSFER_FUNCTION,
+    read_condition_sheet,
 )
-from flexsid.jobs.stored_results import read_condition_sheet
-from flexsid.records.comparison import Against
 from flexsid.records.decision import LimitedQuantity
 from flexsid.records.excitation import DEFAULT_LEVEL
-from flexsid.records.flutter import Along, ClosedLoop, Flutter, FlutterMap, FlutterRoots
-from flexsid.records.flutter_summary import SummaryDiagram
+from flexsid.records.flutter import (
+    Along,
+    ClosedLoop,
+    Flutter,
+    FlutterMap,
+    FlutterRoots,
+    SummaryDiagram,
+)
 from flexsid.records.global_model import DerivativeSlice, EnvelopeCoverage
 from flexsid.records.modal_data import ModelOrder, ReducedResponses, Stabilisation
-from flexsid.records.validation import CrossPredictionMatrix
+from flexsid.records.validation import Against, CrossPredictionMatrix
 from flexsid.records.views import (
     Bode,
     DesignedExcitation,
@@ -91,9 +108,9 @@ from flexsid.records.views import (
 )
 from flexsid.request_models import QueryParameters, derive_parameters, parameters_of
 from flexsid.storage.maneuver_list import ManeuverFilters
-from flexsid.storage.reading import reading_once
+from flexsid.storage.repository import reading_once
 from flexsid.storage.store import Store
-from flexsid.sysid.model.axes import ModelAxis
+from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.text import LARGEST_ID, split_ids, split_names
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 from flexsid.workflow.excitation.excitation_designs import sample_design
@@ -101,41 +118,38 @@ from flexsid.workflow.excitation.predicted_accuracy import DesignQuery
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.controllers import describe_loop
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
-from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
-from flexsid.workflow.flutter.summary_roots import (
+from flexsid.workflow.flutter.flutter_summary import (
     SummaryQuery,
     query_beside_summary,
     read_summary_roots,
 )
+from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery, query_beside_flight
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
-from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
+from flexsid.workflow.global_model.versions import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
-from flexsid.workflow.live.sortie import read_live_history
+from flexsid.workflow.live.live_estimator import read_live_history
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch, read_function
 from flexsid.workflow.quality.ground_records import read_ground_spectra
 from flexsid.workflow.review.audit import read_figure
 from flexsid.workflow.structure_determination.searches import get_group
-from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
-from flexsid.workflow.validation.cross_validation import CrossValidationQuery
-from flexsid.workflow.validation.predicted_spectra import (
+from flexsid.workflow.validation.cross_prediction import (
+    CrossPredictionQuery,
     compute_held_out_residuals,
     compute_prediction_residuals,
     correlate_residuals,
     read_held_out_fit,
     read_prediction,
 )
-from flexsid.workflow.views.bode import compute_bode
-from flexsid.workflow.views.campaign import read_envelope
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.views.bode import compute_bode, estimate_loops
 from flexsid.workflow.views.dashboard import read_derivative_coverage
-from flexsid.workflow.views.fuel import trace_modes
-from flexsid.workflow.views.lattice import view_lattice
-from flexsid.workflow.views.loops import estimate_loops
 from flexsid.workflow.views.maneuver import (
     POINTS,
     compute_spectrum,
     estimate_signal_to_noise,
+    read_envelope,
     read_time_history,
 )
 from flexsid.workflow.views.modal_assurance import compute_assurance
@@ -144,19 +158,23 @@ from flexsid.workflow.views.model_order import (
     compute_reduced_responses,
     study_model_order,
 )
-from flexsid.workflow.views.plot_matrix import Domain, compute_plot_matrix
+from flexsid.workflow.views.modes import trace_modes, view_lattice
 from flexsid.workflow.views.run import (
+    Domain,
     compare_derivatives,
     compute_parameter_correlation,
+    compute_plot_matrix,
     compute_residuals,
     read_adequacy,
     read_fit,
     read_iterations,
     read_poles,
 )
-from flexsid.workflow.views.surface_histories import read_surface_histories
-from flexsid.workflow.views.time_check import check_in_time
-from flexsid.workflow.views.time_comparison import compare_in_time
+from flexsid.workflow.views.time_comparison import (
+    check_in_time,
+    compare_in_time,
+    read_surface_histories,
+)
 
 _MOST_COUNTS = 10
 

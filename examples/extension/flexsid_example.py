@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from flexsid.importers.file_format import FileFormat
+from flexsid.importers.formats.readers import FileFormat
 from flexsid.importers.source import Field
 from flexsid.records.live import Frame, StreamHeader
 from flexsid.streams.receiver import Options, Receiver
 from flexsid.sysid.model.condition import FlightCondition
+from flexsid.sysid.model.rigid_body import ACCELERATION, RATE, Mounting
 from flexsid.sysid.model.sensor_models import SensorModel
-from flexsid.sysid.model.sensors import ACCELERATION, RATE, Mounting
 
 
 def _pitch_acceleration(at: Mounting, condition: FlightCondition) -> np.ndarray:

@@ -6,8 +6,8 @@ import numpy as np
 
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store

@@ -12,20 +12,19 @@ from scipy.optimize import brentq
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.records.maneuver import Condition
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, fuse_identified
-from flexsid.sysid.stability.envelope_fusion import fit_envelope
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, fit_envelope, fuse_identified
 from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     fuse_at_crossing,
     predict_flutter,
 )
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,

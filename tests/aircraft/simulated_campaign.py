@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Condition, Flight, Maneuver
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
     Fit,

@@ -9,8 +9,7 @@ import numpy as np
 from flexsid.demo.aircraft import build_anti_alias_filter, describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, design_fta, fly, sample_excitation
-from flexsid.demo.recorder import Recorder
-from flexsid.demo.truth_flight import RATE_HZ, sensor_rows
+from flexsid.demo.truth_flight import RATE_HZ, Recorder, sensor_rows
 from flexsid.sysid.model.laws import discretise
 from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
 

@@ -17,7 +17,7 @@ from scipy import linalg, signal
 
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import FlownManeuver
-from flexsid.demo.recorder import FlownChannel
+from flexsid.demo.truth_flight import FlownChannel
 from flexsid.records.aircraft import (
     Aircraft,
     Combination,
@@ -32,19 +32,26 @@ from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import assign_harmonics, design_multisine
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
 from flexsid.sysid.model.sensor_models import (
     ACCELEROMETER,
     ATTITUDE,
     GYRO,
     STRAIN,
     VANE,
+    Butterworth,
+    Instrument,
+    SecondOrder,
     load_sensor_models,
 )
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.simulation import sensors as feel
-from flexsid.sysid.simulation.airframe import ALPHA, THETA, Airframe, assemble_airframe
-from flexsid.sysid.simulation.recording import apply_instruments
+from flexsid.sysid.simulation.airframe import (
+    ALPHA,
+    THETA,
+    Airframe,
+    apply_instruments,
+    assemble_airframe,
+)
 
 RATE_HZ = 200.0
 TRIM_S, SETTLE_S = 2.0, 6.0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fastapi.testclient import TestClient
 
-from flexsid.api.openapi.request_examples import AIRCRAFT_DEFINITION as KITE
+from flexsid.api.request_examples import AIRCRAFT_DEFINITION as KITE
 from flexsid.cli.main import main
 
 API = "/api/v1/aircraft"

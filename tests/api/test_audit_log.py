@@ -17,11 +17,11 @@ from flexsid.errors import BadInput
 from flexsid.records.account import AccountRole
 from flexsid.settings import Mode
 from flexsid.storage.access import Access, using_access
-from flexsid.storage.audit_log import read_events
-from flexsid.storage.event_chain import is_chain_intact
+from flexsid.storage.audit_recording import is_chain_intact
+from flexsid.storage.changes import read_events
 from flexsid.storage.store import Store
 from flexsid.storage.tables import audit_events
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from flexsid.api.scheduled_backups import request_due_backup
+from flexsid.api.app import request_due_backup
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_request
+from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import fail_job, submit
 from flexsid.jobs.kinds import BACKUP
 from flexsid.jobs.messages import FailedMessage
@@ -23,14 +23,10 @@ from flexsid.settings import read_settings
 from flexsid.storage import backup as copies
 from flexsid.storage import queue
 from flexsid.storage.access import Access, Forbidden, using_access
-from flexsid.storage.channels import read_channels
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.shared_samples import SAMPLES
 from flexsid.storage.store import Store
-from flexsid.workflow.maintenance.database_backup import (
-    BackupRequest,
-    BackupTask,
-    refuse_backup,
-)
+from flexsid.workflow.maintenance.database import BackupRequest, BackupTask, refuse_backup
 
 API = "/api/v1"
 SCHEDULED = BackupRequest(retained=2)

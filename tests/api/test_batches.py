@@ -9,7 +9,7 @@ from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from waiting import wait_until
 
-from flexsid.storage.quotas import Quotas
+from flexsid.storage.access import Quotas
 
 API = "/api/v1"
 SETTINGS = {"max_iterations": 90, "out_of_band_modes": "omitted"}  # the existing run has other ones

@@ -10,10 +10,9 @@ from pydantic import TypeAdapter
 from tests.api.conftest import Serve
 
 from flexsid.api.models import responses
-from flexsid.demo.flights import fly
-from flexsid.demo.whole_flight import add_recording, record_flight
+from flexsid.demo.flights import add_recording, fly, record_flight
 from flexsid.records.maneuver import Flight, ManeuverProposal
-from flexsid.storage.paging import Items
+from flexsid.storage.list_query import Items
 from flexsid.storage.store import Store
 
 API = "/api/v1/flights"

@@ -13,7 +13,7 @@ from tests.api.team import Act, proposal, propose, set_rules, vote
 from flexsid.errors import BadInput
 from flexsid.storage.database import make_engine, parse_url
 from flexsid.storage.store import Store
-from flexsid.workflow.maintenance.signed_files import check_signed_file
+from flexsid.workflow.maintenance.printed_reports import check_signed_file
 
 
 def test_later_baseline_of_whole_range_supersedes(act: Act) -> None:

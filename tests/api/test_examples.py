@@ -10,7 +10,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from flexsid.api.openapi.examples import make_example
+from flexsid.api.description import make_example
 
 FOR_PROGRAMS = {
     *("application/octet-stream", "application/pdf", "application/x-matlab-data"),

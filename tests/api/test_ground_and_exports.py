@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from flexsid.api.export import respond_with_figure
-from flexsid.figures.numbers import extract_curves, write_csv
-from flexsid.figures.spec import column
+from flexsid.api.responses import respond_with_figure
+from flexsid.figures.spec import column, extract_curves, write_csv
 
 
 def spec_of(y: np.ndarray) -> dict:

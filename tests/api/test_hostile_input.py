@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flexsid.errors import BadInput
-from flexsid.records.saved_view import SavedView
+from flexsid.records.note import SavedView
 from flexsid.storage.store import Store
 
 HOSTILE = ["a\x00b", "a\u202eb", "a\x1b[0mb", "a\nb"]

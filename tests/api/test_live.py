@@ -11,9 +11,8 @@ from waiting import wait_until
 
 from flexsid.storage.live_history import find_newest_state
 from flexsid.storage.store import Store
-from flexsid.workflow.live.live_task import prepare_live_task
-from flexsid.workflow.live.packets import encode_frame
-from flexsid.workflow.live.replay import read_replay
+from flexsid.workflow.live.frame_assembler import encode_frame, read_replay
+from flexsid.workflow.live.live_fit import prepare_live_task
 
 LIVE = "/api/v1/live"
 ANN = {"X-Flexsid-Analyst": "Ann"}

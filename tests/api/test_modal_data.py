@@ -16,7 +16,7 @@ from fastapi.testclient import TestClient
 from scipy.io import loadmat
 from structural_files import make_structure, print_mass, print_shapes, write_deck
 
-from flexsid.importers.readers import read_file
+from flexsid.importers.formats.readers import read_file
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"

@@ -12,8 +12,8 @@ from tests.api.conftest import Serve
 from waiting import assess
 
 from flexsid.errors import BadInput
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import GROUND
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct

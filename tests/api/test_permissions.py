@@ -25,13 +25,12 @@ from flexsid.api.authorization import _NAMED, authorize
 from flexsid.api.errors import _STATUS
 from flexsid.api.live_events import JobUpdate
 from flexsid.api.permissions import PERMISSIONS, Permission, find_refusal
-from flexsid.api.routes.events import _select_visible
+from flexsid.api.routes.jobs import _select_visible
 from flexsid.errors import FlexsidError, UnknownRecord
 from flexsid.jobs.kinds import QUALITY
 from flexsid.records.account import AccountRole
 from flexsid.records.decision import FrozenFigure
-from flexsid.records.flutter import Controller
-from flexsid.records.flutter_summary import FlutterSummary
+from flexsid.records.flutter import Controller, FlutterSummary
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.live import (
     LiveStream,
@@ -42,13 +41,11 @@ from flexsid.records.live import (
 )
 from flexsid.records.maneuver import Flight, Maneuver, StoredMapping
 from flexsid.records.modal_data import MeasuredResponses
-from flexsid.records.note import NoteRevision, NoteSubject
-from flexsid.records.run import Batch, Method, RunSettings
-from flexsid.records.run_template import RunTemplate
-from flexsid.records.saved_view import SavedView
+from flexsid.records.note import NoteRevision, NoteSubject, SavedView
+from flexsid.records.run import Batch, Method, RunSettings, RunTemplate
 from flexsid.settings import Mode
 from flexsid.storage import access, job_log, tables
-from flexsid.storage.campaigns import adopt_records
+from flexsid.storage.changes import adopt_records
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.accounts import accounts

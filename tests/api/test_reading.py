@@ -16,7 +16,7 @@ from flexsid.records.excitation import ExcitationDesign
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.sysid.excitation import designer
-from flexsid.sysid.excitation.harmonic_assignment import Band
+from flexsid.sysid.excitation.catalogue import Band
 from flexsid.workflow.excitation import excitation_designs
 
 _MOST_S = 0.2  # of processor time: what takes longer is a job

@@ -12,7 +12,7 @@ from fastapi.testclient import TestClient
 from flexsid.api.app import create_app
 from flexsid.cli.main import main
 from flexsid.jobs import kinds
-from flexsid.jobs.inline import execute_request
+from flexsid.jobs.dispatcher import execute_request
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
 from flexsid.workflow.maintenance.printed_reports import ReportRequest

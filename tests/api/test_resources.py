@@ -7,22 +7,22 @@ from fastapi.testclient import TestClient
 from pydantic import TypeAdapter
 from waiting import ended
 
-from flexsid.api.models import responses, run_responses
+from flexsid.api.models import responses, runs
 from flexsid.api.routes.figures import Figure
 from flexsid.api.routes.jobs import QueueStatus
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
-from flexsid.records.comparison import Comparison
 from flexsid.records.condition_sheet import ConditionItem, ConditionSheet
+from flexsid.records.decision import ModelStructure
 from flexsid.records.job import JobEvent
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalTable
-from flexsid.records.model_structure import ModelStructure
+from flexsid.records.validation import Comparison
 from flexsid.storage.batches import BatchProgress
 from flexsid.storage.job_list import JobItem
+from flexsid.storage.list_query import Items, Page
 from flexsid.storage.maneuver_list import ManeuverItem
-from flexsid.storage.paging import Items, Page
 from flexsid.storage.run_list import RunItem
-from flexsid.workflow.runs.run_export import RunExport
+from flexsid.workflow.runs.exports import RunExport
 
 API = "/api/v1"
 FIGURES = (
@@ -60,7 +60,7 @@ FIGURES = (
         ("predictions/1?fuel=0.3", responses.PredictionDetail),
         ("model-structures?aircraft_id=1", Page[ModelStructure]),
         ("runs?maneuver_id=1&method=EE&state=succeeded", Page[RunItem]),
-        ("runs/1", run_responses.Run),
+        ("runs/1", runs.Run),
         ("conditions?aircraft_id=1", Items[ConditionItem]),
         ("conditions/1/sheet", ConditionSheet),
         ("runs/1/export", RunExport),

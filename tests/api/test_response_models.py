@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexsid.api.models.response_models import extend_record, response_of
+from flexsid.api.models.responses import extend_record, response_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from typing import Any
 from fastapi.testclient import TestClient
 from waiting import ended
 
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import Method, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage import queue

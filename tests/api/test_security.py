@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from fastapi.testclient import TestClient
 
-from flexsid.api.middleware.body_limit import LARGEST_BODY
+from flexsid.api.middleware.limits import LARGEST_BODY
 
 API = "/api/v1"
 

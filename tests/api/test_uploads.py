@@ -19,7 +19,7 @@ from waiting import ended
 
 from flexsid.importers.proposal import REMEMBERED
 from flexsid.settings import Settings
-from flexsid.storage.quotas import Quotas, count_recorded_bytes
+from flexsid.storage.access import Quotas, count_recorded_bytes
 
 TIME = np.arange(200) / 50.0
 

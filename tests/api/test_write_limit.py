@@ -9,7 +9,7 @@ from typing import Any
 
 from starlette.types import Receive, Scope, Send
 
-from flexsid.api.middleware.write_limit import WriteLimit
+from flexsid.api.middleware.limits import WriteLimit
 
 
 class Service:

@@ -24,12 +24,12 @@ from typing import Any
 import numpy as np
 from estimation import gauss_newton_step, make_problem
 
-from flexsid.cli.predictions import read_planform
+from flexsid.cli.models import read_planform
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import compute_coefficients
-from flexsid.sysid.aerodynamics.influence import Symmetry, compute_influence
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry, compute_influence
+from flexsid.sysid.aerodynamics.splines import BoxShapes, Reference
 from flexsid.sysid.model.frequency_shape import build_frequency_shape
 
 PLANFORM = Path(__file__).parents[2] / "examples" / "flex28" / "planform.toml"

@@ -31,16 +31,16 @@ from scipy.io import savemat
 from flexsid.api.app import create_app
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL, RUN
 from flexsid.records.aircraft import Aircraft, Geometry, MassTable, Surface
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.settings import Settings
-from flexsid.storage.channels import read_channels
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.flight_import import Imported, import_each, read_upload

@@ -38,14 +38,19 @@ from sqlalchemy.engine import Connection
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.records.decision import EventKind, ModelProposal, StructureReference
+from flexsid.records.decision import (
+    EventKind,
+    ModelProposal,
+    ModelStructure,
+    Structure,
+    StructureReference,
+)
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review
 

@@ -26,27 +26,26 @@ from scipy.linalg import lapack
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.records.maneuver import Condition
-from flexsid.sysid.estimation.batch_regression import regress_many
-from flexsid.sysid.estimation.delays import estimate_delays
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
+from flexsid.sysid.estimation.linear_algebra import regress_many
 from flexsid.sysid.estimation.noise import compute_group_powers, compute_residual_density
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import regress
+from flexsid.sysid.estimation.starting_values import estimate_delays
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.lateral import LATERAL
+from flexsid.sysid.model.rigid_body import Mounting, SensorRows, body_axes, stack_rows, strain_row
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN, load_sensor_models
-from flexsid.sysid.model.sensors import Mounting, SensorRows, body_axes, stack_rows, strain_row
 from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform

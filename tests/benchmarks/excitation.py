@@ -27,19 +27,25 @@ from scipy import fft, optimize
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.checks import ActuatorLimits
-from flexsid.sysid.excitation.extrema import evaluate_peak_factor
-from flexsid.sysid.excitation.norms import HarmonicSpectrum
-from flexsid.sysid.excitation.peak_factor import schroeder_phases
-from flexsid.sysid.excitation.phase_search import PATIENT, QUICK, THOROUGH, Effort, search_phases
+from flexsid.sysid.excitation.peak_factor import (
+    PATIENT,
+    QUICK,
+    THOROUGH,
+    Effort,
+    HarmonicSpectrum,
+    evaluate_peak_factor,
+    schroeder_phases,
+    search_phases,
+)
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.instruments import Butterworth, Instrument
-from flexsid.sysid.simulation.airframe import assemble_airframe
-from flexsid.sysid.simulation.preflight_simulation import simulate_flight
-from flexsid.sysid.simulation.recording import (
+from flexsid.sysid.model.sensor_models import Butterworth, Instrument
+from flexsid.sysid.simulation.airframe import (
     SensorErrors,
     apply_instruments,
     apply_sensor_errors,
+    assemble_airframe,
 )
+from flexsid.sysid.simulation.preflight_simulation import simulate_flight
 from flexsid.sysid.simulation.turbulence import Turbulence, generate_gust
 
 FIRST = 6

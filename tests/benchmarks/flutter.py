@@ -26,18 +26,18 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, Truth, load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Condition
 from flexsid.records.maneuver import Flight as FlightRecord
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Parameters, select_parameters
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData
@@ -49,13 +49,13 @@ from flexsid.sysid.stability.flutter_extrapolation import (
     extrapolate_flutter_margin,
 )
 from flexsid.sysid.stability.flutter_prediction import compute_structure_spread, predict_flutter
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import (
     UncertainDerivatives,
     estimate_root_bands,
     sample_root_bands,
 )
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import (
     build_model,
     define_outputs,

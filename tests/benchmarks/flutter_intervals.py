@@ -30,15 +30,15 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import FlexsidError
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalKind
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.sysid.model.modal_errors import FEM_FREQUENCY
+from flexsid.sysid.model.reduction import FEM_FREQUENCY
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, analyse_flutter
 from flexsid.workflow.runs.run_proposal import apply_proposal

@@ -28,20 +28,19 @@ import numpy as np
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.live import Frame, LiveStream, ReceiverSettings
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
 from flexsid.storage.live_history import list_states
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
-from flexsid.sysid.preparation.stream_checks import StreamChecks
+from flexsid.sysid.preparation.spikes_and_dropouts import StreamChecks
 from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
+from flexsid.workflow.live.frame_assembler import encode_frame, pace, read_replay
 from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
-from flexsid.workflow.live.packets import encode_frame
-from flexsid.workflow.live.replay import pace, read_replay
+from flexsid.workflow.live.live_fit import FRAME_S, prepare_live_task
 
 CHANNELS, RATE_HZ, SECONDS = 100, 200.0, 30.0
 OMEGA = 2.0 * np.pi * np.arange(6, 331) / 24.0

@@ -29,9 +29,8 @@ import numpy as np
 from endurance import is_server, list_processes, measure
 
 from flexsid.records.live import Frame
-from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
-from flexsid.workflow.live.packets import encode_frame
-from flexsid.workflow.live.replay import pace, read_replay
+from flexsid.workflow.live.frame_assembler import encode_frame, pace, read_replay
+from flexsid.workflow.live.live_fit import FRAME_S, prepare_live_task
 
 BROWSERS, CHANNELS = 20, 12
 

@@ -31,15 +31,14 @@ from live_browsers import BROWSERS, CHANNELS, Browser, Feed
 from live_intervals import AIR, AIRSPEEDS
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
-from flexsid.demo.flights import FlownManeuver, fly
-from flexsid.demo.whole_flight import record_flight
+from flexsid.demo.flights import FlownManeuver, fly, record_flight
+from flexsid.records.decision import Structure
 from flexsid.records.live import Frame, StreamHeader
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings, RunState
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.live.live_task import FRAME_S, prepare_live_task
+from flexsid.workflow.live.live_fit import FRAME_S, prepare_live_task
 from flexsid.workflow.runs.run_proposal import apply_proposal
 
 HOURS, TENTHS = 8.0, 10

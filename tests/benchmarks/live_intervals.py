@@ -28,18 +28,18 @@ import numpy as np
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import Truth, load_truth
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.live import AlarmKind, LiveState
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.workflow.live.frame_assembler import read_replay
 from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import adjust_live_task, prepare_live_task
-from flexsid.workflow.live.replay import read_replay
+from flexsid.workflow.live.live_fit import adjust_live_task, prepare_live_task
 from flexsid.workflow.runs.run_proposal import apply_proposal
 
 AIRSPEEDS = (0.65, 0.80, 0.90, 0.95, 1.05)

@@ -31,13 +31,13 @@ from playwright.sync_api import Page, Request, expect, sync_playwright
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.run_results import store_hash
+from flexsid.storage.run_list import store_hash
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels, jobs, maneuvers, run_summaries, runs
 

@@ -20,7 +20,6 @@ from estimation import as_experiment, fit, free_all, make_problem, report_result
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.structure_determination.candidates import select_candidates
 from flexsid.sysid.structure_determination.evidence import (
     SubsetEstimate,
     compute_evidence,
@@ -29,6 +28,7 @@ from flexsid.sysid.structure_determination.evidence import (
 from flexsid.sysid.structure_determination.selection import (
     SelectionState,
     Thresholds,
+    select_candidates,
     select_terms,
 )
 

@@ -30,14 +30,13 @@ from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import FlownManeuver, fly
-from flexsid.demo.surface_faults import FaultKind, SurfaceFault
-from flexsid.demo.truth_flight import RATE_HZ
+from flexsid.demo.truth_flight import RATE_HZ, FaultKind, SurfaceFault
 from flexsid.records.maneuver import Flight
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.quality.quality_warnings import warn_of_surfaces
-from flexsid.workflow.quality.surface_quality import check_surfaces
+from flexsid.workflow.quality.sensor_skews import check_surfaces
 
 FLIGHTS = 20
 RATIOS = (0.50, 0.65, 0.80, 0.95)

@@ -22,7 +22,7 @@ from ports import find_free_port
 from scipy.io import loadmat
 from waiting import PATIENCE_S, wait_until
 
-from flexsid.api.openapi.request_examples import AIRCRAFT_DEFINITION
+from flexsid.api.request_examples import AIRCRAFT_DEFINITION
 from flexsid.cli.main import main
 from flexsid.errors import BadInput
 from flexsid.records.decision import ModelProposal, StructureReference, Vote
@@ -548,7 +548,7 @@ def test_backups_at_intervals_retain_the_newest(
     def refuse(source: Path) -> None:
         raise BadInput("damaged")
 
-    monkeypatch.setattr("flexsid.cli.backup.time.sleep", pause)
+    monkeypatch.setattr("flexsid.cli.administration.time.sleep", pause)
     assert main([*command, *options]) == 130
     assert pauses == [86400.0, 86400.0, 3600.0, 86400.0]
     assert len(list(folder.iterdir())) == 2

@@ -15,9 +15,15 @@ from mcp import Client
 from mcp.client.stdio import StdioServerParameters
 
 from flexsid.api.app import create_app
-from flexsid.client.agent_server import build_server
+from flexsid.client.agent_server import (
+    LARGEST_RESULT,
+    PROPOSALS,
+    Tool,
+    build_server,
+    call_tool,
+    list_tools,
+)
 from flexsid.client.connection import Connection
-from flexsid.client.tools import LARGEST_RESULT, PROPOSALS, Tool, call_tool, list_tools
 from flexsid.errors import BadInput
 from flexsid.settings import Settings
 

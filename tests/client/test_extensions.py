@@ -23,19 +23,19 @@ from scipy.signal import butter, lfilter, lsim
 from flexsid.client import Workbench
 from flexsid.errors import BadInput
 from flexsid.extensions import ExtensionFailed
-from flexsid.importers.readers import load_formats, read_file
-from flexsid.jobs.inline import execute_run
+from flexsid.importers.formats.readers import load_formats, read_file
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.live import StreamChannel, StreamHeader
 from flexsid.records.maneuver import Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
+from flexsid.sysid.model.rigid_body import Mounting
 from flexsid.sysid.model.sensor_models import find_sensor_model, load_sensor_models
-from flexsid.sysid.model.sensors import Mounting
-from flexsid.workflow.fits.estimators import find_estimator, load_estimators
+from flexsid.workflow.fits.computation import find_estimator, load_estimators
 
 TEMPLATE = Path(__file__).parents[2] / "examples" / "extension"
 TRUE = {"CZ_alpha": -5.6, "CZ_q": -8.0, "CZ_de": -0.45, "Cm_alpha": -1.3, "Cm_q": -25.0,
@@ -227,7 +227,7 @@ def test_an_invalid_row_names_its_package(install, row: str) -> None:
 
 def test_a_reader_that_fails_names_its_package(install, tmp_path: Path) -> None:
     module = (
-        "from flexsid.importers.file_format import FileFormat\n"
+        "from flexsid.importers.formats.readers import FileFormat\n"
         "ADDED = FileFormat(name='log', suffixes=('.log',), recognises=lambda head: True,\n"
         "                   read=lambda path: iter([1 / 0]))\n"
     )
@@ -241,7 +241,7 @@ def test_a_reader_that_fails_names_its_package(install, tmp_path: Path) -> None:
 @pytest.mark.parametrize("backend", ["sqlite"])
 def test_an_estimator_of_a_package_computes_runs(install, flown: Store) -> None:
     module = (
-        "from flexsid.workflow.fits.estimators import Estimator, fit_regressions\n"
+        "from flexsid.workflow.fits.computation import Estimator, fit_regressions\n"
         "def fit(task, report):\n"
         "    if task.settings.max_iterations == 1: raise ValueError('no iteration left')\n"
         "    return fit_regressions(task, report)\n"

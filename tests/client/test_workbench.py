@@ -20,7 +20,7 @@ from flexsid.cli.live import parse_options
 from flexsid.cli.main import main
 from flexsid.client import RequestRefused, RunFailed, Unreachable, Workbench
 from flexsid.client import workbench as client
-from flexsid.client.progress import ProgressLine
+from flexsid.client.connection import ProgressLine
 from flexsid.errors import BadInput, FlexsidError
 
 MAPPING = """

@@ -11,8 +11,8 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from flexsid.api.page import add_page
-from flexsid.demo.first_sheet import AUTHOR, RECORD, FirstSheet, find_record
+from flexsid.api.app import add_page
+from flexsid.demo.campaign_process import AUTHOR, RECORD, FirstSheet, find_record
 from flexsid.records.run import Method
 from flexsid.storage.store import Store
 

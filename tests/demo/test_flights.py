@@ -10,9 +10,9 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, design_fta, fly
-from flexsid.demo.recorder import FlownChannel
+from flexsid.demo.truth_flight import FlownChannel
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight, Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import prepare

@@ -13,7 +13,7 @@ from flexsid.demo.independent_surfaces import (
     compute_true_derivatives,
     describe_independent,
 )
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.maneuver import Excitation
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings

@@ -82,9 +82,12 @@ def test_predictions_differ_from_truth_and_are_reproducible(which: int):
 
 
 def test_modes_are_identified_from_the_vibration_test():
-    from flexsid.demo.vibration_test import build_measured_responses
-    from flexsid.sysid.modes.measured_modes import identify_modes
-    from flexsid.sysid.modes.polyreference import compute_stabilisation, find_columns
+    from flexsid.demo.sources import build_measured_responses
+    from flexsid.sysid.modes.measured_modes import (
+        compute_stabilisation,
+        find_columns,
+        identify_modes,
+    )
 
     truth, arrays = load_truth(), ArrayStore()
     record = build_measured_responses(truth, 1, arrays.save)

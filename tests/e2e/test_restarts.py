@@ -12,8 +12,8 @@ from ports import find_free_port
 from waiting import wait_until
 
 from flexsid.jobs.kinds import KINDS
+from flexsid.records.decision import Structure
 from flexsid.records.job import Job
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.storage import queue
 from flexsid.storage.store import Store

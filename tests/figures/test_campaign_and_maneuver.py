@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from flexsid.figures.bode import draw_bode
-from flexsid.figures.envelope import draw_envelope
-from flexsid.figures.numbers import extract_curves
-from flexsid.figures.plot_matrix import draw_plot_matrix
-from flexsid.figures.spectrum import draw_spectrum
-from flexsid.figures.time_history import draw_time_history
+from flexsid.figures.estimates import draw_plot_matrix
+from flexsid.figures.excitation import draw_spectrum
+from flexsid.figures.global_model import draw_envelope
+from flexsid.figures.spec import extract_curves
+from flexsid.figures.time_histories import draw_time_history
 from flexsid.records.maneuver import Role
 from flexsid.records.views import (
     Blanked,

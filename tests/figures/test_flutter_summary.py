@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexsid.figures.flutter_summary import draw_flutter_summary
-from flexsid.records.flutter import Along, FlutterRoots, RootBranch
-from flexsid.records.flutter_summary import (
+from flexsid.figures.flutter import draw_flutter_summary
+from flexsid.records.flutter import (
+    Along,
     FlutterPoint,
+    FlutterRoots,
     Instability,
+    RootBranch,
     SummaryAnalysis,
     SummaryDiagram,
     SummaryRoot,

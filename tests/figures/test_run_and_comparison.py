@@ -5,16 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.figures.derivatives import draw_derivatives
-from flexsid.figures.fit import draw_fit
-from flexsid.figures.forest import draw_forest
-from flexsid.figures.iterations import draw_iterations
-from flexsid.figures.parameter_correlation import draw_parameter_correlation
-from flexsid.figures.poles import draw_poles
-from flexsid.figures.residual import draw_residual
-from flexsid.figures.time_comparison import draw_time_comparison
-from flexsid.figures.trend import draw_trend
-from flexsid.records.comparison import (
+from flexsid.figures.bode import draw_fit
+from flexsid.figures.derivatives import draw_derivatives, draw_forest, draw_trend
+from flexsid.figures.estimates import draw_iterations, draw_parameter_correlation, draw_residual
+from flexsid.figures.roots import draw_poles
+from flexsid.figures.time_histories import draw_time_comparison
+from flexsid.records.run import Method, Pole
+from flexsid.records.validation import (
     Against,
     ComparedSource,
     Comparison,
@@ -24,7 +21,6 @@ from flexsid.records.comparison import (
     TrendLine,
     TrendPoint,
 )
-from flexsid.records.run import Method, Pole
 from flexsid.records.views import (
     ComparedRecord,
     Convergence,

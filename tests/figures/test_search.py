@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import plotly.graph_objects as go
 
-from flexsid.figures.search import draw_search_path, draw_search_stability
+from flexsid.figures.estimates import draw_search_path, draw_search_stability
 from flexsid.records.search import SearchStep, SearchTerm, TermGroup
 
 STEPS = (

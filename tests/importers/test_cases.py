@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput, FlexsidError
+from flexsid.importers.formats.readers import read_file
 from flexsid.importers.modal_data import ModalDataOptions, extract_modal_data
 from flexsid.importers.modal_data.extraction import RawModalData
-from flexsid.importers.readers import read_file
 from flexsid.importers.responses import RawResponses, ResponseOptions, extract_responses
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.sysid.modes.naming import name_modes

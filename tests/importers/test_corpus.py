@@ -27,9 +27,9 @@ from structural_files import (
 )
 
 from flexsid.errors import BadInput, UnreadableFile
-from flexsid.importers.nastran.frames import Frames
+from flexsid.importers.formats.readers import read_file
+from flexsid.importers.nastran.bulk import Frames
 from flexsid.importers.nastran.op4 import write_op4
-from flexsid.importers.readers import read_file
 
 FROZEN = json.loads(Path(__file__).with_name("corpus.json").read_text(encoding="utf-8"))
 SAMPLES = Path(__file__).parents[3] / "shared" / "data" / "uff"

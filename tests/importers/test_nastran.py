@@ -28,7 +28,7 @@ from flexsid.importers.modal_data import (
     extract_modal_data,
 )
 from flexsid.importers.nastran import bulk, f06, op2, punch
-from flexsid.importers.nastran.frames import Frames
+from flexsid.importers.nastran.bulk import Frames
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FEM = SHARED / "maewing1" / "fem"

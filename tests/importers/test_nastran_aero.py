@@ -13,10 +13,14 @@ from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran.aero import AeroDeck, read_aero_deck
 from flexsid.sysid.aerodynamics.boxes import Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients, compute_coefficients
-from flexsid.sysid.aerodynamics.influence import Symmetry
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry
 from flexsid.sysid.aerodynamics.pk_flutter import build_modal_system, track_pk_roots
-from flexsid.sysid.aerodynamics.splines import SplinedSurface, interpolate_shapes
+from flexsid.sysid.aerodynamics.splines import (
+    BoxShapes,
+    Reference,
+    SplinedSurface,
+    interpolate_shapes,
+)
 
 MAEWING1 = Path(__file__).parents[3] / "shared" / "data" / "maewing1"
 needs_maewing1 = pytest.mark.skipif(

@@ -9,7 +9,7 @@ import pytest
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers import universal
-from flexsid.importers.numbers import read_integer, read_real, split_reals
+from flexsid.importers.source import read_integer, read_real, split_reals
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import pytest
 from scipy.io import savemat
 
 from flexsid.errors import BadInput, ContentTooLarge, UnreadableFile
-from flexsid.importers.readers import read_file
+from flexsid.importers.formats.readers import read_file
 from flexsid.importers.sandbox import read_all
 from flexsid.importers.source import SourceFile
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from flexsid.errors import FlexsidError
-from flexsid.importers.readers import read_file
+from flexsid.importers.formats.readers import read_file
 
 Rows = list[list[str]]
 N_ROWS = 6

@@ -12,8 +12,8 @@ import pytest
 from scipy import io
 
 from flexsid.errors import BadInput
+from flexsid.importers.formats.readers import read_file
 from flexsid.importers.modal_data import inspect_modal_data
-from flexsid.importers.readers import read_file
 from flexsid.importers.responses import (
     AveragingOptions,
     RawResponses,
@@ -21,8 +21,7 @@ from flexsid.importers.responses import (
     extract_responses,
 )
 from flexsid.importers.source import SourceFile, Sources
-from flexsid.sysid.modes.measured_modes import identify_modes
-from flexsid.sysid.modes.polyreference import compute_stabilisation, find_columns
+from flexsid.sysid.modes.measured_modes import compute_stabilisation, find_columns, identify_modes
 
 HERTZ = np.arange(2.0, 12.0, 0.05)
 OUTPUTS, REFERENCES = ("1+z", "2+z", "3+z", "4+x"), ("1+z", "3+z")

@@ -20,7 +20,7 @@ from flexsid.jobs.worker import LoadKinds
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, RunState
 from flexsid.storage import queue
-from flexsid.storage.runs import ESTIMATION
+from flexsid.storage.run_list import ESTIMATION
 from flexsid.storage.store import Store
 
 HERE = Path(__file__).parent

@@ -20,7 +20,7 @@ from waiting import wait_until
 from flexsid.errors import FlexsidError
 from flexsid.jobs import cluster as cluster_module
 from flexsid.jobs import health
-from flexsid.jobs.cluster_certificate import write_cluster_certificate
+from flexsid.jobs.cluster import write_cluster_certificate
 from flexsid.jobs.dispatcher import Dispatcher
 from flexsid.jobs.dispatcher_process import make_workers
 from flexsid.jobs.worker import LoadKinds

@@ -17,14 +17,13 @@ import sqlalchemy as sa
 from sqlalchemy import event
 
 from flexsid.jobs import child
-from flexsid.jobs.dispatcher import Dispatcher
+from flexsid.jobs.dispatcher import Dispatcher, execute_run
 from flexsid.jobs.dispatcher_process import make_workers
-from flexsid.jobs.inline import execute_run
 from flexsid.jobs.kinds import KINDS
 from flexsid.jobs.worker import LoadKinds
+from flexsid.records.decision import Structure
 from flexsid.records.job import Job
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Limits, Method, RunSettings, RunState
 from flexsid.storage import job_log, queue
 from flexsid.storage.files import DatabaseUnavailable

@@ -12,14 +12,14 @@ import pytest
 import sqlalchemy as sa
 
 from flexsid.demo.flex28 import load_truth
-from flexsid.demo.vibration_test import build_measured_responses
+from flexsid.demo.sources import build_measured_responses
 from flexsid.errors import Conflict
 from flexsid.importers.responses import AveragingOptions, ResponseOptions
 from flexsid.jobs import kinds
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kind import build_job, submit
+from flexsid.records.decision import Structure
 from flexsid.records.job import Job
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage import queue
@@ -40,15 +40,13 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.uploads import ImportRequest, add_upload
-from flexsid.workflow.maintenance.database_backup import BackupRequest
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import BackupRequest, check_database
 from flexsid.workflow.maintenance.printed_reports import ReportRequest, describe_document
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
-from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch
+from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch, ResponseEstimation
 from flexsid.workflow.modal_data.orthogonality import OrthogonalityComputation, OrthogonalityQuery
-from flexsid.workflow.modal_data.response_estimation import ResponseEstimation
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 from flexsid.workflow.structure_determination.searches import add_search
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery

@@ -7,7 +7,7 @@ import pytest
 from jaxtyping import TypeCheckError
 from shape_checks import CHECKED_CALLS
 
-from flexsid.sysid.spectra.averaged_spectra import transform_block
+from flexsid.sysid.spectra.response_estimators import transform_block
 
 
 def test_a_wrong_shape_is_named_in_the_first_calls():

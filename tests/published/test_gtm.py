@@ -12,14 +12,14 @@ import pytest
 
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData, FrequencyResponse
-from flexsid.verification.gtm import FLIGHTS, build_rigid_model
+from flexsid.verification.requirements import FLIGHTS, build_rigid_model
 
 OMEGA = 2.0 * np.pi * np.linspace(0.2, 2.2, 60)
 

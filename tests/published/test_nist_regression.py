@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.batch_regression import regress_many
+from flexsid.sysid.estimation.linear_algebra import regress_many
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
-from flexsid.verification.nist import build_regression, count_digits, read_data_sets
+from flexsid.verification.requirements import build_regression, count_digits, read_data_sets
 
 SETS = read_data_sets()
 EXACT_FITS = ("Wampler1", "Wampler2")  # certified standard errors are zero

@@ -6,8 +6,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 
 from flexsid import reports
-from flexsid.verification.report import report_verification
-from flexsid.verification.requirements import Measured, measure_requirements
+from flexsid.verification.requirements import Measured, measure_requirements, report_verification
 
 
 def test_the_installation_fulfils_all_requirements():

@@ -11,9 +11,8 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import TRIM_S, fly
 from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.excitation.amplitude_levels import propose_levels
+from flexsid.workflow.excitation.classic_inputs import ExcitationPeaks, propose_levels
 from flexsid.workflow.excitation.excitation_designs import build_multisine
-from flexsid.workflow.excitation.excitation_peaks import ExcitationPeaks
 from flexsid.workflow.excitation.predicted_accuracy import load_prediction_model
 
 LOAD_FACTOR = 0.3

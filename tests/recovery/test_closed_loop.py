@@ -13,11 +13,11 @@ from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
 from flexsid.figures.closed_loop import draw_closed_loop_margins, draw_closed_loop_roots
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import analyse_closed_loop

@@ -13,10 +13,10 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.figures.loops import draw_loops
+from flexsid.figures.closed_loop import draw_loops
 from flexsid.records.maneuver import Flight
 from flexsid.storage.store import Store
-from flexsid.workflow.views.loops import estimate_loops
+from flexsid.workflow.views.bode import estimate_loops
 
 RATIO, FUEL = 0.80, 0.5
 

@@ -14,12 +14,11 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.figures.equivalent_modes import draw_equivalent_modes
-from flexsid.figures.flutter import draw_flutter_forecast, draw_flutter_map
+from flexsid.figures.flutter import draw_equivalent_modes, draw_flutter_forecast, draw_flutter_map
 from flexsid.figures.roots import draw_root_locus, draw_v_omega_zeta
+from flexsid.records.decision import Structure
 from flexsid.records.flutter import Along
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
@@ -35,7 +34,7 @@ from flexsid.workflow.flutter.flutter_analysis import (
     trace_flutter_roots,
 )
 from flexsid.workflow.flutter.flutter_models import Group, fuse_runs
-from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
+from flexsid.workflow.flutter.flutter_roots import describe_margin, is_safe
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
 
 ESTIMATED = (7, 9, 11, 12)

@@ -20,9 +20,9 @@ from lateral_flying_wing import (
 )
 
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import ComputedRun

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from file_imports import import_files
 
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.equation_error import equation_error

@@ -14,9 +14,9 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalKind, ModalTable
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.arrays import describe_array
 from flexsid.storage.store import Store

@@ -13,8 +13,8 @@ from flexsid.records.maneuver import Flight
 from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.excitation.excitation_designs import build_multisine
 from flexsid.workflow.excitation.optimal_designs import (
     FoundDesign,
@@ -22,7 +22,7 @@ from flexsid.workflow.excitation.optimal_designs import (
     OptimalDesignQuery,
     compute_optimal_design,
 )
-from flexsid.workflow.runs.identified_models import load_identified_model
+from flexsid.workflow.runs.exports import load_identified_model
 
 RATIO, PEAK_DEG, MODES, SEEDS = 0.8, 2.0, (7, 9), 20
 

@@ -12,13 +12,13 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.demo.independent_surfaces import add_independent
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
 from flexsid.records.flutter import ControlLaw, Controller
 from flexsid.records.job import Job
 from flexsid.records.maneuver import COMBINED, Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -28,12 +28,12 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.storage import queue
-from flexsid.storage.channels import read_channels
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
-from flexsid.sysid.model.axes import ModelAxis
-from flexsid.sysid.simulation.recording import SensorErrors
+from flexsid.sysid.model.derivatives import ModelAxis
+from flexsid.sysid.simulation.airframe import SensorErrors
 from flexsid.sysid.simulation.turbulence import DiscreteGust, Turbulence
 from flexsid.workflow.excitation.excitation_designs import (
     DesignOrder,

@@ -10,8 +10,8 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import SETTLE_S, TRIM_S, design_fta, fly
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.measurements.reconstruction import (

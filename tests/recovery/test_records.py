@@ -11,8 +11,8 @@ from file_imports import import_files, import_maneuver
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.records.search import SearchSettings, StructureSearch
 from flexsid.storage.store import Store

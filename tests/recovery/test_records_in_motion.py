@@ -10,14 +10,13 @@ import pytest
 from file_imports import import_maneuver
 from rigid_record import DERIVATIVES, make_pulses, simulate, write_record
 
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import AdequacyState, EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Estimate
 from flexsid.workflow.fits.computation import compute_run
-from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.run_proposal import apply_proposal
+from flexsid.workflow.runs.run_proposal import apply_proposal, set_default_band
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 

@@ -10,16 +10,15 @@ import pytest
 from file_imports import import_maneuver
 from scipy import signal
 
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
-from flexsid.records.transfer_function import TransferFunction
+from flexsid.records.views import TransferFunction
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.axes import RIGID_BODIES
 from flexsid.sysid.model.condition import FlightCondition
-from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.derivatives import RIGID_BODIES, DerivativeTable
+from flexsid.sysid.model.rigid_body import Mounting, stack_rows
 from flexsid.sysid.model.sensor_models import find_sensor_model
-from flexsid.sysid.model.sensors import Mounting, stack_rows
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.measurements.maneuver_spectra import read_spectra
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, reconstruct

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
     Aerodynamics,
@@ -27,14 +27,14 @@ from flexsid.records.validation import AerodynamicsVerdict
 from flexsid.storage.store import Store
 from flexsid.sysid.aerodynamics.boxes import Boxes
 from flexsid.sysid.aerodynamics.coefficients import compute_coefficients
-from flexsid.sysid.aerodynamics.influence import Symmetry
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference, place_surface
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry
+from flexsid.sysid.aerodynamics.splines import BoxShapes, Reference, place_surface
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
 from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_crossing_error
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.fits.computation import ComputedRun
 from flexsid.workflow.fits.estimation_task import EstimationTask
 from flexsid.workflow.runs.estimation import compute_run, prepare

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from file_imports import import_files
 
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
+from flexsid.workflow.validation.cross_prediction import measure_outputs, predict_maneuver
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery, cross_validate
-from flexsid.workflow.validation.predicted_maneuver import measure_outputs, predict_maneuver
 
 PROJECT = Path(__file__).parents[2]
 FLIGHT = PROJECT.parent / "shared" / "data" / "maewing1" / "flight"

@@ -16,10 +16,10 @@ import pytest
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kinds import FLUTTER, RUN
+from flexsid.records.decision import Structure
 from flexsid.records.excitation import ExcitationDesign
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutputQuality
 from flexsid.reports import (
     Report,

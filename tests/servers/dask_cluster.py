@@ -19,7 +19,7 @@ from ports import find_free_port
 from ruamel.yaml import YAML
 from waiting import PATIENCE_S, wait_until
 
-from flexsid.jobs.cluster_certificate import write_cluster_certificate
+from flexsid.jobs.cluster import write_cluster_certificate
 
 
 @cache

@@ -18,7 +18,7 @@ MODULE = """
 import ctypes, json, os, resource, socket, subprocess, sys, tempfile, threading
 from pathlib import Path
 import numpy as np
-from flexsid.importers.file_format import FileFormat
+from flexsid.importers.formats.readers import FileFormat
 from flexsid.importers.source import Field
 
 def start_thread():

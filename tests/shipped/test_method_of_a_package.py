@@ -16,7 +16,7 @@ from waiting import wait_until
 METHOD = "least-squares"
 ENTRY = f'[project.entry-points."flexsid.estimators"]\n{METHOD} = "vendor:ESTIMATOR"'
 MODULE = """
-from flexsid.workflow.fits.estimators import Estimator, fit_regressions
+from flexsid.workflow.fits.computation import Estimator, fit_regressions
 ESTIMATOR = Estimator(title="Least squares", fit=fit_regressions)
 """
 GIVEN = {

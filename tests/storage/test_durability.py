@@ -17,9 +17,15 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import Conflict
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.decision import EventKind, ModelProposal, StructureReference, Vote
+from flexsid.records.decision import (
+    EventKind,
+    ModelProposal,
+    ModelStructure,
+    Structure,
+    StructureReference,
+    Vote,
+)
 from flexsid.records.maneuver import Flight, Maneuver
-from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Progress
 from flexsid.storage import backup as copies
 from flexsid.storage import leases, queue, tables
@@ -28,7 +34,7 @@ from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.review import decision_review
 

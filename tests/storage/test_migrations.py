@@ -23,17 +23,17 @@ from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import DesignSpecification, ExcitationDesign
 from flexsid.records.job import Job
 from flexsid.records.maneuver import StoredMapping
+from flexsid.records.note import SavedView
 from flexsid.records.run import Batch, OutOfBandModes
-from flexsid.records.saved_view import SavedView
 from flexsid.records.search import InitialTerms
 from flexsid.storage import migrate
+from flexsid.storage.audit_recording import hash_value
 from flexsid.storage.database import make_engine, parse_url
-from flexsid.storage.event_chain import hash_value
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 from flexsid.workflow.accounts import accounts
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 from flexsid.workflow.views.dashboard import read_derivative_coverage
 
 NEWEST = max(file.name for file in migrate.find_migrations().glob("versions/*.py"))[:4]

@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 from flexsid.errors import BadInput
 from flexsid.records.maneuver import Cut
 from flexsid.settings import read_settings
+from flexsid.storage.access import count_recorded_bytes
 from flexsid.storage.arrays import DamagedData
 from flexsid.storage.backup import backup
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.quotas import count_recorded_bytes
 from flexsid.storage.recordings import Chunks, Recordings
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays
@@ -31,7 +31,7 @@ from flexsid.workflow.importing.maneuver_cutting import (
     find_maneuvers,
     read_flight_history,
 )
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 
 N_SAMPLES = 6000
 RATE_HZ = 50.0

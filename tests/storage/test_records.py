@@ -18,10 +18,10 @@ from flexsid.records.aircraft import Aircraft, DerivativePrediction
 from flexsid.records.maneuver import Flight, Maneuver
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.records.run import EstimationRun, Progress, RunState
-from flexsid.storage.channels import read_channels
 from flexsid.storage.database import Database
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.reading import reading_once
+from flexsid.storage.recordings import read_channels
+from flexsid.storage.repository import reading_once
 from flexsid.storage.store import Store
 
 

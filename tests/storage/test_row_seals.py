@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from flexsid.cli.main import main
 from flexsid.storage.backup import backup
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.row_seals import ChangedRows, drop_seals, find_changed_rows, seal_rows
+from flexsid.storage.rows import ChangedRows, drop_seals, find_changed_rows, seal_rows
 from flexsid.storage.store import Store
 from flexsid.storage.tables import metadata
 

@@ -15,9 +15,9 @@ from brokers import PASSWORD, USER, Broker, MqttBroker, NatsServer
 from flexsid.errors import BadInput
 from flexsid.records.live import Frame, ReceiverSettings, Reception, StreamChannel, StreamHeader
 from flexsid.records.maneuver import Role
-from flexsid.streams.credentials import BrokerAccess, Credentials, read_credentials
+from flexsid.streams.broker import BrokerAccess, Credentials, read_credentials
 from flexsid.streams.receivers import find_receiver
-from flexsid.workflow.live.packets import encode_frame
+from flexsid.workflow.live.frame_assembler import encode_frame
 
 HEADER = StreamHeader(
     channels=(

@@ -24,7 +24,8 @@ from waiting import wait_until
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.process_id import get_process_id
+from flexsid.jobs.health import get_process_id
+from flexsid.records.decision import Structure
 from flexsid.records.live import (
     Frame,
     LivePhase,
@@ -35,23 +36,20 @@ from flexsid.records.live import (
     StreamStatus,
 )
 from flexsid.records.maneuver import Cut, Flight, FlightChannel
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, RunState
 from flexsid.reports.content import Drawing, ReportTable, Words
 from flexsid.reports.sortie import sortie_report
-from flexsid.storage.channels import read_channels
 from flexsid.storage.live_history import list_states
 from flexsid.storage.migrate import upgrade
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
-from flexsid.streams.frame_log import FrameLog, locate_frames, read_frames
+from flexsid.streams.frame_log import FrameLog, StripChartMemory, locate_frames, read_frames
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.streams.receivers import find_receiver, load_receivers
-from flexsid.streams.strip_chart import StripChartMemory
 from flexsid.workflow.importing.maneuver_cutting import cut_maneuver, find_maneuvers
+from flexsid.workflow.live.frame_assembler import encode_frame, read_replay
 from flexsid.workflow.live.live_estimator import LiveProcessor
-from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
-from flexsid.workflow.live.packets import encode_frame
-from flexsid.workflow.live.replay import read_replay
+from flexsid.workflow.live.live_fit import LiveTask, adjust_live_task, prepare_live_task
 
 OUTPUTS = ("alpha", "q", "az_egi", "az_ofs", "az_oas", "s_bend1s", "s_bend2s")
 

@@ -11,9 +11,8 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.records.maneuver import Condition
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData

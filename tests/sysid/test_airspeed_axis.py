@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 from long_flight import INPUTS, PROBE_M, Flight
 
-from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.airspeed import AIRSPEED
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.rigid_body import Mounting, stack_rows
 from flexsid.sysid.model.sensor_models import find_sensor_model
-from flexsid.sysid.model.sensors import Mounting, stack_rows
 from flexsid.sysid.modes import StructuralModes
-from flexsid.sysid.stability.poles import compute_named_poles
+from flexsid.sysid.stability.poles import Aeroelastic, compute_named_poles
 from flexsid.sysid.stability.root_tracking import Mechanism, track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
 
 RIGID = StructuralModes(
     (), np.zeros(0), np.zeros(0), np.zeros(0), (), np.zeros((0, 3, 0)), np.zeros((0, 3, 0)),

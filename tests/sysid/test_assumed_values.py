@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.sysid.test_model_tests import measure
 
-from flexsid.sysid.estimation.assumed_values import compute_changes_by_assumptions
+from flexsid.sysid.adequacy.assumed_values import compute_changes_by_assumptions
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
 
 CHANGES = {"mass": 1.02, "pitch_inertia": 1.02, "density": 1.01, "airspeed": 1.01}

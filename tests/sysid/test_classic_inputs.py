@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.sysid.excitation.classic_inputs import design_classic_input, pulse_lengths
+from flexsid.sysid.excitation.checks import design_classic_input, pulse_lengths
 
 PEAKS = {"bfs": 2.0, "wf1s": 1.0}
 

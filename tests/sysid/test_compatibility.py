@@ -27,7 +27,7 @@ from flexsid.sysid.compatibility.fault_search import (
     check_compatibility,
     list_candidates,
 )
-from flexsid.sysid.compatibility.flight_record import CompatibilitySensor, FlightRecord
+from flexsid.sysid.compatibility.kinematics import CompatibilitySensor, FlightRecord
 from flexsid.sysid.compatibility.likelihood import (
     FaultCandidate,
     SensorFaultKind,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.elimination import Elimination
+from flexsid.sysid.estimation.linear_algebra import Elimination
 
 
 @pytest.mark.parametrize("n_r", range(2, 9))

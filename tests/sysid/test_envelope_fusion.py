@@ -7,8 +7,7 @@ import pytest
 from identified_campaign import FUEL, DriftingAircraft, plan_runs, predict_flutter_speed
 
 from flexsid.errors import BadInput
-from flexsid.sysid.stability.derivative_fusion import DerivativePrior
-from flexsid.sysid.stability.envelope_fusion import fit_envelope, remove_prior
+from flexsid.sysid.stability.derivative_fusion import DerivativePrior, fit_envelope, remove_prior
 
 
 def measure(seed: int, drift: float, n_runs: int) -> tuple[float, bool]:

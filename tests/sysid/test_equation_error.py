@@ -9,13 +9,13 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation.batch_regression import regress_many
+from flexsid.sysid.estimation.agreement import apply_priors, fuse_estimates
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.fusion import apply_priors, fuse_estimates
+from flexsid.sysid.estimation.linear_algebra import regress_many
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
-from flexsid.sysid.model.sensors import SensorRows
+from flexsid.sysid.model.rigid_body import SensorRows
 from flexsid.sysid.signals import FrequencyData
 
 

@@ -14,7 +14,7 @@ from scipy import io as matlab
 
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
-from flexsid.sysid.excitation.checks import ActuatorLimits, check_design
+from flexsid.sysid.excitation.checks import ActuatorLimits, check_design, recognise_multisine
 from flexsid.sysid.excitation.designer import (
     DesignSpecification,
     InputSpecification,
@@ -22,17 +22,17 @@ from flexsid.sysid.excitation.designer import (
     compute_peak_factors,
     design,
     estimate_search_time_s,
-)
-from flexsid.sysid.excitation.export import (
     to_c_header,
     to_csv,
     to_matlab,
     write_recipe,
 )
-from flexsid.sysid.excitation.extrema import evaluate_peak_factor
-from flexsid.sysid.excitation.norms import HarmonicSpectrum
-from flexsid.sysid.excitation.phase_search import THOROUGH, search_phases
-from flexsid.sysid.excitation.recognition import recognise_multisine
+from flexsid.sysid.excitation.peak_factor import (
+    THOROUGH,
+    HarmonicSpectrum,
+    evaluate_peak_factor,
+    search_phases,
+)
 
 FLOWN = Path(__file__).parents[2].parent / "shared/data/maewing1/flight/flown_multisines"
 

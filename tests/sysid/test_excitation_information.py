@@ -7,14 +7,14 @@ import pytest
 from scipy import optimize
 
 from flexsid.errors import BadInput, NotIdentifiable
-from flexsid.sysid.estimation import amplitude_optimisation
-from flexsid.sysid.estimation.amplitude_optimisation import (
+from flexsid.sysid.estimation import input_optimisation
+from flexsid.sysid.estimation.fisher_information import FisherInformation
+from flexsid.sysid.estimation.flight_noise import RecordResiduals, split_residuals
+from flexsid.sysid.estimation.input_optimisation import (
     OptimisationFailed,
     optimise_amplitudes_d_optimal,
     optimise_amplitudes_minimax,
 )
-from flexsid.sysid.estimation.fisher_information import FisherInformation
-from flexsid.sysid.estimation.flight_noise import RecordResiduals, split_residuals
 
 TIME = np.arange(4096) / 4096
 
@@ -79,7 +79,7 @@ def test_a_failed_optimiser_is_detected(monkeypatch: pytest.MonkeyPatch):
         found.update(x=start, success=True, nit=0, message="stuck")
         return found
 
-    monkeypatch.setattr(amplitude_optimisation.optimize, "minimize", stuck)
+    monkeypatch.setattr(input_optimisation.optimize, "minimize", stuck)
     with pytest.raises(OptimisationFailed, match="stuck"):
         optimise_amplitudes_minimax(make_information(), np.array([1.0]))
 

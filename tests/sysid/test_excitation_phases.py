@@ -7,18 +7,20 @@ import pytest
 
 from flexsid.errors import Cancelled
 from flexsid.sysid.excitation.catalogue import CATALOGUE
-from flexsid.sysid.excitation.extrema import (
+from flexsid.sysid.excitation.peak_factor import (
+    QUICK,
+    THOROUGH,
+    FoundPhases,
+    HarmonicSpectrum,
     evaluate_peak_factor,
     evaluate_peak_factors,
+    lower_norms,
     refine_peaks,
-)
-from flexsid.sysid.excitation.norms import HarmonicSpectrum, lower_norms
-from flexsid.sysid.excitation.peak_factor import (
     relative_peak_factor,
     schroeder_phases,
+    search_phases,
     start_at_zero,
 )
-from flexsid.sysid.excitation.phase_search import QUICK, THOROUGH, FoundPhases, search_phases
 
 
 def flat(n: int, first: int = 6, spacing: int = 5) -> HarmonicSpectrum:

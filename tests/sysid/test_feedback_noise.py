@@ -9,25 +9,24 @@ import pytest
 
 from flexsid.errors import Cancelled
 from flexsid.sysid.estimation.estimate import Outcome
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.feedback_noise import (
     CorrectedInputs,
     ErrorsInVariablesModel,
     has_feedback_noise,
     remove_feedback_noise,
 )
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
-from flexsid.sysid.estimation.joint_noise import (
+from flexsid.sysid.estimation.flight_noise import (
+    AssignedCommands,
     estimate_joint_noise,
     estimate_joint_noise_of_part,
     has_input_noise,
 )
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
+from flexsid.sysid.estimation.noise import NoiseSpectrum
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum
 from flexsid.sysid.signals import FrequencyData
 

@@ -23,14 +23,20 @@ from flexsid.sysid.stability.derivative_fusion import (
     fuse_identified,
     fuse_with_trend,
 )
-from flexsid.sysid.stability.flight_evidence import FlownPoint
-from flexsid.sysid.stability.flutter_extrapolation import TestPoint as Point
 from flexsid.sysid.stability.flutter_extrapolation import (
+    FlownPoint,
     extrapolate_damping,
     extrapolate_envelope,
     extrapolate_flutter_margin,
 )
+from flexsid.sysid.stability.flutter_extrapolation import TestPoint as Point
 from flexsid.sysid.stability.flutter_prediction import compute_structure_spread, predict_flutter
+from flexsid.sysid.stability.poles import (
+    Aeroelastic,
+    build_state_family,
+    compute_eigenvalue_slopes,
+    decompose_states,
+)
 from flexsid.sysid.stability.root_errors import (
     UncertainDerivatives,
     estimate_crossing_error,
@@ -38,12 +44,6 @@ from flexsid.sysid.stability.root_errors import (
     sample_root_bands,
 )
 from flexsid.sysid.stability.root_tracking import Mechanism, track_roots
-from flexsid.sysid.stability.state_family import (
-    Aeroelastic,
-    build_state_family,
-    compute_eigenvalue_slopes,
-    decompose_states,
-)
 
 FOOT = 0.3048
 GERI = Path(__file__).parents[3] / "shared" / "data" / "maewing1" / "geri.json"

@@ -10,11 +10,12 @@ from scipy import optimize
 from simulated_campaign import FLUTTER_PA, NAMES, VALUES, Truth, fly, scale_run
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.global_model.basis import build_basis
-from flexsid.sysid.global_model.fit import GlobalFit, combine_terms, fit_global_model
-from flexsid.sysid.global_model.next_condition import compute_variance_reductions
-from flexsid.sysid.global_model.outlying_runs import find_outlying_runs
-from flexsid.sysid.global_model.selection import select_global_model
+from flexsid.sysid.global_model.fit import GlobalFit, build_basis, combine_terms, fit_global_model
+from flexsid.sysid.global_model.selection import (
+    compute_variance_reductions,
+    find_outlying_runs,
+    select_global_model,
+)
 
 GRID = np.stack(
     np.meshgrid(FLUTTER_PA * np.linspace(0.5, 0.95, 8) ** 2, np.linspace(0.0, 1.0, 7)), axis=-1

@@ -11,16 +11,20 @@ from scipy import linalg
 from flexsid.errors import BadInput
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Outcome
+from flexsid.sysid.estimation.frequency_response_error import estimate_partial_responses
 from flexsid.sysid.estimation.growing_record import (
     fit_growing_record,
     select_resolved_frequencies,
 )
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.partial_response import estimate_partial_responses
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord
-from flexsid.sysid.spectra.growing_transform import GrowingTransform, integrate_constant
+from flexsid.sysid.spectra.growing_record import (
+    ChannelGroup,
+    GrowingRecord,
+    GrowingTransform,
+    integrate_constant,
+)
 from flexsid.sysid.stability.poles import compute_named_poles
 
 PERIOD_S, RATE_HZ, BLOCK = 24.0, 200.0, 10

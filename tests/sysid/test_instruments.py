@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from flexsid.sysid.model.instruments import Butterworth
+from flexsid.sysid.model.sensor_models import Butterworth
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 7])

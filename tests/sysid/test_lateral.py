@@ -15,17 +15,16 @@ from lateral_flying_wing import (
     needs_records,
 )
 
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.fisher_information import _stack_limited
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import GRAVITY
 from flexsid.sysid.model.lateral import LATERAL, side_acceleration
 from flexsid.sysid.model.reduction import residualize
-from flexsid.sysid.model.sensors import SensorRows, stack_rows
-from flexsid.sysid.stability.poles import compute_named_poles
+from flexsid.sysid.model.rigid_body import SensorRows, stack_rows
+from flexsid.sysid.stability.poles import Aeroelastic, build_state_family, compute_named_poles
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_root_bands
 from flexsid.sysid.stability.root_tracking import Mechanism, track_family_roots, track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic, build_state_family
 
 pytestmark = needs_records
 

@@ -9,8 +9,8 @@ from scipy.special import hankel2
 from flexsid.errors import BadInput
 from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import compute_coefficients
-from flexsid.sysid.aerodynamics.influence import Symmetry, compute_influence
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry, compute_influence
+from flexsid.sysid.aerodynamics.splines import BoxShapes, Reference
 
 HALVES = np.array([0.0, 0.5, 1.0])
 

@@ -8,7 +8,6 @@ from scipy import signal
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.laws import (
     Law,
     build_delays,
@@ -18,6 +17,7 @@ from flexsid.sysid.model.laws import (
     schedule_law,
     series,
 )
+from flexsid.sysid.model.sensor_models import Instrument, SecondOrder
 from flexsid.sysid.simulation.preflight_simulation import simulate_flight
 
 

@@ -10,17 +10,15 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
-from flexsid.sysid.estimation.delays import estimate_delays
-from flexsid.sysid.estimation.diagnostics import compute_parameter_quality
-from flexsid.sysid.estimation.estimate import IterationStep, Outcome
+from flexsid.sysid.estimation.estimate import IterationStep, Outcome, compute_parameter_quality
+from flexsid.sysid.estimation.experiment import find_parameters_at_limits, select_parameters
 from flexsid.sysid.estimation.leakage import (
     compute_leakage_responses,
     correct_leakage,
     remove_leakage,
 )
 from flexsid.sysid.estimation.likelihood import FitSettings, describe_outcome, maximize
-from flexsid.sysid.estimation.limits import find_parameters_at_limits
-from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.estimation.starting_values import estimate_delays
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.signals import FrequencyData

@@ -12,10 +12,10 @@ from scipy import signal
 
 from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.instruments import Instrument, SecondOrder
-from flexsid.sysid.simulation.loop_margins import compute_loop_margins
+from flexsid.sysid.model.sensor_models import Instrument, SecondOrder
+from flexsid.sysid.simulation.airframe import SensorErrors, apply_sensor_errors
+from flexsid.sysid.simulation.closed_loop import compute_loop_margins
 from flexsid.sysid.simulation.preflight_simulation import simulate_flight
-from flexsid.sysid.simulation.recording import SensorErrors, apply_sensor_errors
 from flexsid.sysid.simulation.turbulence import DiscreteGust, compute_discrete_gust
 
 RATE = 400.0

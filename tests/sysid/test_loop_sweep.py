@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.stability.closed_loop import Margins
-from flexsid.sysid.stability.loop_sweep import LoopPoint, find_stability_limit
+from flexsid.sysid.stability.closed_loop import LoopPoint, Margins, find_stability_limit
 
 OFFSETS = np.linspace(-1.0, 1.0, 401)
 

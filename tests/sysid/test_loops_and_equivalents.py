@@ -18,9 +18,9 @@ from flexsid.sysid.stability.closed_loop import (
     compute_margins,
     frequency_response,
 )
-from flexsid.sysid.stability.equivalent import compute_equivalent_modes, fit_in_vacuo_mode
+from flexsid.sysid.stability.order import compute_equivalent_modes, fit_in_vacuo_mode
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
-from flexsid.sysid.stability.state_family import Aeroelastic
 
 OMEGA = np.geomspace(0.5, 150.0, 4000)
 

@@ -9,11 +9,11 @@ import pytest
 from tests.sysid.conftest import Case, add_noise
 
 from flexsid.sysid.estimation import marginal_equation_error as marginal
+from flexsid.sysid.estimation.agreement import fuse_estimates
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.fusion import fuse_estimates
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import build_nuisance_prior
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.sysid.signals import FrequencyData
 

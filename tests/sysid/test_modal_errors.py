@@ -10,8 +10,8 @@ from synthetic_aircraft import TAILED_40_FT, build
 
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.modal_errors import compute_modal_errors
-from flexsid.sysid.model.sensors import SensorRows
+from flexsid.sysid.model.reduction import compute_modal_errors
+from flexsid.sysid.model.rigid_body import SensorRows
 
 
 def build_model() -> tuple[AeroelasticModel, DerivativeTable]:

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import Case
 
+from flexsid.sysid.adequacy.model_tests import Hypothesis, ModelTest, compute_model_tests
 from flexsid.sysid.estimation.equation_error import equation_error
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.model_tests import Hypothesis, ModelTest, compute_model_tests
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
 from flexsid.sysid.signals import FrequencyData
 

@@ -15,9 +15,13 @@ from flexsid.sysid.modes.assurance import (
     compute_reduced_cross_orthogonality,
 )
 from flexsid.sysid.modes.naming import name_modes
-from flexsid.sysid.modes.symmetry import find_symmetry
-from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
-from flexsid.sysid.modes.tracking import find_mode_crossings, track_modes
+from flexsid.sysid.modes.shapes import find_symmetry
+from flexsid.sysid.modes.table import (
+    compute_fuel_weights,
+    find_mode_crossings,
+    sum_weighted_rows,
+    track_modes,
+)
 
 RNG = np.random.default_rng(5)
 SHAPES = RNG.normal(size=(4, 30))

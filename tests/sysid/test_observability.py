@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.modes.node_selection import (
-    connect_neighbours,
-    contract_lines,
-    select_spread_nodes,
-)
-from flexsid.sysid.modes.observability import compute_modal_information, rank_candidate_sensors
+from flexsid.sysid.modes.assurance import compute_modal_information, rank_candidate_sensors
+from flexsid.sysid.modes.shapes import connect_neighbours, contract_lines, select_spread_nodes
 
 RNG = np.random.default_rng(4)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.harmonic_assignment import Band, assign_harmonics_to_bands
+from flexsid.sysid.excitation.catalogue import Band, assign_harmonics_to_bands
 
 
 def test_inputs_with_one_band_interleave():

@@ -13,14 +13,14 @@ from scipy.special import hankel2
 from flexsid.errors import BadInput
 from flexsid.sysid.aerodynamics.boxes import Boxes, Panel, mesh_panels
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients, compute_coefficients
-from flexsid.sysid.aerodynamics.influence import Symmetry
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry
 from flexsid.sysid.aerodynamics.pk_flutter import (
     ModalSystem,
     build_free_system,
     build_modal_system,
     track_pk_roots,
 )
+from flexsid.sysid.aerodynamics.splines import BoxShapes, Reference
 from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 

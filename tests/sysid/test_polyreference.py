@@ -8,11 +8,12 @@ import pytest
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput
 from flexsid.sysid.modes.assurance import compute_mac, rotate_complex_shapes
-from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
-from flexsid.sysid.modes.polyreference import (
+from flexsid.sysid.modes.measured_modes import (
+    MeasuredModes,
     compute_mode_indicator,
     compute_stabilisation,
     find_columns,
+    identify_modes,
 )
 
 MODES = load_truth().modes.at(0.5).select((7, 8, 9, 10, 11, 12, 13, 14))

@@ -7,16 +7,15 @@ import pytest
 from tests.sysid.conftest import Case
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
-from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.estimation.monte_carlo_sampling import (
+from flexsid.sysid.adequacy.posterior import (
     compute_sample_size,
     compute_scale_reduction,
     sample_density,
+    sample_posterior,
 )
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
-from flexsid.sysid.estimation.posterior import sample_posterior
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
+from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
+from flexsid.sysid.estimation.likelihood import maximize
 
 
 def measure(case: Case, level: float) -> Experiment:
@@ -115,7 +114,7 @@ def _respond(model: FrequencyDomainModel, *theta: float) -> np.ndarray:
 
 
 def _weights(model: FrequencyDomainModel, theta: np.ndarray) -> np.ndarray:
-    from flexsid.sysid.estimation.posterior import _estimate_weights
+    from flexsid.sysid.adequacy.posterior import _estimate_weights
 
     return _estimate_weights([model], theta, np.zeros(2))[0].expand_blocks()
 

@@ -9,18 +9,19 @@ from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.reconstruction import reconstruct_motion
-from flexsid.sysid.model.instruments import Butterworth, Instrument
-from flexsid.sysid.preparation.biases import (
+from flexsid.sysid.model.sensor_models import Butterworth, Instrument
+from flexsid.sysid.preparation.redundancy import (
+    compute_sensor_coherence,
     estimate_climb_angle,
     estimate_gyro_bias,
+    estimate_input_skews,
+    estimate_sensor_faults,
     estimate_vane_bias,
 )
-from flexsid.sysid.preparation.input_skews import estimate_input_skews
-from flexsid.sysid.preparation.redundancy import compute_sensor_coherence, estimate_sensor_faults
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects, repair_samples
 from flexsid.sysid.signals import FrequencyData
-from flexsid.sysid.simulation.recording import apply_instruments
+from flexsid.sysid.simulation.airframe import apply_instruments
 
 RATE = 200.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.process_noise import AssignedCommands, estimate_process_noise
+from flexsid.sysid.estimation.flight_noise import AssignedCommands, estimate_process_noise
 
 N, INPUTS = 200, 4
 OMEGA = 2.0 * np.pi * np.arange(6, 6 + N) / 24.0

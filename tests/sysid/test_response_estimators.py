@@ -6,16 +6,14 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.spectra.averaged_spectra import (
-    AveragedSpectra,
-    Window,
-    average_spectra,
-    find_block_length,
-)
 from flexsid.sysid.spectra.response_estimators import (
+    AveragedSpectra,
     EstimatedResponses,
     Estimator,
+    Window,
+    average_spectra,
     estimate_responses,
+    find_block_length,
 )
 
 RATE = 100.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.spectra.response_smoothing import LEAST_HARMONICS, smooth_response
+from flexsid.sysid.spectra.response_estimators import LEAST_HARMONICS, smooth_response
 
 OMEGA = 2.0 * np.pi * np.arange(6, 330, 5) / 24.0
 

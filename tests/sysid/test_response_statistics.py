@@ -9,9 +9,14 @@ from scipy import signal
 from flexsid.errors import BadInput
 from flexsid.sysid.signals import FrequencyResponse
 from flexsid.sysid.spectra.collinearity import assess_collinearity
-from flexsid.sysid.spectra.reliability import ILL_CONDITIONED, UNCERTAIN, find_unreliable_points
-from flexsid.sysid.spectra.repetition import combine_responses, compute_coherence
-from flexsid.sysid.spectra.windowed_spectra import compute_windowed_responses
+from flexsid.sysid.spectra.response import (
+    ILL_CONDITIONED,
+    UNCERTAIN,
+    combine_responses,
+    compute_coherence,
+    compute_windowed_responses,
+    find_unreliable_points,
+)
 
 
 def circular(rng: np.random.Generator, *shape: int) -> np.ndarray:

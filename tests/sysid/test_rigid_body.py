@@ -7,8 +7,7 @@ import pickle
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.model.axes import RIGID_BODIES
-from flexsid.sysid.model.derivatives import list_derivative_names, parse_derivative
+from flexsid.sysid.model.derivatives import RIGID_BODIES, list_derivative_names, parse_derivative
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 

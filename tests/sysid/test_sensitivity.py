@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from tests.sysid.conftest import add_noise
 
-from flexsid.sysid.estimation import leave_one_out as jackknife
+from flexsid.sysid.estimation import covariance as jackknife
 from flexsid.sysid.estimation.end_states import add_end_states, list_end_state_names
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.parameters import select_parameters
 
 EXTRA_VALUES = {
     **{"delay_q": 0.004, "delay_alpha": -0.002, "scale_alpha": 1.1},

@@ -13,12 +13,10 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import INPUTS, load_truth
 from flexsid.demo.truth_flight import RATE_HZ, fly_truth
-from flexsid.sysid.model.instruments import Butterworth, Instrument
-from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN, Butterworth, Instrument
 from flexsid.sysid.simulation import sensors as feel
-from flexsid.sysid.simulation.airframe import Airframe, assemble_airframe
+from flexsid.sysid.simulation.airframe import Airframe, apply_instruments, assemble_airframe
 from flexsid.sysid.simulation.closed_loop import Actuator, simulate_closed_loop
-from flexsid.sysid.simulation.recording import apply_instruments
 
 RECORDS = Path(__file__).parents[2].parent / "shared" / "data" / "flex28" / "records"
 FOOT = 0.3048

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.sysid.preparation.stream_checks import LONGEST_REPAIR, StreamChecks
+from flexsid.sysid.preparation.spikes_and_dropouts import LONGEST_REPAIR, StreamChecks
 
 RATE_HZ, BLOCK = 200.0, 10
 

@@ -7,8 +7,8 @@ import pytest
 from tests.sysid.conftest import OMEGA, add_noise
 
 from flexsid.demo.flex28 import load_truth
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.likelihood import maximize
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.model.reduction import residualize
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.table import align_modes

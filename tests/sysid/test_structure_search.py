@@ -17,7 +17,6 @@ from flexsid.sysid.estimation.regression import Regression, regress
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.spectra.collinearity import find_near_dependencies
-from flexsid.sysid.structure_determination.candidates import select_candidates
 from flexsid.sysid.structure_determination.evidence import (
     Evidence,
     compute_evidence,
@@ -25,6 +24,8 @@ from flexsid.sysid.structure_determination.evidence import (
 )
 from flexsid.sysid.structure_determination.search import (
     StructureSelection,
+    ValidationModel,
+    cross_validate,
     search_equations,
     select_stepwise,
 )
@@ -32,9 +33,9 @@ from flexsid.sysid.structure_determination.selection import (
     SelectionState,
     Thresholds,
     compute_selection_frequency,
+    select_candidates,
     select_terms,
 )
-from flexsid.sysid.structure_determination.validation import ValidationModel, cross_validate
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",

@@ -8,7 +8,7 @@ import pytest
 from flexsid.demo.aircraft import describe_aircraft
 from flexsid.demo.flex28 import load_truth
 from flexsid.sysid.model.sensor_models import find_sensor_model
-from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs, parity
+from flexsid.sysid.preparation.resampling import combine_pair, find_pairs, parity
 
 
 def test_pairs_are_found_by_their_names():

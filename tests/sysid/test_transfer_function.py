@@ -11,7 +11,7 @@ from flexsid.sysid.stability.transfer_function import (
     compute_mismatch_cost,
     fit_transfer_function,
 )
-from flexsid.verification.gtm import FLIGHTS, build_rigid_model
+from flexsid.verification.requirements import FLIGHTS, build_rigid_model
 
 OMEGA = np.linspace(0.5, 15.0, 60)
 S = 1j * OMEGA

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.trend import fit_trend
+from flexsid.sysid.estimation.agreement import fit_trend
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])

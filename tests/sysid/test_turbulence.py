@@ -16,7 +16,7 @@ from flexsid.sysid.estimation.likelihood import (
     count_effective_parameters,
     maximize,
 )
-from flexsid.sysid.estimation.noise_spectrum import estimate_noise_spectrum
+from flexsid.sysid.estimation.noise import estimate_noise_spectrum
 from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.estimation.weighted_fit import (
     compute_weighting_change,

@@ -16,9 +16,15 @@ from flexsid.sysid.aerodynamics.coefficients import (
     compute_coefficients,
     tabulate_derivatives,
 )
-from flexsid.sysid.aerodynamics.influence import Symmetry
-from flexsid.sysid.aerodynamics.normal_washes import BoxShapes, Reference, place_surface
-from flexsid.sysid.aerodynamics.splines import BeamSurface, SplinedSurface, interpolate_shapes
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry
+from flexsid.sysid.aerodynamics.splines import (
+    BeamSurface,
+    BoxShapes,
+    Reference,
+    SplinedSurface,
+    interpolate_shapes,
+    place_surface,
+)
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 needs_flex28 = pytest.mark.skipif(

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.validation import (
+from flexsid.sysid.adequacy.validation import (
     assign_folds,
     autocorrelate_residual,
     cross_correlate_residual,
     predict_outputs,
 )
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
-from flexsid.sysid.spectra.noise_correlation import compute_noise_correlation
+from flexsid.sysid.spectra.residual_spectrum import compute_noise_correlation
 
 RATE_HZ = 50.0
 PERIOD_S = 20.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexsid.sysid.estimation.diagnostics import whiten, whiteness
+from flexsid.sysid.estimation.estimate import whiten, whiteness
 from flexsid.sysid.spectra.fourier import compute_harmonic_frequencies, finite_fourier_transform
-from flexsid.sysid.spectra.noise_correlation import compute_noise_correlation
+from flexsid.sysid.spectra.residual_spectrum import compute_noise_correlation
 
 RATE_HZ = 50.0
 PERIOD_S = 20.0

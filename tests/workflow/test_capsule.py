@@ -18,7 +18,7 @@ import pytest
 import sqlalchemy as sa
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings

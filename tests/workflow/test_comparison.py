@@ -9,8 +9,8 @@ import pytest
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.aircraft import DerivativePrediction
-from flexsid.records.comparison import AgreementCount
 from flexsid.records.run import Method
+from flexsid.records.validation import AgreementCount
 from flexsid.workflow.comparison.derivative_comparison import compare, select_coefficient
 
 

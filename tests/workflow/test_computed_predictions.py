@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.cli.predictions import read_planform
+from flexsid.cli.models import read_planform
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.demo.independent_surfaces import compute_true_derivatives, describe_independent
 from flexsid.demo.sources import build_modal_tables
 from flexsid.errors import BadInput, Conflict, FlexsidError
-from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kind import find_job, get_result
 from flexsid.jobs.kinds import PREDICTED_FLUTTER, PREDICTION, RUN
 from flexsid.records.aircraft import DerivativePrediction
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     Aerodynamics,
     EstimationRun,

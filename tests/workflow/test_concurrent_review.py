@@ -7,9 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.decision import ModelProposal, StructureReference
-from flexsid.records.model_structure import ModelStructure, Structure
-from flexsid.storage.event_chain import is_chain_intact
+from flexsid.records.decision import ModelProposal, ModelStructure, Structure, StructureReference
+from flexsid.storage.audit_recording import is_chain_intact
 from flexsid.storage.store import Store
 from flexsid.workflow.model_structures.model_structures import (
     StaleEdit,

@@ -10,9 +10,15 @@ import pytest
 from flexsid.errors import UnknownRecord
 from flexsid.figures.condition_sheet import draw_condition_derivatives, format_with_error
 from flexsid.records.condition_sheet import SourceRole
-from flexsid.records.decision import ModelProposal, ReviewRules, StructureReference, Vote
+from flexsid.records.decision import (
+    ModelProposal,
+    ModelStructure,
+    ReviewRules,
+    Structure,
+    StructureReference,
+    Vote,
+)
 from flexsid.records.maneuver import GROUND
-from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import Method
 from flexsid.sysid.estimation.agreement import compute_correlation, find_correlated_pairs
 from flexsid.workflow.model_structures.model_structures import add_structure

@@ -9,13 +9,18 @@ import numpy as np
 import pytest
 
 from flexsid.errors import UnknownRecord
-from flexsid.figures.derivative_coverage import draw_derivative_coverage
-from flexsid.figures.numbers import extract_curves
+from flexsid.figures.global_model import draw_derivative_coverage
+from flexsid.figures.spec import extract_curves
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.dashboard import EstimateStatus, WarningKind
-from flexsid.records.decision import ModelProposal, ReviewRules, StructureReference, Vote
+from flexsid.records.decision import (
+    ModelProposal,
+    ModelStructure,
+    ReviewRules,
+    Structure,
+    StructureReference,
+    Vote,
+)
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -27,6 +32,7 @@ from flexsid.records.run import (
     RunSettings,
     RunState,
 )
+from flexsid.records.search import EstimateStatus, WarningKind
 from flexsid.storage import bulk, queue
 from flexsid.storage.bulk import Action
 from flexsid.storage.store import Store

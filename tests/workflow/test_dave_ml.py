@@ -13,8 +13,8 @@ from simulated_campaign import NAMES, VALUES, Truth, fly, store_runs
 
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.workflow.global_model.computation import compute_global_model
-from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery, prepare_global_model
+from flexsid.workflow.global_model.exports import write_dave_ml
 
 D, M = "{http://daveml.org/2010/DAVEML}", "{http://www.w3.org/1998/Math/MathML}"
 OPERATORS: dict[str, Callable[[list[float]], float]] = {

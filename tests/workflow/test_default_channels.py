@@ -10,7 +10,7 @@ from flexsid.demo.independent_surfaces import describe_independent
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Excitation, Role
 from flexsid.records.views import DefaultChannels
-from flexsid.workflow.views.channels import select_default_channels
+from flexsid.workflow.views.maneuver import select_default_channels
 
 SINGLES = {
     surface.name: Role.INPUT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexsid.errors import NotIdentifiable
-from flexsid.jobs.inline import execute_request
+from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import FLUTTER
 from flexsid.records.job import Job

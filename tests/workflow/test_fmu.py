@@ -23,9 +23,8 @@ from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.computation import compute_global_model, predict_derivatives
 from flexsid.workflow.global_model.estimates import GlobalModelQuery, prepare_global_model
-from flexsid.workflow.global_model.fmu import write_global_fmu
-from flexsid.workflow.runs.fmu import write_fmu
-from flexsid.workflow.runs.model_export import export_model
+from flexsid.workflow.global_model.exports import write_global_fmu
+from flexsid.workflow.runs.exports import export_model, write_fmu
 
 pytestmark = [
     pytest.mark.parametrize("backend", ["sqlite"]),

@@ -8,14 +8,13 @@ from simulated_campaign import NAMES, VALUES, Truth, fly, reverse_surface, store
 
 from flexsid.errors import BadInput, UnknownRecord
 from flexsid.figures.global_model import draw_coverage, draw_slice
-from flexsid.jobs.inline import execute_request
+from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.aircraft import DerivativePrediction
-from flexsid.records.decision import LimitedQuantity
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import LimitedQuantity, Structure
 from flexsid.workflow.global_model.estimates import GlobalModelQuery, prepare_global_model
-from flexsid.workflow.global_model.slices import compute_coverage, slice_derivative
+from flexsid.workflow.global_model.versions import compute_coverage, slice_derivative
 
 WRONG = 4
 

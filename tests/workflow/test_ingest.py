@@ -20,7 +20,7 @@ from flexsid.storage.store import Store
 from flexsid.workflow.importing.flight_import import compute_largest_correlation, read_upload
 from flexsid.workflow.importing.parsed_files import find_guesses
 from flexsid.workflow.modal_data.modal_tables import load_modes
-from flexsid.workflow.views.fuel import list_modes_at
+from flexsid.workflow.views.modes import list_modes_at
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "../shared/data/flex28/records"

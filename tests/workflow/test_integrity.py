@@ -14,11 +14,11 @@ from flexsid.records.maneuver import ConditioningStep, Correction, StepKind
 from flexsid.records.run import EstimationRun
 from flexsid.storage import queue
 from flexsid.storage.arrays import DamagedData, describe_array
-from flexsid.storage.channels import read_channels
 from flexsid.storage.content import find_changes
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.storage.tables import aircraft, arrays, channels, maneuvers, predictions, runs
-from flexsid.workflow.maintenance.database_check import check_database
+from flexsid.workflow.maintenance.database import check_database
 from flexsid.workflow.runs import estimation
 
 

@@ -6,18 +6,18 @@ import numpy as np
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.stability.poles import NamedPole
-from flexsid.workflow.fits.estimation_task import get_first_start, select_free_parameters
-from flexsid.workflow.fits.experiments import build_experiments
-from flexsid.workflow.fits.likelihood_fit import (
-    compute_interpolation_bias,
-    correct_interpolation,
+from flexsid.workflow.fits.estimation_task import (
+    build_experiments,
+    get_first_start,
+    select_free_parameters,
 )
+from flexsid.workflow.fits.likelihood_fit import compute_interpolation_bias, correct_interpolation
 from flexsid.workflow.fits.run_warnings import warn_of_interpolation
 from flexsid.workflow.runs.estimation import compute_run, prepare
 

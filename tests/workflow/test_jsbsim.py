@@ -14,24 +14,20 @@ import pytest
 
 from flexsid.demo import transport
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.jsbsim import write_jsbsim
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.condition import compute_standard_altitude, compute_standard_density
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.reduction import residualize
-from flexsid.sysid.model.standard_atmosphere import (
-    compute_standard_altitude,
-    compute_standard_density,
-)
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
-from flexsid.workflow.runs.identified_models import load_identified_model
-from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
+from flexsid.workflow.runs.exports import load_identified_model, write_jsbsim_aircraft
 
 _STEP_S = 0.0005  # forces of JSBSim are a step late: an error of pole times step
 _FLOWN_S = 20.0

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexsid.cli.predictions import read_planform
+from flexsid.cli.models import read_planform
 from flexsid.demo.campaign import add_aircraft
 from flexsid.errors import BadInput
 from flexsid.figure_table import draw_figure
-from flexsid.jobs.inline import execute_request
+from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kinds import PREDICTION
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.views import LatticeQuantity
 from flexsid.storage.store import Store
-from flexsid.workflow.views.lattice import view_lattice
+from flexsid.workflow.views.modes import view_lattice
 
 PLANFORM = Path(__file__).parents[2] / "examples" / "flex28" / "planform.toml"
 

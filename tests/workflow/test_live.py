@@ -14,21 +14,24 @@ from speed_ramp import find_doubling_s, fly_speed_ramp
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import FlownManeuver, fly
 from flexsid.errors import BadInput
+from flexsid.records.decision import Structure
 from flexsid.records.live import AlarmKind, Frame, LiveCondition, LiveMode, LivePhase, LiveState
 from flexsid.records.maneuver import Flight, Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation import growing_record
 from flexsid.sysid.simulation.turbulence import Turbulence
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
-from flexsid.workflow.live.live_bode import build_live_bode
-from flexsid.workflow.live.live_estimator import Adjust, LiveEstimator, LiveProcessor
-from flexsid.workflow.live.live_task import LiveTask, adjust_live_task, prepare_live_task
-from flexsid.workflow.live.packets import decode_frames, encode_frame
-from flexsid.workflow.live.replay import pace, read_replay
+from flexsid.workflow.live.frame_assembler import decode_frames, encode_frame, pace, read_replay
+from flexsid.workflow.live.live_estimator import (
+    Adjust,
+    LiveEstimator,
+    LiveProcessor,
+    build_live_bode,
+)
+from flexsid.workflow.live.live_fit import LiveTask, adjust_live_task, prepare_live_task
 from flexsid.workflow.live.stream_processor import StreamProcessor
 
 MODES = (7, 9)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.importers.channels import RawChannel
 from flexsid.importers.clock import Clock
+from flexsid.importers.maneuver import RawChannel
 from flexsid.importers.source import SourceFile
 from flexsid.records.aircraft import (
     Aircraft,
@@ -20,8 +20,8 @@ from flexsid.records.aircraft import (
     Surface,
     get_symmetry,
 )
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import FlightChannel, Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage.store import Store
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, VANE

@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 
 from flexsid.demo.campaign import add_aircraft
-from flexsid.demo.flights import SETTLE_S, TRIM_S, FlownManeuver, fly
-from flexsid.demo.whole_flight import PAUSE_S, add_recording, record_flight
+from flexsid.demo.flights import (
+    PAUSE_S,
+    SETTLE_S,
+    TRIM_S,
+    FlownManeuver,
+    add_recording,
+    fly,
+    record_flight,
+)
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.maneuver import Cut, Flight, Role
 from flexsid.storage.store import Store
@@ -20,7 +27,7 @@ from flexsid.workflow.importing.maneuver_cutting import (
     read_flight_history,
 )
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
-from flexsid.workflow.views.channels import read_traces
+from flexsid.workflow.views.maneuver import read_traces
 
 START_S = 1000.0
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.figures.plot_matrix import draw_plot_matrix
-from flexsid.figures.spectrum import draw_spectrum
-from flexsid.figures.time_history import draw_time_history
+from flexsid.figures.estimates import draw_plot_matrix
+from flexsid.figures.excitation import draw_spectrum
+from flexsid.figures.time_histories import draw_time_history
 from flexsid.records.aircraft import Combination
 from flexsid.records.maneuver import Channel, Excitation, Maneuver, Role
 from flexsid.workflow.views.maneuver import compute_spectrum, read_time_history
-from flexsid.workflow.views.plot_matrix import compute_plot_matrix
+from flexsid.workflow.views.run import compute_plot_matrix
 
 RATE_HZ = 100.0
 TRIM_S = 2.0

@@ -10,10 +10,10 @@ import sqlalchemy as sa
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -22,7 +22,7 @@ from flexsid.records.run import (
     RunSettings,
     Start,
 )
-from flexsid.storage.run_summaries import store_summary
+from flexsid.storage.run_list import store_summary
 from flexsid.storage.store import Store
 from flexsid.storage.tables import runs
 from flexsid.sysid.simulation.turbulence import Turbulence

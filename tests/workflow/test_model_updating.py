@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexsid.demo.flex28 import load_truth
-from flexsid.demo.vibration_test import build_measured_responses
+from flexsid.demo.sources import build_measured_responses
 from flexsid.errors import BadInput
 from flexsid.records.modal_data import ModalKind
 from flexsid.records.run import ParameterEstimate

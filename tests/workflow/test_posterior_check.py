@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import POSTERIOR, RUN
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings, Start
 from flexsid.storage.store import Store
 from flexsid.workflow.validation.posterior_check import PosteriorQuery

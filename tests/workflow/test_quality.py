@@ -17,11 +17,14 @@ from flexsid.records.quality import QualityVerdict
 from flexsid.storage.store import Store
 from flexsid.sysid.preparation.resampling import resample
 from flexsid.sysid.signals import FrequencyData
-from flexsid.workflow.measurements.conditioning import add_conditioning_steps, undo_step
-from flexsid.workflow.measurements.maneuver_spectra import read_spectra
+from flexsid.workflow.measurements.maneuver_spectra import (
+    add_conditioning_steps,
+    read_spectra,
+    undo_step,
+)
 from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.quality.maneuver_quality import find_maneuver_quality
-from flexsid.workflow.views.channels import read_traces
+from flexsid.workflow.views.maneuver import read_traces
 
 Change = Callable[[str, np.ndarray, float], np.ndarray]
 

@@ -14,10 +14,10 @@ from file_imports import import_files
 from scipy.io import savemat
 
 from flexsid.errors import BadInput, Conflict, FlexsidError, UnreadableFile
-from flexsid.importers.plausibility import find_unit_warning
+from flexsid.importers.quantity import find_unit_warning
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Role
-from flexsid.storage.channels import read_flight_channels
+from flexsid.storage.recordings import read_flight_channels
 from flexsid.storage.store import Store
 from flexsid.workflow.importing import uploads
 from flexsid.workflow.importing.flight_import import Imported, import_each

@@ -11,12 +11,12 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
 from flexsid.figures.bode import View, draw_bode
-from flexsid.figures.plot_matrix import draw_plot_matrix
-from flexsid.figures.spectrum import draw_spectrum
+from flexsid.figures.estimates import draw_plot_matrix
+from flexsid.figures.excitation import draw_spectrum
 from flexsid.records.maneuver import Flight
 from flexsid.workflow.views.bode import compute_bode
 from flexsid.workflow.views.maneuver import compute_spectrum
-from flexsid.workflow.views.plot_matrix import compute_plot_matrix
+from flexsid.workflow.views.run import compute_plot_matrix
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from flexsid.records.run import Batch, EstimationRun, Method
 from flexsid.storage.bulk import Action, change_maneuvers
 from flexsid.storage.store import Store
 from flexsid.workflow.runs import run_identity
-from flexsid.workflow.runs.batch import queue_batch
-from flexsid.workflow.runs.identified_models import load_identified_model as identified_model
+from flexsid.workflow.runs.exports import load_identified_model as identified_model
 from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.runs.run_templates import queue_batch
 
 pytestmark = pytest.mark.parametrize("backend", ["sqlite"])
 

@@ -12,9 +12,9 @@ import pytest
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import ModelStructure, Structure
+from flexsid.records.decision import ModelStructure, Structure
 from flexsid.records.run import EstimationRun, Method, ProposalSource, RunSettings, RunState
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import compare
@@ -22,8 +22,8 @@ from flexsid.workflow.model_structures.model_structures import add_structure
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis, propose_run
-from flexsid.workflow.validation.predicted_maneuver import predict_maneuver
-from flexsid.workflow.views.plot_matrix import compute_plot_matrix
+from flexsid.workflow.validation.cross_prediction import predict_maneuver
+from flexsid.workflow.views.run import compute_plot_matrix
 
 WIDE, NARROW = 1, 2  # FTA 506 to 13.7 Hz, FTA 503 to 5.4 Hz
 

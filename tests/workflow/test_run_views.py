@@ -7,7 +7,7 @@ import pytest
 
 from flexsid.errors import BadInput, Conflict
 from flexsid.records.run import Method, OutputQuality
-from flexsid.workflow.views.campaign import read_envelope
+from flexsid.workflow.views.maneuver import read_envelope
 from flexsid.workflow.views.run import (
     compare_derivatives,
     compute_parameter_correlation,

@@ -11,7 +11,7 @@ import pytest
 
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import BadInput
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, RunSettings
 from flexsid.storage.store import Store
 from flexsid.workflow.fits.computation import compute_run

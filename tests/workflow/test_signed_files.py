@@ -12,7 +12,7 @@ import pytest
 from flexsid.errors import BadInput
 from flexsid.storage.database import Database
 from flexsid.storage.signatures import SignaturePlace, read_public_key, sign_content
-from flexsid.workflow.maintenance.signed_files import check_signed_file
+from flexsid.workflow.maintenance.printed_reports import check_signed_file
 
 CONTENTS = {
     SignaturePlace.COMMENT: b"<!doctype html>\n<p>CZ_alpha = -4.6 \xc2\xb1 0.1\n",

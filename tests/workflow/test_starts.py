@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import Structure
-from flexsid.records.run import (
-    EstimationRun,
-    Method,
-    OutOfBandModes,
-    Progress,
-    RunSettings,
-    Start,
-)
+from flexsid.records.decision import Structure
+from flexsid.records.run import EstimationRun, Method, OutOfBandModes, Progress, RunSettings, Start
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation import limits
+from flexsid.sysid.estimation import experiment
 from flexsid.workflow.flutter.run_models import UnmodelledModes, load_run_models
 from flexsid.workflow.runs.derived_runs import DerivedRuns
 from flexsid.workflow.runs.estimation import compute_run, prepare
-from flexsid.workflow.runs.run_export import export_run
+from flexsid.workflow.runs.exports import export_run
 from flexsid.workflow.views.run import compute_parameter_correlation
 
 
@@ -64,7 +57,7 @@ def test_unconverged_fit_has_no_standard_errors(flown_url: str):
 
 def test_a_parameter_at_its_limit_is_no_estimate(flown_url: str, monkeypatch):
     """The limit is set below the true delay of the sensor."""
-    monkeypatch.setitem(limits._LIMITS, "delay", (-1e-6, 1e-6))
+    monkeypatch.setitem(experiment._LIMITS, "delay", (-1e-6, 1e-6))
     store = Store.open(flown_url)
     run = EstimationRun(
         maneuver_id=1,

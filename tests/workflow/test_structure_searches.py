@@ -13,20 +13,20 @@ from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
 from flexsid.records.modal_data import ModalTable
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import AdequacyState, Method, RunState
 from flexsid.records.search import InitialTerms, SearchSettings, StructureSearch
 from flexsid.storage.store import Store
 from flexsid.sysid.simulation.turbulence import Turbulence
-from flexsid.workflow.structure_determination.fitted_models import HoldingRun
 from flexsid.workflow.structure_determination.searches import (
     compute_search,
     create_candidate_run,
     get_result,
     prepare_search,
 )
+from flexsid.workflow.structure_determination.term_search import HoldingRun
 
 ABSENT = (
     "CZ_eta9", "CZ_etadot9", "CZ_wf2s", "Cm_eta7", "Cm_etadot9", "Cm_bfs", "CQ7_q",

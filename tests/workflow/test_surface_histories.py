@@ -10,12 +10,12 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.demo.independent_surfaces import add_independent
-from flexsid.demo.surface_faults import FaultKind, SurfaceFault
-from flexsid.figures.surface_histories import draw_surface_histories
+from flexsid.demo.truth_flight import FaultKind, SurfaceFault
+from flexsid.figures.time_histories import draw_surface_histories
 from flexsid.records.maneuver import Flight
 from flexsid.records.views import SurfaceHistories, SurfaceHistory
 from flexsid.storage.store import Store
-from flexsid.workflow.views.surface_histories import read_surface_histories
+from flexsid.workflow.views.time_comparison import read_surface_histories
 
 
 def read(store: Store, fault: SurfaceFault | None = None) -> SurfaceHistories:

@@ -8,13 +8,13 @@ import pytest
 
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
-from flexsid.demo.surface_faults import FaultKind, SurfaceFault
+from flexsid.demo.truth_flight import FaultKind, SurfaceFault
 from flexsid.records.maneuver import Flight
 from flexsid.records.quality import QualityVerdict, SurfaceQuality
 from flexsid.storage.store import Store
 from flexsid.sysid.simulation.turbulence import Turbulence
 from flexsid.workflow.quality.quality_warnings import warn_of_surfaces
-from flexsid.workflow.quality.surface_quality import check_surfaces
+from flexsid.workflow.quality.sensor_skews import check_surfaces
 
 FAULTS = {
     "wf2s does not follow": SurfaceFault(kind=FaultKind.STUCK, surface="wf2s"),

@@ -23,13 +23,8 @@ from flexsid.records.quality import (
     QualityVerdict,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.catalogue import CATALOGUE
-from flexsid.sysid.excitation.designer import (
-    check_specification,
-    compute_peak_factors,
-    design,
-)
-from flexsid.sysid.excitation.targets import interleave_harmonics
+from flexsid.sysid.excitation.catalogue import CATALOGUE, interleave_harmonics
+from flexsid.sysid.excitation.designer import check_specification, compute_peak_factors, design
 from flexsid.workflow.excitation.excitation_designs import specify_design
 from flexsid.workflow.excitation.target_modes import (
     TargetQuery,

@@ -10,16 +10,15 @@ import pytest
 from flexsid.demo.aircraft import build_thrust_table
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flex28 import load_truth
-from flexsid.demo.flights import fly
-from flexsid.demo.whole_flight import add_recording, record_flight
+from flexsid.demo.flights import add_recording, fly, record_flight
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import AircraftMapping
 from flexsid.importers.table import read_table
 from flexsid.records.maneuver import Cut, Flight
 from flexsid.storage.store import Store
 from flexsid.units import to_si
-from flexsid.workflow.aircraft.flight_condition import complete_condition
-from flexsid.workflow.aircraft.thrust import (
+from flexsid.workflow.aircraft.flight_condition import (
+    complete_condition,
     compute_total_temperature,
     interpolate_thrust,
     parse_thrust_table,

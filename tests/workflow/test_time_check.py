@@ -8,14 +8,17 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, Method, RunSettings
 from flexsid.storage import queue
 from flexsid.storage.store import Store
 from flexsid.workflow.runs.estimation import compute_run, prepare, store_result
-from flexsid.workflow.views.time_check import check_in_time
-from flexsid.workflow.views.time_comparison import compare_in_time, compute_fit_percent
+from flexsid.workflow.views.time_comparison import (
+    check_in_time,
+    compare_in_time,
+    compute_fit_percent,
+)
 
 
 @pytest.mark.parametrize("ratio", [0.65, 1.09])

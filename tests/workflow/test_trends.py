@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flexsid.errors import BadInput
-from flexsid.records.comparison import Against
+from flexsid.records.validation import Against
 from flexsid.workflow.comparison.trends import fit_derivative_trend
 
 

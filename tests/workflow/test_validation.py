@@ -14,11 +14,11 @@ import pytest
 from flexsid.demo.campaign import add_aircraft, add_maneuver
 from flexsid.demo.flights import fly
 from flexsid.errors import BadInput, Cancelled
-from flexsid.jobs.inline import execute_request, execute_run
+from flexsid.jobs.dispatcher import execute_request, execute_run
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import CROSS_PREDICTION, CROSS_VALIDATION, RUN
+from flexsid.records.decision import FixedTo, HeldBy, Structure
 from flexsid.records.maneuver import Flight
-from flexsid.records.model_structure import FixedTo, HeldBy, Structure
 from flexsid.records.run import EstimationRun, Method, OutOfBandModes, Progress, RunSettings
 from flexsid.records.validation import Partition
 from flexsid.storage.store import Store
@@ -26,17 +26,16 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.validation.cross_prediction import (
     CrossPredictionQuery,
     compute_cross_predictions,
-    identify_cross_prediction,
-)
-from flexsid.workflow.validation.cross_validation import CrossValidationQuery, cross_validate
-from flexsid.workflow.validation.predicted_maneuver import measure_outputs, predict_maneuver
-from flexsid.workflow.validation.predicted_spectra import (
     compute_held_out_residuals,
     compute_prediction_residuals,
     correlate_residuals,
+    identify_cross_prediction,
+    measure_outputs,
+    predict_maneuver,
     read_held_out_fit,
     read_prediction,
 )
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery, cross_validate
 
 Estimate = Callable[..., EstimationRun]
 

@@ -11,11 +11,12 @@ import pytest
 from flexsid.records.decision import (
     LimitedQuantity,
     ModelProposal,
+    ModelStructure,
     ReviewRules,
+    Structure,
     StructureReference,
     Vote,
 )
-from flexsid.records.model_structure import ModelStructure, Structure
 from flexsid.records.run import AdequacyState, Method, ModelAdequacy, RunState
 from flexsid.records.search import SearchCandidate, SearchResult, SearchSettings, StructureSearch
 from flexsid.workflow.model_structures.model_structures import add_structure

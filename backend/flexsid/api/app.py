@@ -1,92 +1,179 @@
-"""The FastAPI application: database, dispatcher, routes and frontend."""
+"""The FastAPI application: database, dispatcher, routes, page and scheduled backups."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import mimetypes
+import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import anyio.to_thread
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI, Response
 from fastapi.middleware.gzip import GZipMiddleware
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+from fastapi.staticfiles import StaticFiles
+from starlette.datastructures import Headers
+from starlette.types import Scope
 
 import flexsid
+from flexsid.api.authorization import LoginAddresses
 from flexsid.api.context import Context
+from flexsid.api.description import add_docs, add_examples
 from flexsid.api.errors import add_error_handlers
 from flexsid.api.live_events import LiveEvents
-from flexsid.api.login_addresses import LoginAddresses
-from flexsid.api.metrics import add_metrics
-from flexsid.api.middleware.body_limit import BodyLimit
+from flexsid.api.middleware.limits import THREADS, BodyLimit, WriteLimit
 from flexsid.api.middleware.request_coalescing import RequestCoalescing
-from flexsid.api.middleware.request_log import RequestLog, RequestMetrics
+from flexsid.api.middleware.request_log import RequestLog, RequestMetrics, add_metrics
 from flexsid.api.middleware.security import SecurityMiddleware
-from flexsid.api.middleware.write_limit import THREADS, WriteLimit
-from flexsid.api.openapi.description import add_examples
-from flexsid.api.openapi.docs import add_docs
-from flexsid.api.page import FindStart, add_page
 from flexsid.api.parameters import DESCRIPTION
 from flexsid.api.router import make_operation_id
 from flexsid.api.routes import (
     aircraft,
-    audit_log,
-    backups,
-    batches,
-    closed_loop,
-    comparisons,
-    compatibility,
-    conditioning,
-    conditions,
-    controllers,
     decisions,
-    design_predictions,
     designs,
-    events,
     figures,
-    flights,
     flutter,
     global_models,
-    ground_tests,
-    health,
     jobs,
     live,
     maneuvers,
-    mappings,
-    modal_files,
     modal_tables,
     model_structures,
-    nomenclature,
     notes,
-    predictions,
+    operations,
     quality,
     reports,
-    review,
-    run_templates,
     runs,
-    saved_views,
-    searches,
     session,
-    transfer_functions,
     uploads,
     validation,
     vibration_tests,
 )
-from flexsid.api.scheduled_backups import schedule_backups
 from flexsid.jobs.dispatcher_process import DispatcherProcess, DispatcherSettings
 from flexsid.jobs.health import PartHealth, QueueHealth
-from flexsid.jobs.kinds import load_kinds
+from flexsid.jobs.kind import submit
+from flexsid.jobs.kinds import BACKUP, load_kinds
 from flexsid.reports import read_template
 from flexsid.settings import Mode, Settings
+from flexsid.storage.access import GIGABYTE, Quotas
 from flexsid.storage.backup import find_file
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.quotas import GIGABYTE, Quotas
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
-from flexsid.workflow.maintenance.database_backup import BackupRequest
+from flexsid.workflow.maintenance.database import BackupRequest, is_backup_due
 from flexsid.workflow.review.decision_review import find_clock_error
 
+# --- The built frontend, if the installation contains it ------------------------------------------
+
+FRONTEND = Path(flexsid.__file__).parent / "frontend_dist"
+_ENCODINGS = {"br": ".br", "gzip": ".gz"}
+"""Suffix of the files that the build has compressed, by encoding, the smallest first."""
+
+_NOT_BUILT = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>flexsid</title>
+<h1>The frontend of flexsid has not been built</h1>
+<p>The server is running (<a href="/api/v1/health">health</a>, <a href="/api/docs">API</a>), but
+the frontend is missing from this installation. In a source checkout <code>make demo</code>
+builds it.</p></html>
+"""
+
+
+FindStart = Callable[[], str | None]
+"""Returns the address on which the page opens in place of the start page; None for that."""
+
+
+def add_page(app: FastAPI, folder: Path = FRONTEND, find_start: FindStart | None = None) -> None:
+    """Serve the built frontend at ``/`` and at the addresses of its views."""
+    if (folder / "index.html").is_file():
+        if find_start is not None:
+            _add_start(app, folder, find_start)
+        app.mount("/assets", _Assets(directory=folder / "assets"))
+        app.frontend("/", directory=folder, fallback="index.html")
+        return
+
+    @app.get("/", include_in_schema=False)
+    async def show_missing_frontend() -> HTMLResponse:
+        return HTMLResponse(_NOT_BUILT)
+
+
+def _add_start(app: FastAPI, folder: Path, find_start: FindStart) -> None:
+    """Open the page on another view than the start page; links within the page are as before."""
+
+    @app.get("/", include_in_schema=False)
+    def open_page() -> Response:
+        start = find_start()
+        if start is None:
+            return FileResponse(folder / "index.html")
+        return RedirectResponse(start, 307, {"Cache-Control": "no-store"})
+
+
+class _Assets(StaticFiles):
+    """Files of the build, each as compressed as the browser accepts."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        accepted = read_encodings(Headers(scope=scope).get("accept-encoding", ""))
+        for encoding, suffix in _ENCODINGS.items():
+            compressed = f"{os.fspath(full_path)}{suffix}"
+            if encoding in accepted and os.path.isfile(compressed):
+                media_type = mimetypes.guess_type(full_path)[0]
+                headers = {"Content-Encoding": encoding, "Vary": "Accept-Encoding"}
+                return FileResponse(compressed, media_type=media_type, headers=headers)
+        return super().file_response(full_path, stat_result, scope, status_code)
+
+
+def read_encodings(header: str) -> set[str]:
+    """Return the encodings that a header ``Accept-Encoding`` accepts by name."""
+    accepted = set[str]()
+    for part in header.lower().split(","):
+        name, _, weight = part.partition(";")
+        if weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000"):
+            accepted.add(name.strip())
+    return accepted
+
+
+# --- Backups at intervals, queued by the server ---------------------------------------------------
+
 _log = logging.getLogger(__name__)
+_CHECK_S = 60.0
+
+
+async def schedule_backups(context: Context, hours: int, request: BackupRequest) -> None:
+    """Queue a backup whenever the last one is older than an interval, until cancelled."""
+    while True:
+        try:
+            if await anyio.to_thread.run_sync(request_due_backup, context.store, hours, request):
+                context.dispatcher.wake()
+        except Exception:  # such as a locked database; without this no backup would follow
+            _log.exception("no backup was requested; trying again")
+        await asyncio.sleep(_CHECK_S)
+
+
+def request_due_backup(store: Store, hours: int, request: BackupRequest) -> bool:
+    """Queue a backup if one is due; return whether it is.
+
+    Raises
+    ------
+    BadInput
+        If the database is not SQLite.
+    """
+    if not is_backup_due(store, timedelta(hours=hours), datetime.now(UTC)):
+        return False
+    submit(store, BACKUP, request, title="Database, scheduled")
+    return True
+
+
+# --- The FastAPI application: database, dispatcher, routes and frontend ---------------------------
 
 _LEAST_COMPRESSED = 1024  # [bytes]
 _LEVEL = 4  # of zlib: JSON is 7 % larger than by level 6, in two thirds of the time
@@ -129,7 +216,7 @@ def create_app(
         clock_error = find_clock_error(store)
         if clock_error is not None:
             _log.warning(clock_error)
-        live = LiveEvents(store, lambda: health.check_parts(app.state.context))
+        live = LiveEvents(store, lambda: operations.check_parts(app.state.context))
         duty = DispatcherSettings(
             *(settings.database, load_kinds, settings.dask, settings.workers),
             url=settings.public_url,
@@ -185,51 +272,31 @@ def create_app(
     )
     app.state.settings = settings
     for module in (
-        health,
+        operations,
         session,
-        audit_log,
         aircraft,
-        flights,
-        ground_tests,
         maneuvers,
-        compatibility,
-        conditioning,
+        vibration_tests,
         quality,
-        mappings,
         uploads,
         modal_tables,
-        modal_files,
-        vibration_tests,
-        predictions,
         model_structures,
         decisions,
-        review,
         runs,
-        saved_views,
         notes,
-        run_templates,
-        searches,
         jobs,
-        events,
-        backups,
-        batches,
-        comparisons,
-        conditions,
+        validation,
         reports,
         designs,
-        design_predictions,
-        controllers,
         flutter,
-        closed_loop,
         global_models,
-        transfer_functions,
-        validation,
         live,
         figures,
-        nomenclature,
     ):
         # Not included, which builds every route, and the schemas of its fields, a second time.
-        app.router.routes.extend(module.router.routes)
+        for router in vars(module).values():
+            if isinstance(router, APIRouter):
+                app.router.routes.extend(router.routes)
     add_examples(app)
     metrics = RequestMetrics()
     add_metrics(app, metrics)

@@ -8,24 +8,26 @@ all statements of the request are executed (``storage/access.py``).
 from __future__ import annotations
 
 import hmac
+import logging
+import unicodedata
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from ipaddress import ip_address
-from typing import Any, cast
+from typing import Annotated, Any, cast
 from urllib.parse import parse_qsl, quote, unquote
 
 import anyio.to_thread
-from fastapi import Request, Response
+from fastapi import Depends, Header, Request, Response
 from starlette.requests import HTTPConnection
 
-from flexsid.api.analyst import HEADER
 from flexsid.api.permissions import PERMISSIONS, Permission
 from flexsid.errors import BadInput, UnknownRecord
+from flexsid.jobs.health import PartHealth, PartState
 from flexsid.records.account import AccountRole
 from flexsid.settings import Mode, Settings
-from flexsid.storage.access import Access, Forbidden, find_campaigns, set_access
+from flexsid.storage.access import Access, Forbidden, find_campaigns, get_access, set_access
 from flexsid.storage.store import Store
-from flexsid.text import read_id
+from flexsid.text import check_line, read_id
 from flexsid.workflow.accounts.accounts import find_role
 from flexsid.workflow.accounts.sessions import (
     SESSION_HOURS,
@@ -36,6 +38,77 @@ from flexsid.workflow.accounts.sessions import (
     find_session,
     find_token,
 )
+
+# --- Name of the analyst of a request: of the account, or as set in a personal workbench ----------
+
+HEADER = "X-Flexsid-Analyst"
+_LONGEST = 100
+
+
+def read_name(sent: str) -> str:
+    """Return a name as it is stored: NFKC normalised, no control characters, single blanks.
+
+    Raises
+    ------
+    BadInput
+        If the text is not a valid name.
+    """
+    try:
+        text = unquote(sent, errors="strict")
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{HEADER} is not UTF-8, percent-encoded", code="bad-analyst") from error
+    name = " ".join(unicodedata.normalize("NFKC", text).split())
+    try:
+        return check_line(name, _LONGEST)
+    except ValueError as error:
+        raise BadInput(f"{HEADER} {error}", code="bad-analyst") from error
+
+
+_DESCRIPTION = "Name of the analyst, percent-encoded UTF-8; that of the account is used instead."
+
+
+async def _get_analyst(
+    name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)] = "",
+) -> str:
+    return read_name(name)
+
+
+async def _require_analyst(
+    name: Annotated[str, Header(alias=HEADER, description=_DESCRIPTION)],
+) -> str:
+    known = read_name(name)
+    if not known:
+        raise BadInput(
+            f"the name of the analyst is missing; set it in the workbench, or send it as {HEADER}",
+            code="no-analyst",
+        )
+    return known
+
+
+TheAnalyst = Annotated[str, Depends(_get_analyst)]
+"""Name of the analyst of the request; empty if none is set."""
+
+NamedAnalyst = Annotated[str, Depends(_require_analyst)]
+"""Name of the analyst of the request; the request is refused if none is set."""
+
+
+def choose_author(stated: str, analyst: str) -> str:
+    """Return the author of a record: in a personal workbench as stated in the request.
+
+    Raises
+    ------
+    BadInput
+        If a request of an account states another author.
+    """
+    if get_access() is not None and stated not in ("", analyst):
+        raise BadInput(
+            f"the author is who is logged in, '{analyst}', not '{stated}'; omit the field",
+            code="author-is-account",
+        )
+    return stated or analyst
+
+
+# --- Authorization: one dependency decides for every route who asks, and what exists for them -----
 
 CAMPAIGN = "X-Flexsid-Campaign"
 PROXY_USER = "X-Forwarded-User"
@@ -329,3 +402,43 @@ def _read_proxy_user(settings: Settings, request: HTTPConnection) -> str | None:
 def peer_address(request: HTTPConnection) -> str:
     """Return the address of the connection: that of the client, or of a proxy."""
     return "" if request.client is None else request.client.host
+
+
+# --- Addresses from which users log in: all of them from one may be a proxy that is not listed
+
+_log = logging.getLogger(__name__)
+
+_FEWEST_NAMES = 3
+
+
+class LoginAddresses:
+    """Log-ins since the start of a server that is known by another address than its own."""
+
+    def __init__(self) -> None:
+        self._names: dict[str, set[str]] = {}
+        self._is_relayed = False  # by a listed proxy
+
+    def add(self, settings: Settings, request: HTTPConnection, name: str) -> None:
+        """Add a log-in; with the one that lets the addresses be suspect, log a warning."""
+        peer = peer_address(request)
+        before = self.check()
+        self._is_relayed |= settings.url is None or settings.is_proxy(peer)
+        if not self._is_relayed:
+            self._names.setdefault(peer, set()).add(name.casefold())
+        after = self.check()
+        if after is not None and before is None:
+            _log.warning(after.text)
+
+    def check(self) -> PartHealth | None:
+        """Return a part that is degraded if all log-ins come from one address; None otherwise."""
+        if self._is_relayed or len(self._names) != 1:
+            return None
+        [(address, names)] = self._names.items()
+        if len(names) < _FEWEST_NAMES:
+            return None
+        text = (
+            f"All {len(names)} users have logged in from {address}, which FLEXSID_PROXIES does not "
+            "name. If a proxy has this address, name it there; otherwise limits of failed log-ins "
+            "and the audit log take all users for one address."
+        )
+        return PartHealth("proxy", PartState.DEGRADED, text)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, UploadFile
 
+from flexsid.api.authorization import LoginAddresses
 from flexsid.api.live_events import LiveEvents
-from flexsid.api.login_addresses import LoginAddresses
 from flexsid.jobs.dispatcher_process import DispatcherProcess
 from flexsid.jobs.health import PartHealth, QueueHealth
 from flexsid.storage.store import Store
 from flexsid.streams.live_streams import LiveStreams
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft
+
+# --- Services that routes use, such as store and dispatcher ---------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,3 +49,16 @@ async def _get_store(request: Request) -> Store:
 
 TheContext = Annotated[Context, Depends(_get_context)]
 TheStore = Annotated[Store, Depends(_get_store)]
+
+
+# --- Uploaded files, stored under generated names; names sent by a client are not used as paths
+
+
+def save_files(folder: Path, files: Sequence[UploadFile]) -> tuple[list[Path], list[str]]:
+    """Write uploaded files into a folder and return their paths and original names."""
+    names = [Path(file.filename or "file").name for file in files]
+    paths = [folder / f"{number}{Path(name).suffix[:16]}" for number, name in enumerate(names)]
+    for file, path in zip(files, paths, strict=True):
+        with path.open("wb") as target:
+            shutil.copyfileobj(file.file, target)
+    return paths, names

@@ -27,12 +27,10 @@ from flexsid.errors import (
 )
 from flexsid.extensions import ExtensionFailed
 from flexsid.jobs.health import NotReady
-from flexsid.storage.access import Forbidden
+from flexsid.storage.access import AccountUploadsFull, Forbidden
 from flexsid.storage.files import DatabaseUnavailable
 from flexsid.storage.migrate import DatabaseTooNew
-from flexsid.storage.quotas import AccountUploadsFull
-from flexsid.workflow.accounts.login_limit import TooManyAttempts
-from flexsid.workflow.accounts.sessions import NotLoggedIn, WrongPassword
+from flexsid.workflow.accounts.sessions import NotLoggedIn, TooManyAttempts, WrongPassword
 
 _log = logging.getLogger(__name__)
 

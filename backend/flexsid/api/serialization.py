@@ -12,7 +12,7 @@ import orjson
 from fastapi import Path, Query, Response
 from fastapi.routing import APIRoute
 
-from flexsid.storage.reading import reading_once
+from flexsid.storage.repository import reading_once
 from flexsid.text import LARGEST_ID
 
 T = TypeVar("T")

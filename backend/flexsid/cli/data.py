@@ -1,43 +1,63 @@
-"""Import of files and export of results from the command line."""
+"""Import of files, export of results, and checks of maneuvers from the command line."""
 
 from __future__ import annotations
 
 import argparse
 import csv
+import getpass
 import io
 import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import orjson
 
-from flexsid.cli.database import open_store
+from flexsid.cli.administration import open_store
 from flexsid.cli.output import (
+    parse_band,
+    parse_list,
     print_next_result,
     print_result,
     print_written_file,
     show_count,
     write_file,
 )
+from flexsid.cli.runs import report_progress
 from flexsid.cli.serve import add_builtin_aircraft
 from flexsid.errors import BadInput, FlexsidError
+from flexsid.jobs.dispatcher import execute_request
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import COMPATIBILITY, TRANSFER_FUNCTION
+from flexsid.records.quality import CompatibilityReport, SensorEstimate
+from flexsid.records.views import TransferFunction
 from flexsid.settings import Settings
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
+from flexsid.sysid.stability.transfer_function import TransferFunctionRoot
 from flexsid.text import escape_spreadsheet_cell
-from flexsid.workflow.aircraft.aircraft_definition import add_aircraft, replace_aircraft
+from flexsid.workflow.aircraft.derivative_predictions import add_aircraft, replace_aircraft
 from flexsid.workflow.importing.flight_import import (
     Imported,
     import_each,
     read_upload,
     store_upload,
 )
-from flexsid.workflow.model_structures.run_results import refuse_altered
-from flexsid.workflow.runs.fmu import write_fmu
-from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
-from flexsid.workflow.runs.model_export import export_model, write_matlab_model
-from flexsid.workflow.runs.run_export import export_run
+from flexsid.workflow.measurements.maneuver_spectra import add_conditioning_steps
+from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
+from flexsid.workflow.model_structures.model_structures import refuse_altered
+from flexsid.workflow.quality.compatibility import CompatibilityQuery
+from flexsid.workflow.runs.exports import (
+    export_model,
+    export_run,
+    write_fmu,
+    write_jsbsim_aircraft,
+    write_matlab_model,
+)
+
+# --- Import of files and export of results from the command line ----------------------------------
 
 
 def define_aircraft(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -208,3 +228,106 @@ _EXPORTS = {
     ".fmu": _encode_fmu,
     ".zip": _encode_jsbsim,
 }
+
+
+# --- Command that compares the sensors of maneuvers by kinematics ---------------------------------
+
+
+def check_compatibility(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the faults of the sensors of maneuvers, all together or each."""
+    ids = parse_list(arguments.maneuver, int, "--maneuver")
+    groups = [(one,) for one in ids] if arguments.each else [tuple(ids)]
+    with open_store(settings) as store:
+        for group in groups:
+            query = CompatibilityQuery(maneuver_ids=group)
+            execute_request(store, COMPATIBILITY, query, report_progress)
+            found = get_result(store, COMPATIBILITY, query)
+            print_next_result("\n".join(_format_report(found)), found, as_json=arguments.json)
+            corrections = [
+                replace(one.finding.correction, is_shared=True)
+                for one in found.faults
+                if one.finding.correction is not None
+            ]
+            if arguments.correct and corrections:
+                add_conditioning_steps(store, group[0], corrections, getpass.getuser())
+    return 0
+
+
+def _format_report(found: CompatibilityReport) -> Iterator[str]:
+    numbers = ", ".join(map(str, found.maneuver_ids))
+    band = "" if found.band_hz is None else f", {found.band_hz[0]:.3g} to {found.band_hz[1]:.3g} Hz"
+    yield f"maneuver {numbers}{band}: {found.state.value}"
+    if not found.faults:
+        yield f"  {found.sentence}"
+    for fault in found.faults:
+        yield f"  {fault.finding.sentence} {fault.finding.remedy}"
+        if fault.question:
+            yield f"    {fault.question}"
+    yield f"  {'sensor':<16}{'delay [ms]':>18}{'scale':>18}{'arm [m]':>18}"
+    for one in found.sensors:
+        yield f"  {one.name:<16}{_format_values(one)}"
+
+
+def _format_values(one: SensorEstimate) -> str:
+    if one.not_checked is not None:
+        return f"  not checked: {one.not_checked}"
+    cells = (
+        _format(one.delay_s, one.delay_std_s, 1e3),
+        _format(one.scale, one.scale_std),
+        _format(one.arm_m, one.arm_std_m),
+    )
+    return "".join(f"{cell:>18}" for cell in cells)
+
+
+def _format(value: float | None, std: float | None, factor: float = 1.0) -> str:
+    if value is None or std is None:
+        return "-"
+    return f"{factor * value:.3f} ± {factor * std:.2g}"
+
+
+# --- Command that fits transfer functions of one input and output ---------------------------------
+
+
+def fit_transfer_functions(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the transfer function of an output over an input, of each maneuver."""
+    low_hz, high_hz = parse_band(arguments.band) or (None, None)
+    with open_store(settings) as store:
+        for number in parse_list(arguments.maneuver, int, "--maneuver"):
+            query = TransferFunctionQuery(
+                maneuver_id=number,
+                input=arguments.input,
+                output=arguments.output,
+                zeros=arguments.zeros,
+                poles=arguments.poles,
+                integrators=arguments.integrators,
+                delay=not arguments.no_delay,
+                low_hz=low_hz,
+                high_hz=high_hz,
+            )
+            execute_request(store, TRANSFER_FUNCTION, query, report_progress)
+            found = get_result(store, TRANSFER_FUNCTION, query).function
+            print_next_result("\n".join(_format_function(found)), found, as_json=arguments.json)
+    return 0
+
+
+def _format_function(found: TransferFunction) -> Iterator[str]:
+    yield f"maneuver {found.maneuver_id}, {found.band_hz[0]:.3g} to {found.band_hz[1]:.3g} Hz"
+    yield f"  {found.sentence}"
+    yield f"  {'gain':<24}{found.gain:>12.5g} ± {found.gain_std:.2g}"
+    if found.has_delay:
+        yield f"  {'equivalent delay [s]':<24}{found.delay_s:>12.5g} ± {found.delay_std_s:.2g}"
+    yield from _format_roots("zero", found.zeros)
+    yield from _format_roots("pole", found.poles)
+    for warning in found.warnings:
+        yield f"  Warning: {warning}"
+
+
+def _format_roots(kind: str, roots: Sequence[TransferFunctionRoot]) -> Iterator[str]:
+    for root in roots:
+        is_real = root.imag_rad_s == 0.0
+        value = root.real_rad_s if is_real else root.frequency_rad_s
+        label = f"{kind}, {'1/T' if is_real else 'ω'} [rad/s]"
+        shown = -value if is_real else value
+        yield f"  {label:<24}{shown:>12.5g} ± {root.frequency_std_rad_s:.2g}"
+        if not is_real:
+            yield f"  {'      ζ':<24}{root.damping:>12.5g} ± {root.damping_std:.2g}"

@@ -1,17 +1,22 @@
-"""Command ``flexsid live``: streams of a running workbench."""
+"""Commands ``flexsid live`` and ``flexsid mcp``, which talk to a running workbench."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Callable, Iterable
+from importlib.util import find_spec
 from typing import Any
 
 from flexsid.cli.output import print_result
 from flexsid.client import Workbench
+from flexsid.client.connection import Connection
 from flexsid.client.live import Live
 from flexsid.errors import BadInput
 from flexsid.settings import Settings
+
+# --- Command ``flexsid live``: streams of a running workbench -------------------------------------
 
 
 def run_action(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -118,3 +123,25 @@ ACTIONS: dict[str, Callable[[Live, argparse.Namespace], tuple[Any, list[str]]]] 
     "show": _show,
     "stop": _stop,
 }
+
+
+# --- Command ``flexsid mcp``: tools of a running workbench for agents -----------------------------
+
+_TIMEOUT_S = 60.0  # of one response, as of the client
+
+
+def serve_tools(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Serve the tools of a workbench on standard input and output.
+
+    Raises
+    ------
+    BadInput
+        If the extra ``mcp`` is not installed.
+    """
+    if find_spec("mcp") is None:
+        raise BadInput("agents need the extra `mcp`: pip install 'flexsid[mcp]'")
+    from flexsid.client.agent_server import serve
+
+    token = os.environ.get("FLEXSID_TOKEN")
+    serve(Connection(arguments.url, _TIMEOUT_S, arguments.analyst, token))
+    return 0

@@ -17,7 +17,7 @@ from typing import NoReturn
 import flexsid
 from flexsid.cli.output import discard_output, flush_output, print_error
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.jobs.interpreter import loading
+from flexsid.jobs.messages import loading
 from flexsid.settings import DEFAULT_DATABASE, Settings, read_settings
 
 _MODAL_ACTIONS = (
@@ -107,10 +107,10 @@ def build_parser() -> argparse.ArgumentParser:
     demo.add_argument("--unsteady", action="store_true", help=meaning)
 
     summary = "upgrade the database to the current schema, after a backup copy"
-    add("migrate", "backup:migrate", summary)
+    add("migrate", "administration:migrate", summary)
 
     summary = "check the database for damage: hashes, references, decisions"
-    check = add("check", "backup:check", summary)
+    check = add("check", "administration:check", summary)
     meaning = "take changed rows as they are, after they were inspected and corrected"
     check.add_argument("--accept-rows", action="store_true", help=meaning)
     meaning = "report lost transactions that were found no longer"
@@ -120,27 +120,27 @@ def build_parser() -> argparse.ArgumentParser:
     _add_verify_options(add("verify", "verify:verify", summary))
 
     summary = "write a run with its data, settings and results as an RO-Crate"
-    capsule = add("capsule", "capsule:export", summary)
+    capsule = add("capsule", "verify:export", summary)
     capsule.add_argument("run", type=int, metavar="RUN", help="id of a run that succeeded")
     meaning = "file; default: flexsid-run-RUN.crate.zip"
     capsule.add_argument("--output", metavar="FILE", help=meaning)
 
     summary = "compute the run of a capsule again, and compare the results"
-    recompute = add("recompute", "capsule:recompute", summary)
+    recompute = add("recompute", "verify:recompute", summary)
     recompute.add_argument("file", metavar="FILE", help="capsule of a run")
     meaning = "public key of the site that the capsule must be of"
     recompute.add_argument("--key", metavar="HEX", help=meaning)
 
     summary = "add, invite and disable accounts, and set their roles in campaigns"
-    _add_user_options(add("users", "users:users", summary))
+    _add_user_options(add("users", "administration:users", summary))
 
     summary = "write the configuration of a Dask cluster, with a new key and certificate"
-    certificate = add("cluster-certificate", "cluster:write_certificate", summary)
+    certificate = add("cluster-certificate", "serve:write_certificate", summary)
     meaning = "new file; scheduler, workers and servers name it by DASK_CONFIG"
     certificate.add_argument("file", metavar="FILE", help=meaning)
 
     summary = "serve what a workbench reads and proposes as tools for agents (MCP)"
-    agents = add("mcp", "mcp:serve_tools", summary)
+    agents = add("mcp", "live:serve_tools", summary)
     meaning = "address of the workbench; its token is that of FLEXSID_TOKEN"
     agents.add_argument("--url", default="http://127.0.0.1:8000", metavar="URL", help=meaning)
     meaning = "name under which it proposes, where the workbench has no accounts"
@@ -149,11 +149,11 @@ def build_parser() -> argparse.ArgumentParser:
     summary = "start, show and stop streams of a running workbench while an aircraft flies"
     _add_live_options(add("live", "live:run_action", summary))
 
-    audit = add("audit", "audit:audit", "export the audit log: who changed what, and when")
+    audit = add("audit", "administration:audit", "export the audit log: who changed what, and when")
     audit.add_argument("--output", required=True, metavar="FILE", help="JSON, one event per line")
 
     summary = "back up the database into a new file, while servers use it"
-    copied = add("backup", "backup:backup", summary)
+    copied = add("backup", "administration:backup", summary)
     copied.add_argument("file", metavar="FILE")
     meaning = "FILE is a folder: restore the copy as a test, and retain the newest N made so"
     copied.add_argument("--retained", type=int, metavar="N", help=meaning)
@@ -163,7 +163,7 @@ def build_parser() -> argparse.ArgumentParser:
     copied.add_argument("--incremental", action="store_true", help=meaning)
 
     summary = "replace the database by a backup, after a copy of the database"
-    add("restore", "backup:restore", summary).add_argument("file", metavar="FILE")
+    add("restore", "administration:restore", summary).add_argument("file", metavar="FILE")
 
     aircraft = add("aircraft", "data:define_aircraft", "add an aircraft before its first flight")
     meaning = "TOML: the [aircraft] part of a mapping"
@@ -176,14 +176,14 @@ def build_parser() -> argparse.ArgumentParser:
     _add_modal_options(add("modal-data", "modal_data:run_action", summary))
     _add_run_options(add("run", "runs:run", "estimate from maneuvers"))
     summary = "list, save or delete templates: settings of runs under a name"
-    _add_template_options(add("template", "run_templates:templates", summary))
+    _add_template_options(add("template", "runs:templates", summary))
 
-    predict = add("predict", "predictions:predict", "compute derivatives from a planform")
+    predict = add("predict", "models:predict", "compute derivatives from a planform")
     meaning = "TOML: aircraft_id, source, panels or deck_file, surfaces, mach, reference_k"
     predict.add_argument("file", metavar="FILE", help=meaning)
 
     summary = "determine the model structure from maneuvers"
-    _add_search_options(add("search", "structure_search:search", summary))
+    _add_search_options(add("search", "models:search", summary))
 
     export = add("export", "data:export", "export a run, its parameters or its model")
     export.add_argument("run", type=int, metavar="RUN", help="id of the run")
@@ -197,7 +197,7 @@ def build_parser() -> argparse.ArgumentParser:
     export.add_argument("--other-run", type=int, metavar="RUN", help=meaning)
 
     summary = "print identified derivatives and open warnings of a campaign"
-    campaign = add("dashboard", "dashboard:dashboard", summary)
+    campaign = add("dashboard", "reports:dashboard", summary)
     meaning = "id of the aircraft; default: 1"
     campaign.add_argument(
         "aircraft", type=int, nargs="?", default=1, metavar="AIRCRAFT", help=meaning
@@ -210,29 +210,29 @@ def build_parser() -> argparse.ArgumentParser:
     _add_design_options(add("design", "excitation:design", summary))
 
     summary = "optimise a design for an objective within limits"
-    _add_optimal_design_options(add("optimal-design", "optimal_designs:optimise_design", summary))
+    _add_optimal_design_options(add("optimal-design", "excitation:optimise_design", summary))
 
     summary = "import flown multisines as designs"
     _add_multisine_options(add("import-multisine", "excitation:import_multisine", summary))
 
-    _add_flutter_options(add("flutter", "flutter:predict", "predict the flutter speed from runs"))
+    _add_flutter_options(
+        add("flutter", "models:predict_flutter", "predict the flutter speed from runs")
+    )
     summary = "fit derivatives over the envelope to all runs, and name outlying runs"
-    _add_global_model_options(add("global-model", "global_model:fit_global_model", summary))
+    _add_global_model_options(add("global-model", "reports:fit_global_model", summary))
     summary = "predict the flutter speed from a prediction alone"
     _add_predicted_flutter_options(
-        add("predicted-flutter", "flutter:predict_of_prediction", summary)
+        add("predicted-flutter", "models:predict_of_prediction", summary)
     )
     summary = "predict maneuvers by runs, or held-out data by refits of runs"
-    _add_validation_options(add("validate", "validation:validate", summary))
+    _add_validation_options(add("validate", "models:validate", summary))
     summary = "fit the transfer function of an output over an input, with equivalent delay"
-    _add_transfer_function_options(
-        add("transfer-function", "transfer_function:fit_transfer_functions", summary)
-    )
+    _add_transfer_function_options(add("transfer-function", "data:fit_transfer_functions", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
-    _add_compatibility_options(add("compatibility", "compatibility:check_compatibility", summary))
+    _add_compatibility_options(add("compatibility", "data:check_compatibility", summary))
     summary = "sample the posterior of output-error runs, and check their standard errors"
     meaning = "ids of succeeded output-error runs"
-    add("posterior", "validation:check_posterior", summary).add_argument(
+    add("posterior", "models:check_posterior", summary).add_argument(
         "runs", metavar="RUN,RUN", help=meaning
     )
     return parser

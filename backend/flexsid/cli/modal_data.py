@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from flexsid.cli.arguments import parse_list
-from flexsid.cli.database import open_store
-from flexsid.cli.output import print_result, print_written_file, write_file
+from flexsid.cli.administration import open_store
+from flexsid.cli.output import parse_list, print_result, print_written_file, write_file
 from flexsid.errors import BadInput
-from flexsid.figures.shape_picture import draw_shape_picture
+from flexsid.figures.mode_shapes import draw_shape_picture
 from flexsid.importers.modal_data import (
     MassOptions,
     ModalDataOptions,
@@ -26,7 +25,7 @@ from flexsid.importers.source import Sources
 from flexsid.records.modal_data import ModalKind, ModalTable
 from flexsid.settings import Settings
 from flexsid.storage.store import Store
-from flexsid.workflow.aircraft.aircraft_definition import set_mass_table
+from flexsid.workflow.aircraft.derivative_predictions import set_mass_table
 from flexsid.workflow.modal_data.ground_vibration_test import (
     ModeSearch,
     find_modes,
@@ -46,9 +45,8 @@ from flexsid.workflow.modal_data.orthogonality import (
     compute_orthogonality,
     prepare_orthogonality,
 )
-from flexsid.workflow.views.fuel import list_modes_at
 from flexsid.workflow.views.modal_assurance import correlate
-from flexsid.workflow.views.shape import read_shape
+from flexsid.workflow.views.modes import list_modes_at, read_shape
 
 
 def run_action(settings: Settings, arguments: argparse.Namespace) -> int:

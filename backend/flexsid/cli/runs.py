@@ -1,23 +1,26 @@
-"""Command ``flexsid run``: estimation from maneuvers."""
+"""Commands ``flexsid run`` and ``flexsid template``: estimation from maneuvers."""
 
 from __future__ import annotations
 
 import argparse
 from dataclasses import replace
 
-from flexsid.cli.arguments import parse_band, parse_list, read_structure, set_axis
-from flexsid.cli.database import open_store
+from flexsid.cli.administration import open_store
 from flexsid.cli.output import (
+    parse_band,
+    parse_list,
     print_error,
     print_next_result,
     print_result,
+    read_structure,
+    set_axis,
     show_count,
     show_progress,
 )
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
 from flexsid.records.run import (
     Aerodynamics,
     EstimationRun,
@@ -26,6 +29,7 @@ from flexsid.records.run import (
     Progress,
     RunSettings,
     RunState,
+    RunTemplate,
     Start,
 )
 from flexsid.settings import Settings
@@ -36,7 +40,16 @@ from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
-from flexsid.workflow.runs.run_templates import apply_run_template, find_run_template
+from flexsid.workflow.runs.run_templates import (
+    apply_run_template,
+    delete_run_template,
+    find_run_template,
+    list_run_templates,
+    revise_run_template,
+    save_run_template,
+)
+
+# --- Command ``flexsid run``: estimation from maneuvers -------------------------------------------
 
 
 def run(settings: Settings, arguments: argparse.Namespace) -> int:
@@ -183,3 +196,48 @@ def report_progress(progress: Progress) -> None:
     """Show the progress of a fit."""
     cost = "" if progress.cost is None else f"cost {progress.cost:.6g}"
     show_progress(f"{progress.message:<40} {cost:<24}")
+
+
+# --- Command ``flexsid template``: settings of runs under a name ----------------------------------
+
+
+def templates(settings: Settings, arguments: argparse.Namespace) -> int:
+    """List, save or delete templates of runs."""
+    with open_store(settings) as store:
+        if arguments.action == "list":
+            found = list_run_templates(store)
+            lines = [_format_line(one) for one in found]
+            print_result(lines or ["no templates"], found, as_json=arguments.json)
+            return 0
+        if arguments.name is None:
+            raise BadInput(f"give the name: flexsid template {arguments.action} 'our standard OE'")
+        if arguments.action == "delete":
+            template = find_run_template(store, arguments.name)
+            delete_run_template(store, _get_id(template), template.revision, "")
+            print_result([f"deleted template {template.name}"], template, as_json=arguments.json)
+            return 0
+        stored = _save(store, arguments)
+    print_result([_format_line(stored)], stored, as_json=arguments.json)
+    return 0
+
+
+def _save(store: Store, arguments: argparse.Namespace) -> RunTemplate:
+    """Save a new template, or the next revision of that of this name in the campaign."""
+    if arguments.run is None:
+        raise BadInput("give the run whose settings are saved: --run 3")
+    aircraft_id = store.maneuvers.get(store.runs.get(arguments.run).maneuver_id).aircraft_id
+    for one in list_run_templates(store, aircraft_id):
+        if one.name.casefold() == arguments.name.casefold():
+            return revise_run_template(
+                store, _get_id(one), one.revision, arguments.run, arguments.note, ""
+            )
+    return save_run_template(store, arguments.run, arguments.name, arguments.note, "")
+
+
+def _get_id(template: RunTemplate) -> int:
+    return template.original_id or template.id or 0
+
+
+def _format_line(one: RunTemplate) -> str:
+    note = f", {one.note}" if one.note else ""
+    return f"template {_get_id(one)}: {one.name}, {one.method.value}, revision {one.revision}{note}"

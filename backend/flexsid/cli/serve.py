@@ -1,4 +1,4 @@
-"""Commands ``flexsid serve`` and ``flexsid demo``."""
+"""Commands ``flexsid serve`` and ``flexsid demo``, and the certificate of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -7,32 +7,35 @@ import logging
 import socket
 import sys
 from contextlib import closing
+from datetime import UTC, datetime
 from importlib.util import find_spec
+from pathlib import Path
 from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
 
 from flexsid.api.app import create_app
-from flexsid.api.middleware.connections import ClientConnection, allow_connections
+from flexsid.api.middleware.limits import ClientConnection, allow_connections
 from flexsid.api.middleware.request_log import JsonFormatter
-from flexsid.cli.database import open_store
-from flexsid.cli.output import print_next_result, show_progress
+from flexsid.cli.administration import open_store
+from flexsid.cli.output import print_next_result, print_written_file, show_progress
 from flexsid.demo import campaign
-from flexsid.demo.campaign_process import CampaignProcess
-from flexsid.demo.demonstration import add_demonstration
-from flexsid.demo.first_sheet import find_record
+from flexsid.demo.campaign_process import CampaignProcess, add_demonstration, find_record
 from flexsid.demo.flex28 import NAME, UNSTEADY_NAME
 from flexsid.errors import BadInput, FlexsidError
-from flexsid.importers.readers import load_formats
+from flexsid.importers.formats.readers import load_formats
+from flexsid.jobs.cluster import write_cluster_certificate
 from flexsid.jobs.health import PartHealth
-from flexsid.jobs.interpreter import configure_interpreter, loading
+from flexsid.jobs.messages import configure_interpreter, loading
 from flexsid.settings import Mode, Settings
 from flexsid.storage.migrate import upgrade
 from flexsid.storage.store import Store
 from flexsid.streams.receivers import load_receivers
 from flexsid.sysid.model.sensor_models import load_sensor_models
-from flexsid.workflow.fits.estimators import load_estimators
+from flexsid.workflow.fits.computation import load_estimators
+
+# --- Commands ``flexsid serve`` and ``flexsid demo`` ----------------------------------------------
 
 _GRACE_S = 1
 _IDLE_S = 75  # longer than clients with a pool of connections leave them idle
@@ -183,3 +186,15 @@ def _report_progress(fraction: float, message: str) -> None:
         show_progress(f"{'█' * round(30 * fraction):<30} {fraction:4.0%} {message:<50.50}")
     else:
         print(f"{fraction:4.0%} {message}", file=sys.stderr, flush=True)
+
+
+# --- Certificate of a Dask cluster: ``flexsid cluster-certificate`` -------------------------------
+
+
+def write_certificate(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Write the configuration of a Dask cluster with a new key and certificate."""
+    end = write_cluster_certificate(Path(arguments.file), datetime.now(UTC))
+    text = f"wrote {arguments.file}, valid until {end:%Y-%m-%d}; name it by DASK_CONFIG"
+    result = {"file": arguments.file, "valid_until": end.isoformat()}
+    print_written_file(text, result, as_json=arguments.json)
+    return 0

@@ -1,7 +1,6 @@
 """Python client of a workbench for notebooks and scripts."""
 
-from flexsid.client.connection import RequestRefused, Unreachable
-from flexsid.client.polling import RunFailed
+from flexsid.client.connection import RequestRefused, RunFailed, Unreachable
 from flexsid.client.workbench import Workbench
 
 __all__ = ["RequestRefused", "RunFailed", "Unreachable", "Workbench"]

@@ -1,19 +1,28 @@
-"""HTTP requests to a workbench."""
+"""HTTP requests to a workbench, progress of what they started, and their results as DataFrames."""
 
 from __future__ import annotations
 
+import io
 import json
 import secrets
-from collections.abc import Iterable, Mapping
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any
+from types import MappingProxyType, ModuleType
+from typing import TYPE_CHECKING, Any, Protocol, TextIO
 from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode
 from urllib.request import Request, urlopen
 
 from flexsid.errors import FlexsidError
+
+if TYPE_CHECKING:
+    import pandas
+
+
+# --- HTTP requests to a workbench -----------------------------------------------------------------
 
 
 class RequestRefused(FlexsidError):
@@ -140,3 +149,191 @@ def _format_value(value: Any) -> str:
     if isinstance(value, str) or not isinstance(value, Iterable):
         return str(value)
     return ",".join(map(str, value))
+
+
+# --- Requests of a workbench, as its parts use them -----------------------------------------------
+
+
+class Requests(Protocol):
+    """Requests of a workbench."""
+
+    def get(self, path: str, **query: Any) -> Any:
+        """Return the response of a route."""
+        ...
+
+    def post(self, path: str, body: Any, **query: Any) -> Any:
+        """Return the response of a route to a JSON body."""
+        ...
+
+    def get_bytes(self, path: str, **query: Any) -> bytes:
+        """Return the content of a file."""
+        ...
+
+    def send_bytes(self, path: str, content: bytes) -> Any:
+        """Return the response of a route to bytes."""
+        ...
+
+    def send_files(self, path: str, files: Mapping[str, Iterable[Path]], **fields: Any) -> bytes:
+        """Return the response of a route to files and fields of a form."""
+        ...
+
+    def compute(self, path: str, **query: Any) -> dict[str, Any]:
+        """Return the result of a job."""
+        ...
+
+    def wait(self, *run_ids: int) -> None:
+        """Wait until jobs have ended."""
+        ...
+
+
+# --- Progress of runs on one line of a terminal or notebook ---------------------------------------
+
+_WIDTH = 30
+
+
+class ProgressLine:
+    """Progress bar on one line; silent unless the output is a terminal or notebook."""
+
+    def __init__(self, shown: bool, out: TextIO | None = None) -> None:
+        self._out = sys.stderr if out is None else out
+        self._shown = shown and _is_interactive(self._out)
+
+    def show(self, runs: Sequence[dict[str, Any]]) -> None:
+        """Show the progress of runs."""
+        if not self._shown:
+            return
+        share = sum(map(get_fraction, runs)) / len(runs)
+        bar = "█" * round(_WIDTH * share)
+        print(f"\r{bar:<{_WIDTH}} {share:4.0%} {_describe(runs):<50.50}", end="", file=self._out)
+        self._out.flush()
+
+    def end(self) -> None:
+        """End the line."""
+        if self._shown:
+            print(file=self._out)
+
+
+def get_fraction(run: dict[str, Any]) -> float:
+    """Return the completed fraction of a run."""
+    if run["finished_at"] is not None:
+        return 1.0
+    return 0.0 if run["progress"] is None else run["progress"]["fraction"]
+
+
+def _describe(runs: Sequence[dict[str, Any]]) -> str:
+    if len(runs) == 1:
+        (run,) = runs
+        message = "" if run["progress"] is None else run["progress"]["message"]
+        return f"run {run['id']} {run['state']} {message}"
+    done = sum(run["finished_at"] is not None for run in runs)
+    return f"{done} of {len(runs)} runs"
+
+
+def _is_interactive(out: TextIO) -> bool:
+    """Return whether the output is a terminal or a notebook."""
+    return out.isatty() or type(out).__module__.startswith("ipykernel")
+
+
+# --- Polling of runs until they have ended --------------------------------------------------------
+
+_ENDED = frozenset({"succeeded", "failed", "cancelled"})
+_UNREACHABLE_S = 60.0  # longer than the restart of a server
+
+
+class RunFailed(FlexsidError):
+    """A run did not succeed."""
+
+    code = "run-failed"
+
+
+def poll_until_ended(
+    fetch: Callable[[Sequence[int]], list[dict[str, Any]]],
+    run_ids: Sequence[int],
+    timeout_s: float | None,
+    line: ProgressLine,
+) -> list[dict[str, Any]]:
+    """Poll until all runs have ended, show their progress, and return them.
+
+    Raises
+    ------
+    TimeoutError
+        If the runs have not ended within ``timeout_s``.
+    Unreachable
+        If the workbench did not respond for a minute.
+    """
+    started = responded = time.monotonic()
+    pause = 0.05
+    runs: list[dict[str, Any]] = []
+    while not all(run["state"] in _ENDED for run in runs) or len(runs) < len(run_ids):
+        if timeout_s is not None and time.monotonic() - started > timeout_s:
+            listed = ", ".join(map(str, run_ids))
+            raise TimeoutError(f"runs {listed} have not ended in {timeout_s:g} s")
+        time.sleep(pause if runs else 0.0)
+        pause = min(1.2 * pause, 1.0)
+        try:
+            runs = fetch(run_ids)
+            responded = time.monotonic()
+        except Unreachable:
+            if time.monotonic() - responded > _UNREACHABLE_S:
+                raise
+            time.sleep(1.0)
+            continue
+        line.show(runs)
+    return runs
+
+
+def describe_failure(run: dict[str, Any]) -> str:
+    """Return why a run has no result, as a sentence."""
+    reason = "" if run["error"] is None else f": {run['error']['message']}"
+    return f"run {run['id']} {run['state']}{reason}"
+
+
+# --- Conversion of responses to DataFrames; requires pandas ---------------------------------------
+
+
+def table(items: Sequence[dict[str, Any]], index: str | None = "id") -> pandas.DataFrame:
+    """Return one row per item; nested fields get columns ``outer.inner``, times are parsed."""
+    frame = _pandas().json_normalize(list(items))
+    for name in frame.columns:
+        if name.endswith("_at"):
+            frame[name] = _pandas().to_datetime(frame[name], format="ISO8601", utc=True)
+    return frame.set_index(index) if index is not None and index in frame.columns else frame
+
+
+def matrix(values: Sequence[Sequence[float]], names: Sequence[str]) -> pandas.DataFrame:
+    """Return a square matrix with the same names on rows and columns."""
+    return _pandas().DataFrame(values, index=list(names), columns=list(names))
+
+
+def tabulate_comparison(comparison: dict[str, Any]) -> pandas.DataFrame:
+    """Return a comparison with columns ``value`` and ``std_error`` per source.
+
+    Predictions also have ``difference_sigma``, their largest difference from a run.
+    """
+    rows: dict[str, dict[tuple[str, str], float | None]] = {}
+    for row in comparison["rows"]:
+        cells: dict[tuple[str, str], float | None] = {}
+        for source, value in zip(comparison["sources"], row["values"], strict=True):
+            predicted = source["kind"] == "prediction"
+            for part in ("value", "std_error", *(("difference_sigma",) if predicted else ())):
+                cells[source["label"], part] = None if value is None else value[part]
+        cells["max_difference_sigma", ""] = row["max_difference_sigma"]
+        rows[row["name"]] = cells
+    return _pandas().DataFrame.from_dict(rows, orient="index", dtype=float)
+
+
+def read_csv(content: bytes) -> pandas.DataFrame:
+    """Parse a CSV response."""
+    return _pandas().read_csv(io.BytesIO(content))
+
+
+def _pandas() -> ModuleType:
+    try:
+        import pandas
+    except ImportError as error:
+        raise FlexsidError(
+            "tables need pandas; install it with `pip install flexsid[client]`, or use plain"
+            " responses of `Workbench.get`",
+            code="no-pandas",
+        ) from error
+    return pandas

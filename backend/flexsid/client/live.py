@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flexsid.client.requests import Requests
-from flexsid.client.tables import table
+from flexsid.client.connection import Requests, table
 
 if TYPE_CHECKING:
     import pandas

@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexsid.client.requests import Requests
-from flexsid.client.tables import table
+from flexsid.client.connection import Requests, table
 from flexsid.errors import BadInput
 
 if TYPE_CHECKING:

@@ -8,12 +8,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexsid.client.connection import Connection
+from flexsid.client.connection import (
+    Connection,
+    ProgressLine,
+    RunFailed,
+    describe_failure,
+    matrix,
+    poll_until_ended,
+    read_csv,
+    table,
+    tabulate_comparison,
+)
 from flexsid.client.live import Live
 from flexsid.client.modal_data import ModalData
-from flexsid.client.polling import RunFailed, describe_failure, poll_until_ended
-from flexsid.client.progress import ProgressLine
-from flexsid.client.tables import matrix, read_csv, table, tabulate_comparison
 from flexsid.errors import BadInput
 
 if TYPE_CHECKING:

@@ -21,8 +21,16 @@ from flexsid.records.aircraft import (
     ThrustTable,
 )
 from flexsid.records.flutter import ControlLaw, Controller
-from flexsid.sysid.model.instruments import Butterworth, Instrument, SecondOrder
-from flexsid.sysid.model.sensor_models import ACCELEROMETER, ATTITUDE, GYRO, STRAIN, VANE
+from flexsid.sysid.model.sensor_models import (
+    ACCELEROMETER,
+    ATTITUDE,
+    GYRO,
+    STRAIN,
+    VANE,
+    Butterworth,
+    Instrument,
+    SecondOrder,
+)
 from flexsid.units import factor
 
 _RIGHT_ACCELEROMETERS = ("az_mfr", "az_mar", "az_ofr", "az_oar", "ax_oar", "ay_wlr")

@@ -16,12 +16,15 @@ from threadpoolctl import threadpool_limits
 
 from flexsid.demo.aircraft import describe_aircraft, describe_controller
 from flexsid.demo.flex28 import load_truth
-from flexsid.demo.flights import FlownManeuver, fly
-from flexsid.demo.ground import simulate_ground_test
-from flexsid.demo.sources import build_modal_tables, build_model_structures, build_predictions
-from flexsid.demo.surface_faults import FaultKind, SurfaceFault
-from flexsid.demo.vibration_test import build_measured_responses
-from flexsid.demo.whole_flight import add_uncut_flight
+from flexsid.demo.flights import FlownManeuver, add_uncut_flight, fly
+from flexsid.demo.sources import (
+    build_measured_responses,
+    build_modal_tables,
+    build_model_structures,
+    build_predictions,
+    simulate_ground_test,
+)
+from flexsid.demo.truth_flight import FaultKind, SurfaceFault
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.maneuver import Channel, Flight, Maneuver
 from flexsid.storage.store import Store

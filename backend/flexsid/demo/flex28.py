@@ -17,11 +17,11 @@ import numpy as np
 from scipy import interpolate
 
 from flexsid.errors import BadInput
-from flexsid.sysid.interpolation import interpolate as interpolate_rows
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
 from flexsid.sysid.modes import ModeTable, StructuralModes
+from flexsid.sysid.signals import interpolate as interpolate_rows
 from flexsid.sysid.simulation.closed_loop import Actuator, ScheduledController
 from flexsid.units import factor
 

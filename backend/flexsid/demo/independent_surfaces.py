@@ -26,9 +26,8 @@ from flexsid.demo.flights import (
     describe_excitation,
     sample_excitation,
 )
-from flexsid.demo.recorder import Recorder, condition_channels
 from flexsid.demo.sources import SaveArray, build_modal_tables
-from flexsid.demo.truth_flight import RATE_HZ
+from flexsid.demo.truth_flight import RATE_HZ, Recorder, condition_channels
 from flexsid.records.aircraft import (
     Aircraft,
     Combination,
@@ -45,7 +44,7 @@ from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.sensor_models import ATTITUDE, GYRO, VANE
 from flexsid.sysid.modes import StructuralModes
-from flexsid.sysid.preparation.symmetry import combine_pair, find_pairs
+from flexsid.sysid.preparation.resampling import combine_pair, find_pairs
 from flexsid.sysid.simulation.preflight_simulation import simulate_flight
 from flexsid.units import factor
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs, get_servo

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexsid.demo.campaign import add_maneuver
 from flexsid.demo.flights import FlownManeuver, describe_excitation
-from flexsid.demo.recorder import FlownChannel
+from flexsid.demo.truth_flight import FlownChannel
 from flexsid.records.aircraft import Aircraft, Combination, Geometry, MassTable, Sensor, Surface
 from flexsid.records.maneuver import COMBINED, Condition, Excitation, Flight, Maneuver, Role
 from flexsid.storage.store import Store

@@ -7,12 +7,12 @@ from math import floor, log10
 
 from flexsid.display_units import display_unit
 from flexsid.figures import style
-from flexsid.figures.labels import parameter_label
 from flexsid.figures.spec import N_SIGMA, Spec, empty, scatter
+from flexsid.figures.style import parameter_label
 from flexsid.nomenclature import describe
 from flexsid.records.condition_sheet import ConditionSheet, SheetRow, SheetSource, SourceRole
 from flexsid.records.run import AdequacyTest, ModelAdequacy
-from flexsid.sysid.estimation.model_tests import FALSE_ALARM_RATE
+from flexsid.sysid.adequacy.model_tests import FALSE_ALARM_RATE
 
 REACH = 5.0
 """σ shown on either side of the reference; what lies beyond is an arrow with its percentage."""

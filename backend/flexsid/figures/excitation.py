@@ -1,4 +1,4 @@
-"""Excitation designs: command time history, amplitude spectrum, information, SNR."""
+"""Excitation: commands, spectra by input (Fig. 9b), information and signal-to-noise ratio."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import numpy as np
 from flexsid.figures import quantities, style
 from flexsid.figures.spec import (
     Spec,
+    band,
     column,
+    empty,
     heatmap,
     marked,
     plane,
@@ -18,7 +20,10 @@ from flexsid.figures.spec import (
     title,
     vertical_mark,
 )
-from flexsid.records.views import DesignedExcitation, ExpectedResponse
+from flexsid.records.quality import SignalToNoise
+from flexsid.records.views import DesignedExcitation, ExpectedResponse, Spectra
+
+# --- Excitation designs: command time history, amplitude spectrum, information, SNR ---------------
 
 
 def draw_design_history(value: DesignedExcitation) -> Spec:
@@ -149,3 +154,131 @@ def _mark_modes(value: ExpectedResponse) -> Spec:
 
 def _title_frequency() -> Spec:
     return title(quantities.of_unit("Frequency", "Hz").axis_title)
+
+
+# --- Fourier transform magnitudes at excited harmonics, coloured by assigned input (Fig. 9b) ------
+
+_UNASSIGNED = "not assigned"
+
+
+def draw_spectrum(value: Spectra) -> Spec:
+    """Draw one row per channel, with harmonics coloured by assigned input."""
+    if not value.names:
+        return empty("No channel selected")
+    scale = {"rangemode": "tozero"} if value.background is None else {"type": "log"}
+    frequency = quantities.of_unit("Frequency", "Hz")
+    axes, data = [], []
+    for index, (name, unit) in enumerate(zip(value.names, value.units, strict=True)):
+        quantity = quantities.transform(quantities.of_channel(name, unit))
+        axes.append({**title(quantity.title), **scale})
+        if value.background is not None and value.background_hz is not None:
+            level = value.background[:, index] * quantity.factor
+            seen = np.isfinite(level)
+            data.append(
+                _draw_curve(
+                    value, index, "whole spectrum", frequency.factor * value.background_hz[seen],
+                    level[seen],
+                    {"color": style.GREY, "width": 1},
+                    f"%{{x:.2f}} {frequency.unit}<br>%{{y:.3g}} {quantity.unit}<extra></extra>",
+                )
+            )  # fmt: skip
+        data += _draw_lines(value, index, quantity)
+        if value.noise is not None:
+            data.append(
+                _draw_curve(
+                    value, index, "noise", frequency.factor * value.frequency_hz,
+                    value.noise[:, index] * quantity.factor,
+                    {"color": style.GREY, "width": 1.2, "dash": "dash"},
+                    f"%{{x:.3f}} {frequency.unit}<br>%{{y:.3g}} {quantity.unit}"
+                    "<extra>noise</extra>",
+                )
+            )  # fmt: skip
+    layout = stack(title(frequency.axis_title), axes, showlegend=True, hovermode="closest")
+    if value.background is not None and value.band_hz is not None:  # the modelled band (Fig. 12)
+        low, high = (frequency.factor * end for end in value.band_hz)
+        layout["shapes"] = [band(low, high, style.BLUE, opacity=0.08)]
+    return {"data": data, "layout": layout}
+
+
+def _draw_curve(
+    value: Spectra, index: int, name: str, x: np.ndarray, y: np.ndarray, line: Spec, hover: str
+) -> Spec:
+    return scatter(
+        x, y, "lines", row=index + 1, name=name, legendgroup=name, showlegend=index == 0,
+        line=line, meta={"channel": value.names[index], "assigned_input": None},
+        hovertemplate=hover,
+    )  # fmt: skip
+
+
+def _draw_lines(value: Spectra, index: int, quantity: quantities.DisplayQuantity) -> list[Spec]:
+    """Draw the harmonics of each input in its style, as stems without a spectrum behind them."""
+    frequency = quantities.of_unit("Frequency", "Hz")
+    assigned_inputs = np.array(value.assigned_inputs)
+    data = []
+    for assigned, (colour, symbol) in {
+        **style.of_inputs(value.inputs),
+        "": (style.GREY, "circle-open"),
+    }.items():
+        own = assigned_inputs == assigned
+        if not own.any():
+            continue
+        heights = value.magnitude[own, index] * quantity.factor
+        name = quantities.of_channel(assigned).label if assigned else _UNASSIGNED
+        trace = scatter(
+            frequency.factor * value.frequency_hz[own],
+            heights,
+            row=index + 1,
+            name=name,
+            legendgroup=assigned or _UNASSIGNED,
+            showlegend=index == 0,
+            marker={"color": colour, "symbol": symbol, "size": 4},
+            text=_format_signal_to_noise(value, own, index),
+            meta={"channel": value.names[index], "assigned_input": assigned},
+            hovertemplate=f"%{{x:.3f}} {frequency.unit}<br>%{{y:.4g}} {quantity.unit}<br>%{{text}}"
+            f"<extra>{name}</extra>",
+        )
+        if value.background is None:
+            trace["error_y"] = stems(heights, colour)
+        data.append(trace)
+    return data
+
+
+def _format_signal_to_noise(value: Spectra, own: np.ndarray, index: int) -> list[str]:
+    """Format the signal-to-noise ratio of every harmonic."""
+    if value.noise is None:
+        return []
+    noise = np.where(value.noise[own, index] > 0, value.noise[own, index], np.nan)
+    with np.errstate(divide="ignore"):
+        decibel = 20.0 * np.log10(value.magnitude[own, index] / noise)
+    return [f"SNR {level:.0f} dB" if np.isfinite(level) else "" for level in decibel]
+
+
+# --- Signal-to-noise ratio by channel and harmonic ------------------------------------------------
+
+_ROW_PX = 17
+
+
+def draw_signal_to_noise(value: SignalToNoise) -> Spec:
+    """Draw signal-to-noise ratios as a heat map."""
+    if not value.names:
+        return empty("No channel selected")
+    frequency = quantities.of_unit("Frequency", "Hz")
+    labels = [quantities.of_channel(name).label for name in value.names]
+    trace = heatmap(
+        frequency.factor * value.frequency_hz,
+        labels,
+        value.decibel.T,
+        name="SNR",
+        zmin=0.0,
+        zmax=40.0,
+        colorscale="Viridis",
+        colorbar={**title("SNR [dB]"), "thickness": 12},
+        hovertemplate=f"%{{y}} at %{{x:.3f}} {frequency.unit}: %{{z:.1f}} dB<extra></extra>",
+    )
+    layout = {
+        "xaxis": title(frequency.axis_title),
+        "yaxis": {"autorange": "reversed", "automargin": True, "tickfont": {"size": 10}},
+        "height": 120 + _ROW_PX * len(labels),
+        "meta": {"rows": 1},
+    }
+    return {"data": [trace], "layout": layout}

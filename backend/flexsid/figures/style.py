@@ -1,10 +1,14 @@
-"""Colours and symbols, the same in every figure.
+"""Style of figures: colours, symbols, and labels of parameters.
 
 Every colour has a contrast of at least 3 against white and against the dark page, so paper,
 text and grid are set by the browser. Every meaning of a colour is also shown by a symbol.
 """
 
 from __future__ import annotations
+
+from flexsid.nomenclature import MOTIONS, describe
+
+# --- Colours and symbols, the same in every figure ------------------------------------------------
 
 BLUE = "#1f83c9"
 VERMILION = "#d55e00"
@@ -53,3 +57,30 @@ def of_fta(fta: int | None) -> tuple[str, str]:
 def of_inputs(order: tuple[str, ...]) -> dict[str, tuple[str, str]]:
     """Return colour and symbol by input, in the order of all inputs of the maneuver."""
     return {name: of_index(index) for index, name in enumerate(order)}
+
+
+# --- Labels, units and grouping of parameters in figures ------------------------------------------
+
+
+def parameter_label(name: str) -> str:
+    """Return the label of a derivative or delay with subscripts."""
+    return describe(name).html
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit of a derivative or delay."""
+    return describe(name).unit or "1"
+
+
+def format_axis_title(name: str) -> str:
+    """Return the label of a derivative with its unit."""
+    return f"{parameter_label(name)} [{parameter_unit(name)}]"
+
+
+def get_family(name: str) -> str:
+    """Return the kind of variable of a derivative: a motion, eta, etadot, or input."""
+    variable = name.partition("_")[2]
+    if variable in MOTIONS:
+        return variable
+    kind = variable.rstrip("0123456789")
+    return kind if kind in ("eta", "etadot") and kind != variable else "input"

@@ -38,15 +38,15 @@ from flexsid.records.aircraft import (
     ThrustTable,
     find_contradicting_axis,
 )
-from flexsid.sysid.model.instruments import (
+from flexsid.sysid.model.sensor_models import (
     Butterworth,
     Element,
     FirstOrder,
     Instrument,
     SecondOrder,
+    find_sensor_model,
 )
-from flexsid.sysid.model.sensor_models import find_sensor_model
-from flexsid.sysid.preparation.symmetry import Part, combine_pair, find_pairs
+from flexsid.sysid.preparation.resampling import Part, combine_pair, find_pairs
 
 # Limits follow the dimension: pydantic applies annotations in order, options of a key first.
 _Area = Annotated[float, Dimension("area"), Field(gt=0)]

@@ -17,8 +17,7 @@ from pydantic import BeforeValidator, Field, StrictBool, field_validator, model_
 
 from flexsid.errors import BadInput
 from flexsid.importers.aircraft import AircraftMapping, AircraftPart
-from flexsid.importers.plausibility import WarningCode
-from flexsid.importers.quantity import Dimension, Length, Quantity, Time
+from flexsid.importers.quantity import Dimension, Length, Quantity, Time, WarningCode
 from flexsid.importers.source import Sources
 from flexsid.importers.table import (
     BY_FORM,

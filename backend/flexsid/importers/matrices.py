@@ -1,16 +1,21 @@
-"""Matrices of structural files: their terms, and the degrees of freedom of rows and columns."""
+"""Degrees of freedom and nodes in columns and matrices of structural files."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int, Num
 from scipy import sparse
 
+from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.source import Field, SourceFile, Sources
+
+# --- Matrices of structural files: their terms, and the degrees of freedom of rows and columns
 
 PREFIX = "matrix/"
 _SAME_TERM = 1e-6
@@ -149,3 +154,91 @@ def _read_field(sources: Sources, name: str) -> sparse.csr_array:
     if values.ndim != 2:
         raise BadInput(f"field '{name}' is not a matrix", code="unequal-lengths")
     return sparse.csr_array(values)
+
+
+# --- Degrees of freedom of a test in the names of channels: ``12+z``, ``12:-Y``, ``12X`` ----------
+
+DOF = r"\d{1,9}\s*:?\s*(?:[+-]\s*[xyz]|[xyz]\s*[+-]?)"
+"""Pattern of a node with a direction, any case."""
+
+_PARTS = re.compile(r"(\d+)\s*:?\s*([+-]?)\s*([xyz])\s*([+-]?)", re.IGNORECASE)
+_IN_NAME = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\]]*)\]$")
+_RATIO = re.compile(r"\(?(?P<response>[^()]+?)\)?\s*/\s*\(?(?P<force>N|lbf)\)?")
+
+
+class DegreeOfFreedom(NamedTuple):
+    """A node, and its direction: 1, 2, 3 for x, y, z, negative if opposite."""
+
+    node: int
+    direction: int
+
+
+def parse_degree_of_freedom(text: str) -> DegreeOfFreedom | None:
+    """Return the degree of freedom that a text names; None if it names none."""
+    found = _PARTS.fullmatch(text.strip())
+    if found is None or (found[2] and found[4]):
+        return None
+    axis = "xyz".index(found[3].lower()) + 1
+    return DegreeOfFreedom(int(found[1]), -axis if "-" in (found[2], found[4]) else axis)
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Split ``force 61+z [N]`` into the name and the unit."""
+    found = _IN_NAME.match(name.strip())
+    return (name.strip(), "") if found is None else (found["name"], found["unit"].strip())
+
+
+def split_ratio(unit: str) -> tuple[str, str] | None:
+    """Split ``(m/s2)/N`` into the units of response and force; None if it is none of a force."""
+    found = _RATIO.fullmatch(unit.strip())
+    return None if found is None else (found["response"].strip(), found["force"])
+
+
+# --- Coordinates of nodes in columns, as fields common to all readers of modal data ---------------
+
+_AXES = ("x", "y", "z")
+
+
+def convert_node_table(source: SourceFile) -> SourceFile:
+    """Convert columns ``node``, ``x``, ``y`` and ``z``; the unit as ``x [mm]`` or of the field.
+
+    Raises
+    ------
+    BadInput
+        If a node is repeated or is not a number, or the columns have different units.
+    """
+    columns, stated = {}, {}
+    for path, values in source.arrays.items():
+        name, unit = split_unit(path)
+        bare, _, suffix = name.rpartition(".")[2].lower().partition("_")
+        columns[bare] = values
+        stated[bare] = unit or source.units.get(path, "") or suffix
+    if not {"node", *_AXES} <= set(columns) or "mode" in columns or "grid/id" in source.arrays:
+        return source
+    ids = np.asarray(columns["node"], dtype=float).ravel()
+    if np.unique(ids).size != ids.size or not (ids == np.round(ids)).all() or (ids < 0).any():
+        raise BadInput(
+            f"{source.name}: the column node must be whole numbers without repetition",
+            code="bad-nodes",
+        )
+    places = [np.asarray(columns[axis], dtype=float).ravel() for axis in _AXES]
+    if any(place.size != ids.size for place in places):
+        raise BadInput(
+            f"{source.name}: node, x, y and z have different lengths", code="unequal-lengths"
+        )
+    given = {stated[axis] for axis in _AXES}
+    if len(given) > 1:
+        raise BadInput(
+            f"{source.name}: x, y and z have the units {', '.join(sorted(given))}; expected one",
+            code="other-unit",
+        )
+    zero = np.zeros(ids.size, dtype=np.int64)
+    found = {
+        "grid/id": ids.astype(np.int64),
+        "grid/cp": zero,
+        "grid/cd": zero,
+        "grid/xyz": np.stack(places, axis=1),
+    }
+    if unit := given.pop():
+        found["unit/length"] = np.array([units.factor(unit, "length")])
+    return replace(source, arrays={**source.arrays, **found})

@@ -1,4 +1,4 @@
-"""The ``[modal_table]`` part of a mapping: structural modes from MATLAB or NumPy arrays."""
+"""The ``[modal_table]`` and ``[[predictions]]`` parts of a mapping, from arrays."""
 
 from __future__ import annotations
 
@@ -6,11 +6,19 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.mapping import ModalTableMapping, ShapeMapping, StrainMapping
+from flexsid.importers.mapping import (
+    ModalTableMapping,
+    PredictionMapping,
+    ShapeMapping,
+    StrainMapping,
+    TermMapping,
+)
 from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.quantity import Quantity
 from flexsid.importers.source import Sources, refuse_field
 from flexsid.importers.table import refuse
+
+# --- The ``[modal_table]`` part of a mapping: structural modes from MATLAB or NumPy arrays --------
 
 
 def extract_modes(part: ModalTableMapping, sources: Sources) -> dict[str, np.ndarray]:
@@ -153,3 +161,58 @@ def _rows(sources: Sources, field: str, columns: tuple[int, ...]) -> np.ndarray:
         row = int(np.flatnonzero(~np.isfinite(selected).all(axis=1))[0]) + 1
         raise BadInput(f"Field '{field}', row {row} is not finite.", row=row, column=field)
     return selected
+
+
+# --- The ``[[predictions]]`` part of a mapping: derivatives from arrays ---------------------------
+
+
+def extract_derivatives(
+    part: PredictionMapping, sources: Sources, chord_m: float
+) -> dict[str, np.ndarray]:
+    """Extract derivatives against fuel from their files, nondimensional with half the chord.
+
+    A derivative with respect to q L / V is multiplied by 2 L / chord to refer
+    to q chord / (2 V), the convention of Eq. 12.
+
+    Parameters
+    ----------
+    part
+        The entry of the mapping.
+    sources
+        Files of the import.
+    chord_m
+        Reference chord of the aircraft. [m]
+    """
+    found: dict[str, np.ndarray] = {}
+    for term in part.terms:
+        scale = term.factor
+        if term.reference_length_m is not None:
+            scale *= 2.0 * term.reference_length_m / chord_m
+        values = scale * _layers(term, len(part.fuel), sources)
+        for row, coefficient in enumerate(term.coefficients):
+            for column, variable in enumerate(term.variables):
+                if not variable:
+                    continue
+                name = f"{coefficient}_{variable}"
+                if name in found:
+                    problem = f"gives '{name}' of prediction '{part.source}' a second time."
+                    raise refuse_field(term.field, problem, "duplicate-derivative")
+                found[name] = values[:, row, column]
+    return found
+
+
+def _layers(term: TermMapping, n_fuel: int, sources: Sources) -> np.ndarray:
+    """Return the array of a term at every fuel weight, (F, n_coefficients, n_variables)."""
+    expected = (len(term.coefficients), len(term.variables))
+    layers = []
+    for values in read_layers(term.field, n_fuel, sources):
+        if 1 in expected and values.size == expected[0] * expected[1]:
+            values = values.reshape(expected)
+        if values.shape != expected:
+            shape = f"{expected[0]} coefficients by {expected[1]} variables"
+            problem = f"has shape {values.shape}; {shape} are expected."
+            raise refuse_field(term.field, problem, "unequal-lengths")
+        if not np.isfinite(values).all():
+            raise refuse_field(term.field, "is not finite.", "not-finite")
+        layers.append(values)
+    return np.array(layers)

@@ -24,7 +24,7 @@ from flexsid.importers.column_names import (
     may_be_time_name,
     recognise_column,
 )
-from flexsid.importers.plausibility import find_unit_warning
+from flexsid.importers.quantity import find_unit_warning
 from flexsid.importers.recognition import Recorded, recognise_columns
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.maneuver import Role

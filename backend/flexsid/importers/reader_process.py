@@ -26,7 +26,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from flexsid.errors import ContentTooLarge, FlexsidError
-from flexsid.importers import jail, readers
+from flexsid.importers import jail
+from flexsid.importers.formats import readers
 
 MEMORY = 1024**3
 SAMPLES = "samples.bin"

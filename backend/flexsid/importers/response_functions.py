@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.importers.degrees_of_freedom import (
+from flexsid.importers.matrices import (
     DOF,
     DegreeOfFreedom,
     parse_degree_of_freedom,

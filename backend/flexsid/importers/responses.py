@@ -11,17 +11,22 @@ import numpy as np
 from flexsid import units
 from flexsid.allowed import Allowed, Axes, LengthUnit, Metre, Name, Share
 from flexsid.errors import BadInput
+from flexsid.importers.matrices import convert_node_table
+from flexsid.importers.modal_data.fuel_states import resolve_length_unit
 from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import join_frames
 from flexsid.importers.modal_data.options import parse_axes
-from flexsid.importers.modal_data.units import resolve_length_unit
-from flexsid.importers.node_table import convert_node_table
 from flexsid.importers.response_functions import convert_functions
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.vibration_records import VibrationRecord, compute_rate, find_records
 from flexsid.records.modal_data import SpectralAveraging
-from flexsid.sysid.spectra.averaged_spectra import Window, average_spectra, find_block_length
-from flexsid.sysid.spectra.response_estimators import Estimator, estimate_responses
+from flexsid.sysid.spectra.response_estimators import (
+    Estimator,
+    Window,
+    average_spectra,
+    estimate_responses,
+    find_block_length,
+)
 
 QUANTITIES = {"length": "displacement", "speed": "velocity", "acceleration": "acceleration"}
 _QUANTITY_CODES = {"length": (8,), "speed": (11,), "acceleration": (12,)}

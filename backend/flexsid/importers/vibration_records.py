@@ -14,12 +14,7 @@ import numpy as np
 
 from flexsid import units
 from flexsid.errors import BadInput
-from flexsid.importers.degrees_of_freedom import (
-    DOF,
-    DegreeOfFreedom,
-    parse_degree_of_freedom,
-    split_unit,
-)
+from flexsid.importers.matrices import DOF, DegreeOfFreedom, parse_degree_of_freedom, split_unit
 from flexsid.importers.response_functions import (
     find_functions,
     list_degrees_of_freedom,

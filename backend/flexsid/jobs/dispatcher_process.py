@@ -21,9 +21,8 @@ from typing import Any
 from flexsid.errors import FlexsidError
 from flexsid.jobs.child import Program
 from flexsid.jobs.dispatcher import Dispatcher
-from flexsid.jobs.executors import Workers
-from flexsid.jobs.interpreter import configure_interpreter
-from flexsid.jobs.local import LocalWorkers
+from flexsid.jobs.local import LocalWorkers, Workers
+from flexsid.jobs.messages import configure_interpreter
 from flexsid.jobs.worker import LoadKinds
 from flexsid.storage.store import Store
 

@@ -1,20 +1,151 @@
-"""Health of the job queue: whether queued jobs will be computed."""
+"""Health of the job queue, and which of several servers dispatches."""
 
 from __future__ import annotations
 
+import logging
+import os
+import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 from flexsid.errors import FlexsidError
 from flexsid.importers import jail
-from flexsid.jobs.leadership import LEASE_TIMEOUT_S
-from flexsid.storage import leases
+from flexsid.storage import leases, queue
 from flexsid.storage.leases import Lease
 from flexsid.storage.store import Store
+
+# --- Process identifiers that are unique across hosts, containers and restarts --------------------
+
+
+def get_process_id() -> str:
+    """Return host, PID namespace, PID and start time of this process."""
+    return " ".join((*_get_namespace(), str(os.getpid()), _read_start_time(os.getpid())))
+
+
+def is_gone(process_id: str | None) -> bool:
+    """Return whether a process is known to have ended; False if that is unknown."""
+    if process_id is None:
+        return True
+    *namespace, number, started = process_id.split(" ")
+    if tuple(namespace) != _get_namespace():
+        return False
+    return _read_start_time(int(number)) != started
+
+
+def shorten_process_id(process_id: str) -> str:
+    """Return host and PID of a process, for display."""
+    host, _, number, _ = process_id.split(" ")
+    return f"{host}/{number}"
+
+
+def _get_namespace() -> tuple[str, str]:
+    try:
+        pid_namespace = os.readlink("/proc/self/ns/pid")
+    except OSError:
+        pid_namespace = "-"
+    return socket.gethostname().replace(" ", "-"), pid_namespace
+
+
+def _read_start_time(process: int) -> str:
+    """Return the start time of a process, since PIDs are reused; empty if it has ended."""
+    try:
+        # The name of the program, in parentheses, may contain any character.
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return _check_process(process)
+    return "" if fields[0] in "ZX" else fields[19]
+
+
+def _check_process(process: int) -> str:
+    try:
+        os.kill(process, 0)
+    except (OSError, OverflowError):
+        return ""
+    return "-" if not Path("/proc/self/stat").exists() else ""
+
+
+# --- Leadership: of several servers on one database, one dispatches jobs --------------------------
+
+_log = logging.getLogger(__name__)
+
+LEASE_TIMEOUT_S = 8.0
+"""Time without renewal after which a holder loses the lease. [s]"""
+
+
+class Leadership:
+    """Acquires and renews the lease, and detects its loss.
+
+    Parameters
+    ----------
+    store
+        Store with the lease.
+    status
+        Returns the status of the holder, which every renewal stores.
+    timeout_s
+        Time without renewal after which a holder loses the lease, by the local clock. [s]
+    """
+
+    def __init__(
+        self, store: Store, status: Callable[[], dict[str, Any]], timeout_s: float = LEASE_TIMEOUT_S
+    ) -> None:
+        self.process_id = get_process_id()
+        self._store = store
+        self._status = status
+        self._timeout_s = timeout_s
+        self._lease: Lease | None = None
+        self._seen: Lease | None = None
+        self._observed_at = 0.0
+
+    @property
+    def epoch(self) -> int | None:
+        """Epoch of the held lease, None without a lease."""
+        return None if self._lease is None else self._lease.epoch
+
+    def hold(self) -> bool:
+        """Renew or acquire the lease; return False while another server holds it."""
+        now = time.monotonic()
+        if self._lease is None:
+            return self._acquire(now)
+        if now - self._observed_at >= self._timeout_s / 4:
+            self._lease = leases.renew(self._store, self._lease, self._status())
+            self._observed_at = now
+            if self._lease is None:
+                _log.warning(
+                    "another server took over the queue because this one did not renew its lease"
+                )
+        return self._lease is not None
+
+    def release(self) -> None:
+        """Release the lease."""
+        if self._lease is not None:
+            leases.release(self._store, self._lease)
+            self._lease = None
+
+    def _acquire(self, now: float) -> bool:
+        lease = leases.read(self._store)
+        if lease != self._seen:
+            self._seen, self._observed_at = lease, now
+        if not (is_gone(lease.holder) or now - self._observed_at >= self._timeout_s):
+            return False
+        with self._store.transaction():
+            self._lease = leases.take(self._store, lease, self.process_id)
+            if self._lease is None:
+                return False
+            left = queue.requeue_orphans(
+                self._store, lambda holder: holder == lease.holder or is_gone(holder)
+            )
+        self._observed_at = now
+        if left:
+            _log.info("%d jobs of a stopped server are restarted", left)
+        return True
+
+
+# --- Health of the job queue: whether queued jobs will be computed --------------------------------
 
 _GRACE_S = 20.0  # longer than the replacement of servers and workers
 _START_S = 120.0  # longer than the start of a dispatcher on a loaded computer

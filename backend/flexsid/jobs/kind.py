@@ -16,9 +16,9 @@ from flexsid.request_models import check_request
 from flexsid.storage import queue
 from flexsid.storage.encoding import decode, describe_type, encode
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.reading import read_once, reading_once
+from flexsid.storage.repository import read_once, reading_once
 from flexsid.storage.store import Store
-from flexsid.workflow.fits.software_versions import METHODS, read_versions
+from flexsid.workflow.fits.estimation_task import METHODS, read_versions
 
 _log = logging.getLogger(__name__)
 

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from flexsid.jobs.kind import Kind, Kinds, save_records
-from flexsid.records.compatibility import CompatibilityReport
-from flexsid.records.flutter import ClosedLoop, FlutterResult, PredictedFlutterResult
+from flexsid.errors import FlexsidError
+from flexsid.jobs.kind import Kind, Kinds, get_result, save_records
+from flexsid.records.condition_sheet import ConditionSheet
+from flexsid.records.flutter import ClosedLoop, Flutter, FlutterResult, PredictedFlutterResult
 from flexsid.records.global_model import GlobalModelResult
 from flexsid.records.job import Job
 from flexsid.records.modal_data import ModeIdentification, Orthogonality
+from flexsid.records.quality import CompatibilityReport
 from flexsid.records.run import ReportProgress
-from flexsid.records.transfer_function import TransferFunctionResult
 from flexsid.records.validation import (
     AerodynamicsComparison,
     CrossPredictionMatrix,
     CrossValidation,
     PosteriorCheck,
 )
-from flexsid.records.views import Reconstruction
+from flexsid.records.views import Reconstruction, TransferFunctionResult
 from flexsid.storage import backup, queue
-from flexsid.storage.derived_runs import find_derived_runs
-from flexsid.storage.runs import ESTIMATION
+from flexsid.storage.batches import find_derived_runs
+from flexsid.storage.run_list import ESTIMATION
 from flexsid.storage.snapshot import open_snapshot, take_snapshot
 from flexsid.storage.store import Store
 from flexsid.workflow.excitation import (
@@ -36,18 +38,21 @@ from flexsid.workflow.excitation import (
 )
 from flexsid.workflow.flutter import closed_loop, flutter_analysis, flutter_models
 from flexsid.workflow.flutter import predicted_flutter as of_prediction
+from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.global_model import computation, estimates
-from flexsid.workflow.importing import remembered_columns, uploads
-from flexsid.workflow.maintenance import database_backup, printed_reports
+from flexsid.workflow.importing import parsed_files, uploads
+from flexsid.workflow.maintenance import database, printed_reports
 from flexsid.workflow.measurements import reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
-from flexsid.workflow.modal_data import (
-    computed_predictions,
-    ground_vibration_test,
-    orthogonality,
-    response_estimation,
+from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test, orthogonality
+from flexsid.workflow.modal_data.ground_vibration_test import (
+    ResponseEstimation,
+    ResponseTask,
+    estimate_responses,
+    store_estimated_responses,
 )
 from flexsid.workflow.quality import compatibility, maneuver_quality
+from flexsid.workflow.review.condition_sheet import build_condition_sheet
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
@@ -57,6 +62,9 @@ from flexsid.workflow.validation import (
     cross_validation,
     posterior_check,
 )
+from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+
+# --- All kinds of jobs. A worker imports this module, and with it the numerical libraries ---------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -298,12 +306,12 @@ TRANSFER_FUNCTION = Kind(
 RESPONSES = Kind(
     name="response-estimation",
     label="Frequency responses",
-    request=response_estimation.ResponseEstimation,
-    prepare=lambda store, job, request: response_estimation.ResponseTask(
+    request=ResponseEstimation,
+    prepare=lambda store, job, request: ResponseTask(
         uploads.open_upload(store, request.upload_id), request
     ),
-    compute=response_estimation.estimate_responses,
-    save=save_records(response_estimation.store_estimated_responses),
+    compute=estimate_responses,
+    save=save_records(store_estimated_responses),
 )
 MODES = Kind(
     name="mode-identification",
@@ -356,7 +364,7 @@ PREDICTION = Kind(
     save=save_records(computed_predictions.store_computed_prediction),
 )
 IMPORT = Kind(
-    name=remembered_columns.IMPORT_KIND,
+    name=parsed_files.IMPORT_KIND,
     label="Import",
     request=uploads.ImportRequest,
     prepare=lambda store, job, request: uploads.prepare_import(store, request),
@@ -376,10 +384,10 @@ REPORT = Kind(
 BACKUP = Kind(
     name=backup.BACKUP,
     label="Backup",
-    request=database_backup.BackupRequest,
-    prepare=database_backup.prepare_backup,
-    compute=database_backup.compute_backup,
-    result=database_backup.BackupFile,
+    request=database.BackupRequest,
+    prepare=database.prepare_backup,
+    compute=database.compute_backup,
+    result=database.BackupFile,
 )
 
 # All values above, so that a kind is added in one place.
@@ -389,3 +397,35 @@ KINDS: Kinds = {one.name: one for one in tuple(globals().values()) if isinstance
 def load_kinds() -> Kinds:
     """Return all kinds by name; a worker receives this function and imports this module."""
     return KINDS
+
+
+# --- Stored results of jobs that other records refer to -------------------------------------------
+
+
+def find_stored_flutter(store: Store, run_ids: tuple[int, ...]) -> Flutter | None:
+    """Return the stored flutter prediction of runs at its default condition; None without one."""
+    try:
+        return get_result(store, FLUTTER, FlutterQuery(run_ids=run_ids)).flutter
+    except FlexsidError:  # not computed, not ready, failed, or runs that no prediction can use
+        return None
+
+
+def find_stored_predictions(
+    store: Store, run_ids: tuple[int, ...], maneuver_ids: tuple[int, ...]
+) -> CrossPredictionMatrix | None:
+    """Return the stored prediction of maneuvers by the models of runs; None without one."""
+    query = CrossPredictionQuery(run_ids=run_ids, maneuver_ids=maneuver_ids)
+    try:
+        return get_result(store, CROSS_PREDICTION, query)
+    except FlexsidError:
+        return None
+
+
+def read_condition_sheet(store: Store, condition_id: int) -> ConditionSheet:
+    """Return the sheet of the condition of a maneuver, from stored results."""
+    return build_condition_sheet(
+        store,
+        condition_id,
+        partial(find_stored_flutter, store),
+        partial(find_stored_predictions, store),
+    )

@@ -20,12 +20,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from flexsid.jobs.interpreter import loading
 from flexsid.jobs.messages import (
     ComputedMessage,
     FailedMessage,
     ProgressMessage,
     describe_error,
+    loading,
 )
 from flexsid.records.run import Progress, ReportProgress
 

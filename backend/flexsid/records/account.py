@@ -1,4 +1,4 @@
-"""Account: who may log in, membership of campaigns, and API tokens."""
+"""Account: who may log in, membership of campaigns, API tokens, and what an account changed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from datetime import datetime
 from enum import StrEnum
 
 from flexsid.display_units import FrequencyUnit, UnitSystem
+
+# --- Account: who may log in, membership of campaigns, and API tokens -----------------------------
 
 NAME_CLAIM = "preferred_username"
 """Usual claim of a provider with the name of the account."""
@@ -102,3 +104,40 @@ class OpenIdProvider:
     client_id: str
     client_secret: str = field(repr=False)
     name_claim: str = NAME_CLAIM
+
+
+# --- Audit event: what an account changed in one transaction --------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """One statement: rows of a table that were added, changed or deleted.
+
+    ``before`` is the SHA-256 of the rows before, and ``after`` that of the new values;
+    ``ids`` are those of at most a hundred rows.
+    """
+
+    table: str
+    action: str  # "insert", "update" or "delete"
+    count: int
+    ids: tuple[int, ...] = ()
+    before: str | None = None
+    after: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuditEvent:
+    """Who changed what, in which request and from where; sealed as events of decisions are."""
+
+    number: int
+    author: str
+    address: str
+    request_id: str
+    operation: str
+    aircraft_id: int | None
+    changes: tuple[Change, ...]
+    previous_hash: str
+    sealed: str = ""
+    hash: str = ""
+    created_at: datetime | None = None
+    id: int | None = None

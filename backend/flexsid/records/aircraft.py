@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from flexsid.allowed import Share
-from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.model.sensor_models import SensorModel, find_sensor_model
-from flexsid.sysid.preparation.symmetry import find_pairs
+from flexsid.sysid.model.sensor_models import Instrument, SensorModel, find_sensor_model
+from flexsid.sysid.preparation.resampling import find_pairs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

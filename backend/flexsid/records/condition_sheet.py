@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from flexsid.records.decision import StructureVersion
 from flexsid.records.flutter import Flutter
-from flexsid.records.model_structure import StructureVersion
 from flexsid.records.run import AdequacyState, AdequacyTest, Pole
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from flexsid.sysid.excitation.designer import DesignSpecification
-from flexsid.sysid.simulation.loop_margins import LoopMargins
+from flexsid.sysid.simulation.closed_loop import LoopMargins
 
 DEFAULT_LEVEL = 1
 """Amplitude of a design: 0 low, 1 medium, 2 high."""

@@ -1,10 +1,15 @@
-"""Notes of analysts on maneuvers, runs, modes and derivatives."""
+"""Notes of analysts on maneuvers, runs, modes and derivatives, and saved views."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import Annotated
+
+from flexsid.allowed import Allowed, Author, Name, Text
+
+# --- Notes of analysts on maneuvers, runs, modes and derivatives ----------------------------------
 
 
 class NoteSubject(StrEnum):
@@ -58,3 +63,18 @@ class Note:
     created_at: datetime | None
     changed_at: datetime | None
     revisions: tuple[NoteRevision, ...]
+
+
+# --- SavedView: a named page state, visible to all users ------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SavedView:
+    """``search`` is the query string of the page."""
+
+    page: Annotated[str, Allowed(choices=("campaign", "runs", "compare", "flutter"))]
+    name: Name
+    search: Text
+    author: Author = ""
+    created_at: datetime | None = None
+    id: int | None = None

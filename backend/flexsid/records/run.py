@@ -1,4 +1,4 @@
-"""Runs: request, proposal, progress and result of an estimation."""
+"""Runs: request, proposal, progress, result and settings under a name."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from typing import Annotated
 
 from flexsid.allowed import Allowed, Band, Id, Iterations, Name, Noise, Number
 from flexsid.extensions import ESTIMATORS, list_extension_names
-from flexsid.records.model_structure import Structure
-from flexsid.sysid.estimation.diagnostics import OutputFit
-from flexsid.sysid.estimation.estimate import IterationStep
+from flexsid.records.decision import Structure
+from flexsid.sysid.estimation.estimate import IterationStep, OutputFit
 from flexsid.units import LARGEST
+
+# --- Runs: request, proposal, progress and result of an estimation --------------------------------
 
 
 class ProposalSource(StrEnum):
@@ -545,3 +546,29 @@ class RunProposal:
     lines_per_parameter: float
     resolution_hz: float
     warnings: tuple[str, ...]
+
+
+# --- RunTemplate: settings of runs under a name in a campaign -------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunTemplate:
+    """One revision of a template; revisions are only added.
+
+    ``settings`` have no values of a maneuver or of its condition: no additional maneuvers, no run
+    to start from, no priors by value. Model structure, modal tables and prediction are not part
+    of it: each run takes those of its maneuver. ``original_id`` is the id of the first revision,
+    None for that itself; the last revision of a deleted template has ``is_deleted``.
+    """
+
+    aircraft_id: int
+    name: str
+    method: Method
+    settings: RunSettings
+    note: str = ""
+    author: str = ""
+    revision: int = 1
+    original_id: int | None = None
+    is_deleted: bool = False
+    created_at: datetime | None = None
+    id: int | None = None

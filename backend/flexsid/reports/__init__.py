@@ -1,15 +1,13 @@
 """Reports, each a self-contained HTML or PDF file."""
 
-from flexsid.reports.campaign import campaign_report
+from flexsid.reports.campaign import campaign_report, global_model_report
 from flexsid.reports.comparison import comparison_report
 from flexsid.reports.content import Report
 from flexsid.reports.decision import decision_report
 from flexsid.reports.flutter import closed_loop_report, flutter_report
-from flexsid.reports.global_model import global_model_report
 from flexsid.reports.layout import built_in_template, read_template, to_document, to_html
 from flexsid.reports.run import run_report
-from flexsid.reports.run_card import run_card
-from flexsid.reports.sortie import sortie_report
+from flexsid.reports.sortie import run_card, sortie_report
 from flexsid.workflow.maintenance.printed_reports import to_pdf
 
 __all__ = [

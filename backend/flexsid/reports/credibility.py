@@ -17,7 +17,7 @@ from flexsid.reports.content import Part, ReportTable, Section, Words, listed
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.text import count_noun
-from flexsid.workflow.model_structures.run_results import hash_run
+from flexsid.workflow.model_structures.model_structures import hash_run
 
 BLANK = "NOT STATED"
 """Text of a factor without evidence in the database."""

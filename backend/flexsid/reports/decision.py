@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from flexsid.jobs.stored_results import find_stored_flutter
-from flexsid.records.decision import DecisionEvent, LinkedComparison, StructureReference
+from flexsid.jobs.kinds import find_stored_flutter
+from flexsid.records.decision import (
+    DecisionEvent,
+    LinkedComparison,
+    StructureReference,
+    StructureVersion,
+)
 from flexsid.records.global_model import GlobalModelVersion
-from flexsid.records.model_structure import StructureVersion
 from flexsid.reports.content import (
     Drawing,
     Facts,

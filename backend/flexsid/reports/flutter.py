@@ -34,7 +34,7 @@ from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.workflow.flutter.closed_loop import ClosedLoopQuery
 from flexsid.workflow.flutter.flutter_models import FlutterQuery
-from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.model_structures.model_structures import describe_data_changes
 
 _DB = 20.0 / log(10.0)  # of the natural logarithm of a factor
 _LIMITS = (

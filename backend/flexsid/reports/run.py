@@ -1,12 +1,19 @@
-"""Report of a run: settings, estimates, fit, uncertainty, poles."""
+"""Report of a run: flight condition, settings, estimates, fit, uncertainty, poles, validation."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import tau
+from typing import Any, TypeVar
 
 from flexsid.display_units import display_unit
+from flexsid.errors import BadInput, Conflict
+from flexsid.jobs.kind import Kind, get_result
+from flexsid.jobs.kinds import CROSS_PREDICTION, CROSS_VALIDATION
 from flexsid.nomenclature import describe
+from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import AdequacyState, EstimationRun, ModelAdequacy, RunResult
+from flexsid.records.validation import CrossValidationSummary
 from flexsid.reports.content import (
     Facts,
     Markdown,
@@ -20,19 +27,111 @@ from flexsid.reports.content import (
     listed,
     moment,
     number,
+    shown,
 )
 from flexsid.reports.credibility import report_run_credibility
-from flexsid.reports.flown import condition_facts, source_facts
-from flexsid.reports.validation import report_cross_validation
 from flexsid.storage.content import find_changes
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import count_iterations
 from flexsid.workflow.comparison.derivative_comparison import compare, list_coefficients
-from flexsid.workflow.fits.estimators import get_title
-from flexsid.workflow.model_structures.run_results import describe_data_changes
+from flexsid.workflow.fits.computation import get_title
+from flexsid.workflow.model_structures.model_structures import describe_data_changes
 from flexsid.workflow.review.notes import list_notes
 from flexsid.workflow.runs.run_templates import get_run_template, list_changed_settings
+from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery
 from flexsid.workflow.views.run import read_finished_run
+
+# --- Sections of reports on validation: stored results, since reports compute nothing -------------
+
+Result = TypeVar("Result")
+
+
+def report_cross_validation(store: Store, run_id: int) -> tuple[Section, ...]:
+    """Report the stored five-fold cross-validation of a run; no section without one."""
+    found = _find_result(store, CROSS_VALIDATION, CrossValidationQuery(run_id=run_id))
+    if found is None:
+        return ()
+    residual = draw("Residuals at the data held out", store, "held-out-residual", run_id=run_id)
+    section = Section(
+        "Cross-validation", (Words(found.summary.sentence), _tabulate(found.summary), residual)
+    )
+    return (section,)
+
+
+def report_cross_predictions(store: Store, run_ids: Sequence[int]) -> tuple[Section, ...]:
+    """Report the stored matrix of runs and their maneuvers; no section without one."""
+    runs = tuple(dict.fromkeys(run_ids))
+    if _find_result(store, CROSS_PREDICTION, CrossPredictionQuery(run_ids=runs)) is None:
+        return ()
+    caption = "Mean R² of the outputs of each maneuver, predicted by each model"
+    drawing = draw(caption, store, "cross-prediction", run_ids=runs)
+    return (Section("Cross-prediction", (drawing,)),)
+
+
+def _find_result(store: Store, kind: Kind[Any, Result], query: object) -> Result | None:
+    try:
+        return get_result(store, kind, query)
+    except (BadInput, Conflict):  # runs that may be compared, but not predict each other
+        return None
+
+
+def _tabulate(found: CrossValidationSummary) -> ReportTable:
+    return ReportTable(
+        ("output", "maneuver", "R²", "of the run", "Theil", "of the run"),
+        tuple(
+            (
+                one.output,
+                str(one.maneuver_id),
+                f"{one.r_squared:.3f}",
+                f"{one.fitted_r_squared:.3f}",
+                f"{one.theil:.3f}",
+                f"{one.fitted_theil:.3f}",
+            )
+            for one in found.outputs
+        ),
+        "R² and Theil's inequality coefficient of the data held out, by refits and by the run",
+        numbers_from=2,
+    )
+
+
+# --- Flight condition and source files of a maneuver ----------------------------------------------
+
+
+def condition_facts(maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
+    """List the flight condition of a maneuver with units."""
+    c = maneuver.condition
+    ratio = maneuver.airspeed_ratio
+    return (
+        (
+            "Airspeed",
+            f"{shown(c.airspeed_m_s, 'm/s')}{'' if ratio is None else f', {ratio:.3f} V/V_f'}",
+        ),
+        ("Dynamic pressure", shown(c.dynamic_pressure_pa, "Pa")),
+        ("Density", shown(c.density_kg_m3, "kg/m3")),
+        ("Fuel fraction", f"{c.fuel_fraction:.2f}"),
+        ("Mass", shown(c.mass_kg, "kg")),
+        ("Pitch inertia", shown(c.pitch_inertia_kg_m2, "kg*m2")),
+        ("Angle of attack", shown(c.alpha_rad, "rad")),
+        ("Duration", f"{maneuver.duration_s:g} s"),
+        ("Flight test aid", "–" if maneuver.fta is None else f"FTA {maneuver.fta}"),
+    )
+
+
+def source_facts(store: Store, maneuver: Maneuver) -> tuple[tuple[str, str], ...]:
+    """List the source files of a maneuver with their hashes."""
+    found = {maneuver.source_file: maneuver.source_hash}
+    for channel in store.channels.find(maneuver_id=maneuver.id):
+        found.setdefault(channel.source_file, channel.source_hash)
+    files = tuple(
+        (f"File of maneuver {maneuver.id}", file if digest is None else f"{file}, SHA-256 {digest}")
+        for file, digest in found.items()
+        if file is not None
+    )
+    return files or ((f"Maneuver {maneuver.id}", "simulated, no source file"),)
+
+
+# --- Report of a run: settings, estimates, fit, uncertainty, poles --------------------------------
 
 _MOST_TESTS = 20  # of a table in a report
 _OUTPUTS_OF_FIGURE = 4  # by page height

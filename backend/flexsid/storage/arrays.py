@@ -1,13 +1,17 @@
-"""Bulk arrays as immutable rows, named by their content.
+"""Bulk arrays as immutable rows, named by their content, and the records that refer to them.
 
 The name is a hash. Checks, backups and capsules compare each array with its name. Reads compare it
 with its checksum, which detects damage, too, and takes a fiftieth of the time; the hash decides
 where they differ, and for arrays that were stored before there were checksums.
+
+A figure needs one mode at up to four fuel weights; one array of all modes may have a hundred
+megabytes.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypedDict
 
@@ -18,9 +22,65 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
-from flexsid.storage.array_references import find_referring_record
+from flexsid.storage import tables
 from flexsid.storage.database import Database
-from flexsid.storage.tables import arrays
+from flexsid.storage.tables import arrays, modal_shapes
+
+# --- Records that refer to arrays, to name them in reports of damage ------------------------------
+
+_NAME = re.compile(r"\b[0-9a-f]{64}\b")
+_GEOMETRY = re.compile(r'"geometry": *"[0-9a-f]{64}"')  # of a prediction: hash of a description
+# Records that refer to arrays in nested values.
+_NESTED = (
+    ("modal table", tables.modal_tables.c.arrays),
+    ("flutter summary", tables.flutter_summaries.c.arrays),
+    ("set of measured responses", tables.measured_responses.c.arrays),
+    ("run", tables.runs.c.result),
+    ("prediction", tables.predictions.c.unsteady),
+    ("job", tables.jobs.c.request),
+    ("job", tables.jobs.c.result),
+)
+
+
+def list_referring_records(connection: Connection) -> dict[str, str]:
+    """Return a referring record for every array that has one."""
+    return {name: record for record, name in _pairs(connection)}
+
+
+def find_referring_record(connection: Connection, name: str) -> str:
+    """Return the description of a record that refers to this array."""
+    return list_referring_records(connection).get(name, "an array without a record")
+
+
+def _pairs(connection: Connection) -> Iterator[tuple[str, str]]:
+    for noun, column in _NESTED:
+        identity = column.table.c.id
+        texts = sa.select(identity, sa.cast(column, sa.Text)).where(column.is_not(None))
+        for number, text in connection.execute(texts):
+            for name in _NAME.findall(_GEOMETRY.sub("", text)):
+                yield f"{noun} {number}", name
+    shapes = tables.modal_shapes.c
+    for number, name in connection.execute(sa.select(shapes.modal_table_id, shapes.array)):
+        yield f"a shape of modal table {number}", name
+    for noun, table, columns in (
+        ("prediction", tables.predictions, ("values", "std_errors")),
+        ("frozen figure", tables.frozen_figures, ("array",)),
+        ("version of a global model", tables.global_model_versions, ("result",)),
+    ):
+        for column in columns:
+            for number, name in connection.execute(sa.select(table.c.id, table.c[column])):
+                if name is not None:
+                    yield f"{noun} {number}", name
+    for noun, table, key in (
+        ("flight", tables.flight_channels, "flight_id"),
+        ("maneuver", tables.channels, "maneuver_id"),
+    ):
+        query = sa.select(table.c[key], table.c.name, table.c.array)
+        for number, channel, name in connection.execute(query):
+            yield f"channel '{channel}' of {noun} {number}", name
+
+
+# --- Bulk arrays as immutable rows, named by their content ----------------------------------------
 
 HASH_BYTES = 32
 """Bytes of a SHA-256."""
@@ -189,3 +249,64 @@ def _pieces(names: list[str]) -> Iterator[list[str]]:
 def build_array(dtype: str, shape: Sequence[int], data: Any) -> np.ndarray:
     """Return the array of the bytes of a row."""
     return np.frombuffer(data, dtype=np.dtype(dtype)).reshape(tuple(shape))
+
+
+# --- Mode shapes at all nodes: one array per fuel weight and mode ---------------------------------
+
+
+class ModalShapes:
+    """Store of shapes (n_nodes, 6) by modal table, fuel index and mode index."""
+
+    def __init__(self, database: Database, arrays: Arrays) -> None:
+        self._database = database
+        self._arrays = arrays
+
+    def put(self, modal_table_id: int, shapes: np.ndarray) -> None:
+        """Store all shapes of a table, (n_fuel, n_modes, n_nodes, 6)."""
+        n_fuel, n_modes = shapes.shape[:2]
+        with self._database.transaction() as connection:
+            for fuel in range(n_fuel):
+                content = [describe_array(shapes[fuel, mode]) for mode in range(n_modes)]
+                names = self._arrays.put_many(content)
+                rows = [
+                    {"modal_table_id": modal_table_id, "fuel": fuel, "mode": mode, "array": name}
+                    for mode, name in enumerate(names)
+                ]
+                connection.execute(sa.insert(modal_shapes), rows)
+
+    def copy(self, modal_table_id: int, new_id: int) -> None:
+        """Refer from a new table to the stored shapes of another."""
+        columns = modal_shapes.c
+        query = sa.select(columns.fuel, columns.mode, columns.array).where(
+            columns.modal_table_id == modal_table_id
+        )
+        with self._database.transaction() as connection:
+            # Rows, since access and audit log cannot see those of INSERT ... SELECT.
+            rows = [
+                {"modal_table_id": new_id, **shape}
+                for shape in connection.execute(query).mappings()
+            ]
+            if rows:
+                connection.execute(sa.insert(modal_shapes), rows)
+
+    def has(self, modal_table_id: int) -> bool:
+        """Return whether a table has stored shapes."""
+        query = sa.select(modal_shapes.c.mode).where(
+            modal_shapes.c.modal_table_id == modal_table_id
+        )
+        with self._database.reading() as connection:
+            return connection.execute(query.limit(1)).first() is not None
+
+    def get(
+        self, modal_table_id: int, places: Sequence[tuple[int, int]]
+    ) -> dict[tuple[int, int], np.ndarray]:
+        """Return shapes by (fuel index, mode index)."""
+        columns = modal_shapes.c
+        query = sa.select(columns.fuel, columns.mode, columns.array).where(
+            columns.modal_table_id == modal_table_id,
+            sa.tuple_(columns.fuel, columns.mode).in_(list(places)),
+        )
+        with self._database.reading() as connection:
+            names = {(fuel, mode): name for fuel, mode, name in connection.execute(query)}
+        arrays = self._arrays.get_many(names.values())
+        return {place: arrays[name] for place, name in names.items()}

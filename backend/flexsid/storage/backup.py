@@ -23,10 +23,9 @@ from sqlalchemy.pool import StaticPool
 from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
-from flexsid.storage.files import DatabaseUnavailable, new_file
+from flexsid.storage.files import DatabaseUnavailable, lock_tables, new_file
 from flexsid.storage.migrate import upgrade
-from flexsid.storage.row_copy import copy_rows, replace_tables
-from flexsid.storage.row_seals import add_seal_function, find_changed_rows
+from flexsid.storage.rows import add_seal_function, copy_rows, find_changed_rows, replace_tables
 from flexsid.storage.shared_samples import (
     add_samples,
     attach_samples,
@@ -36,7 +35,6 @@ from flexsid.storage.shared_samples import (
     include_samples,
     is_sound,
 )
-from flexsid.storage.table_locks import lock_tables
 from flexsid.storage.write_mark import (
     Written,
     accept_losses,

@@ -1,4 +1,4 @@
-"""Batches: runs that are requested together; equal runs are stored once."""
+"""Batches: runs that are requested together, and refits of other runs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ import sqlalchemy as sa
 from flexsid.records.run import Batch, EstimationRun, RunState
 from flexsid.storage import queue
 from flexsid.storage.job_list import count_states
-from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.list_query import Page, read_cursor
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, batches, runs
+
+# --- Batches: runs that are requested together; equal runs are stored once ------------------------
 
 _AT_ONCE = 500  # values in one query
 _SAME = (RunState.QUEUED.value, RunState.RUNNING.value, RunState.SUCCEEDED.value)
@@ -152,3 +154,33 @@ def _find_equal(store: Store, requested: Sequence[EstimationRun]) -> dict[str | 
             )
             found.update((name, number) for name, number in connection.execute(query))
     return found
+
+
+# --- Derived runs: refits of other runs on which a prediction rests -------------------------------
+
+_is_active = runs.c.deleted_at.is_(None)
+
+
+def find_equal_run(store: Store, input_hash: str | None) -> EstimationRun | None:
+    """Find a run of equal inputs that has succeeded, or else a derived one that failed.
+
+    A derived run is stored as failed for its data and model only, so that it would fail again.
+    """
+    succeeded = runs.c.state == RunState.SUCCEEDED.value
+    failed = runs.c.derived_from_run_id.is_not(None) & (runs.c.state == RunState.FAILED.value)
+    query = (
+        sa.select(runs.c.id)
+        .where(runs.c.input_hash == input_hash, _is_active, succeeded | failed)
+        .order_by(succeeded.desc(), runs.c.id.desc())
+        .limit(1)
+    )
+    with store.database.reading() as connection:
+        found = connection.scalar(query)
+    return None if found is None else store.runs.get(found)
+
+
+def find_derived_runs(store: Store, run_ids: Sequence[int]) -> list[int]:
+    """Return the ids of the runs that were derived from these, deleted ones excluded."""
+    query = sa.select(runs.c.id).where(runs.c.derived_from_run_id.in_(run_ids), _is_active)
+    with store.database.reading() as connection:
+        return list(connection.scalars(query))

@@ -14,10 +14,10 @@ from sqlalchemy.engine import Connection
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.run import RunState
-from flexsid.storage.evidence_use import refuse_evidence
+from flexsid.storage.campaign_rows import refuse_evidence
+from flexsid.storage.list_query import add_tag, remove_tag
 from flexsid.storage.store import Store
 from flexsid.storage.tables import maneuver_tags, maneuvers, run_tags, runs
-from flexsid.storage.tags import add_tag, remove_tag
 
 _ACTIVE = (RunState.QUEUED.value, RunState.RUNNING.value)
 

@@ -32,7 +32,7 @@ from flexsid.errors import BadInput
 from flexsid.storage.access import add_access_control
 from flexsid.storage.audit_recording import add_recording, recording_changes
 from flexsid.storage.files import DatabaseUnavailable
-from flexsid.storage.row_seals import add_seal_function
+from flexsid.storage.rows import add_seal_function
 from flexsid.storage.write_mark import (
     Written,
     accept_losses,

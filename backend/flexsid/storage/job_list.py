@@ -13,7 +13,7 @@ from sqlalchemy.engine import RowMapping
 
 from flexsid.errors import UnknownRecord
 from flexsid.records.run import Method, Progress, RunState
-from flexsid.storage.paging import Page, read_cursor
+from flexsid.storage.list_query import Page, read_cursor
 from flexsid.storage.queue import JOB_CLASS
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, maneuvers, runs

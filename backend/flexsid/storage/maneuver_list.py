@@ -14,10 +14,8 @@ from sqlalchemy.engine import Connection
 
 from flexsid.records.maneuver import GROUND
 from flexsid.records.run import Method, RunState
-from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery
-from flexsid.storage.paging import Page
+from flexsid.storage.list_query import Choice, Conditions, Facet, Facets, ListQuery, Page, read_tags
 from flexsid.storage.tables import aircraft, flights, maneuver_tags, maneuvers, runs
-from flexsid.storage.tags import read_tags
 from flexsid.text import LARGEST_ID
 
 IdFilter = Annotated[int | None, Field(ge=1, le=LARGEST_ID)]

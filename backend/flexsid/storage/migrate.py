@@ -26,9 +26,8 @@ from flexsid.storage.database import (
     sqlite_file,
     translate_errors,
 )
-from flexsid.storage.files import DatabaseUnavailable, create_database, new_file
-from flexsid.storage.row_seals import drop_seals, seal_rows
-from flexsid.storage.table_locks import lock_tables
+from flexsid.storage.files import DatabaseUnavailable, create_database, lock_tables, new_file
+from flexsid.storage.rows import drop_seals, seal_rows
 from flexsid.storage.tables import metadata
 from flexsid.storage.write_mark import find_losses
 

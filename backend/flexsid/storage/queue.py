@@ -19,11 +19,9 @@ from sqlalchemy.engine import Connection
 from flexsid.errors import Conflict
 from flexsid.records.job import Job
 from flexsid.records.run import EstimationRun, Progress, Provenance, RunResult, RunState
-from flexsid.storage import job_log, leases, run_results
-from flexsid.storage.access import Access, storing_in_campaign, using_access
-from flexsid.storage.quotas import check_unfinished_jobs
-from flexsid.storage.run_summaries import store_summary
-from flexsid.storage.runs import ESTIMATION
+from flexsid.storage import job_log, leases, run_list
+from flexsid.storage.access import Access, check_unfinished_jobs, storing_in_campaign, using_access
+from flexsid.storage.run_list import ESTIMATION, store_summary
 from flexsid.storage.store import Store
 from flexsid.storage.tables import batch_runs, jobs, runs, searches
 
@@ -272,7 +270,7 @@ def finish(
     with store.database.transaction() as connection:
         finish_job(store, run_id, attempt, None, versions, worker)
         connection.execute(sa.update(runs).where(runs.c.id == run_id).values(row))
-        run_results.store_hash(connection, run_id)
+        run_list.store_hash(connection, run_id)
         run = store.runs.get(run_id)
         store_summary(connection, run)
         return run

@@ -1,10 +1,11 @@
-"""Repository: storage of one kind of record."""
+"""Repository: storage of one kind of record, and what one request reads once."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 from enum import Enum
@@ -19,8 +20,39 @@ from sqlalchemy.exc import IntegrityError
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.run import Method
 from flexsid.storage.database import Database, NotFinite
-from flexsid.storage.reading import read_once
 from flexsid.text import LARGEST_ID
+
+# --- Reading once: what several functions of one request read is read and decoded once ------------
+
+T = TypeVar("T")
+
+_known: ContextVar[dict[Hashable, Any] | None] = ContextVar("read_once", default=None)
+
+
+@contextmanager
+def reading_once() -> Iterator[None]:
+    """Read every record at most once, for what changes nothing."""
+    if _known.get() is not None:
+        yield
+        return
+    token = _known.set({})
+    try:
+        yield
+    finally:
+        _known.reset(token)
+
+
+def read_once(key: Hashable, read: Callable[[], T]) -> T:
+    """Return what was read under this key in ``reading_once``; without that, or before, read it."""
+    known = _known.get()
+    if known is None:
+        return read()
+    if key not in known:
+        known[key] = read()
+    return known[key]
+
+
+# --- Repository: storage of one kind of record ----------------------------------------------------
 
 
 class Record(Protocol):

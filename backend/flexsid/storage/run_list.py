@@ -1,19 +1,27 @@
-"""The list of runs: summaries without the full results."""
+"""Runs: their results with a hash, and the list of their summaries."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Annotated
+from functools import lru_cache
+from typing import Annotated, Any
 
+import orjson
 import sqlalchemy as sa
 from pydantic import Field
 from sqlalchemy.engine import Connection
+from sqlalchemy.exc import IntegrityError
 
-from flexsid.records.run import AdequacyState, Method, RunState
-from flexsid.storage.content import find_changes
+from flexsid.records.job import Job
+from flexsid.records.maneuver import GROUND
+from flexsid.records.run import AdequacyState, EstimationRun, Method, ParameterEstimate, RunState
+from flexsid.records.search import ACCURATE
+from flexsid.storage.access import storing_in_campaign
+from flexsid.storage.content import find_changes, hash_content
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Facet, Facets, ListQuery
+from flexsid.storage.list_query import Facet, Facets, ListQuery, Page, read_tags
 from flexsid.storage.maneuver_list import (
     FLOWN_COLUMNS,
     FLOWN_FACETS,
@@ -23,10 +31,105 @@ from flexsid.storage.maneuver_list import (
     IdFilter,
     contains_text,
 )
-from flexsid.storage.paging import Page
+from flexsid.storage.repository import Repository
 from flexsid.storage.tables import aircraft, flights, maneuvers, run_summaries, run_tags, runs
-from flexsid.storage.tags import read_tags
+from flexsid.sysid.model.derivatives import is_derivative
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
+
+# --- Results of runs: stored with a hash, so that later alterations are detected ------------------
+
+SEALED: tuple[str, ...] = ("maneuver_id", "method", "structure", "settings", "result", "versions")
+"""Columns that the hash covers: the request, the result, and the software versions.
+
+A migration that rewrites one of them must update the hashes.
+"""
+
+
+def hash_result(row: Mapping[str, Any]) -> str:
+    """SHA-256 of the sealed columns as JSON, keys sorted and no blanks."""
+    return hash_content([row[name] for name in SEALED])
+
+
+def is_altered(row: Mapping[str, Any]) -> bool:
+    """Return whether a run was altered after its result was stored."""
+    stored = row["result_hash"]
+    if stored is None:
+        return False
+    sealed = orjson.dumps([row[name] for name in SEALED], option=orjson.OPT_SORT_KEYS)
+    return not _matches(sealed, stored)
+
+
+@lru_cache(maxsize=256)  # of some 30 kB; the hash takes ten times longer than this key
+def _matches(sealed: bytes, stored: str) -> bool:
+    return hash_content(orjson.loads(sealed)) == stored
+
+
+def store_hash(connection: Connection, run_id: int) -> None:
+    """Store the hash of a new result."""
+    this = runs.c.id == run_id
+    query = sa.select(*(runs.c[name] for name in SEALED)).where(this)
+    row = connection.execute(query).one()
+    sealed = dict(zip(SEALED, row, strict=True))
+    connection.execute(sa.update(runs).where(this).values(result_hash=hash_result(sealed)))
+
+
+# --- Runs: each has the id of its job, whose state it repeats for lists ---------------------------
+
+ESTIMATION = "estimation"
+"""Kind of the jobs that are runs."""
+
+STATE = (
+    *("author", "state", "attempt", "priority", "limits", "progress", "error", "worker"),
+    *("created_at", "started_at", "finished_at"),
+)
+"""Fields of a run that are those of its job."""
+
+
+class Runs(Repository[EstimationRun]):
+    """Stores runs, each with its job."""
+
+    def __init__(self, database: Database, jobs: Repository[Job]) -> None:
+        super().__init__(database, runs, EstimationRun, "run", derived={"altered": is_altered})
+        self._jobs = jobs
+
+    def add(self, record: EstimationRun) -> EstimationRun:
+        """Store a new run and its job; return it with its id."""
+        with self._database.transaction() as connection:
+            of_maneuver = sa.select(maneuvers.c.aircraft_id).where(
+                maneuvers.c.id == record.maneuver_id
+            )
+            with storing_in_campaign(connection.scalar(of_maneuver)):
+                job = self._jobs.add(_build_job(record))
+            stored = replace(record, id=job.id, created_at=job.created_at)
+            try:
+                connection.execute(sa.insert(self.table).values(self.encode(stored)))
+            except IntegrityError as error:
+                raise self._refused(error) from error
+        return stored
+
+    def replace(self, record: EstimationRun) -> EstimationRun:
+        """Replace the run with the same id, and the state of its job."""
+        with self._database.transaction():
+            super().replace(record)
+            self._jobs.replace(replace(_build_job(record), id=record.id))
+        return record
+
+    def delete(self, identity: int) -> None:
+        """Delete a run and its job."""
+        with self._database.transaction():
+            super().delete(identity)
+            self._jobs.delete(identity)
+
+
+def _build_job(run: EstimationRun) -> Job:
+    state = {name: getattr(run, name) for name in STATE}
+    title = ""
+    if run.derivation is not None:
+        title = f"derived from run {run.derived_from_run_id}, to {run.derivation.purpose}"
+    return Job(kind=ESTIMATION, title=title, after_job_id=run.after_run_id, **state)
+
+
+# --- The list of runs: summaries without the full results -----------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,3 +334,112 @@ def _make_item(row: sa.RowMapping, tags: list[str], changed: tuple[str, ...]) ->
         tags=tuple(tags),
         changed_since=changed,
     )
+
+
+# --- Summaries of the results of runs: a campaign is read without its results of 100 kB each ------
+
+_AT_ONCE = 500  # runs in one query
+
+
+@dataclass(frozen=True, slots=True)
+class RunRow:
+    """A run of a campaign; adequacy and number of accurate derivatives if it succeeded."""
+
+    id: int
+    maneuver_id: int
+    method: str
+    axis: str | None
+    adequacy: AdequacyState | None
+    n_accurate: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class RunSummary:
+    """Maneuvers and derivatives of a run that succeeded.
+
+    ``std_errors`` and ``insensitivities`` are over the size of the estimates, in the order of
+    ``names``; three digits, None where there is none.
+    """
+
+    maneuver_ids: list[int]
+    names: list[str]
+    std_errors: list[float | None]
+    insensitivities: list[float | None]
+
+
+def store_summary(connection: Connection, run: EstimationRun) -> None:
+    """Store the summary of a run that has a result, in place of an earlier one."""
+    if run.result is None:
+        return
+    derivatives = [one for one in run.result.parameters if is_derivative(one.name)]
+    errors = [_divide_by_size(one.std_error, one) for one in derivatives]
+    accurate = [error for error in errors if error is not None and error <= ACCURATE]
+    fit = run.result.fit
+    connection.execute(sa.delete(run_summaries).where(run_summaries.c.run_id == run.id))
+    connection.execute(
+        sa.insert(run_summaries).values(
+            run_id=run.id,
+            axis=run.structure.axis,
+            adequacy=run.result.adequacy.state.value,
+            n_accurate=len(accurate),
+            estimates={
+                "maneuver_ids": [run.maneuver_id, *run.settings.additional_maneuver_ids],
+                "names": [one.name for one in derivatives],
+                "std_errors": errors,
+                "insensitivities": [_divide_by_size(one.insensitivity, one) for one in derivatives],
+            },
+            outcome=fit.outcome,
+            n_iterations=fit.iterations[-1].iteration if fit.iterations else None,
+            n_warnings=len(fit.warnings),
+            worst_r_squared=min(fit.r_squared.values(), default=None),
+            n_poles=len(run.result.poles),
+        )
+    )
+
+
+def _divide_by_size(error: float | None, one: ParameterEstimate) -> float | None:
+    # Without insignificant digits, which take half the time to read.
+    return None if error is None or one.value == 0.0 else float(f"{error / abs(one.value):.3g}")
+
+
+def list_runs(connection: Connection, aircraft_id: int) -> list[RunRow]:
+    """List the runs of a campaign, oldest first; deleted, derived and ground ones are excluded."""
+    succeeded = (run_summaries.c.run_id == runs.c.id) & (runs.c.state == RunState.SUCCEEDED.value)
+    summary = (run_summaries.c.axis, run_summaries.c.adequacy, run_summaries.c.n_accurate)
+    query = (
+        sa.select(runs.c.id, runs.c.maneuver_id, runs.c.method, *summary)
+        .select_from(
+            runs.join(maneuvers, maneuvers.c.id == runs.c.maneuver_id).outerjoin(
+                run_summaries, succeeded
+            )
+        )
+        .where(
+            maneuvers.c.aircraft_id == aircraft_id,
+            maneuvers.c.deleted_at.is_(None),
+            maneuvers.c.axis != GROUND,
+            runs.c.deleted_at.is_(None),
+            # Not by the index of derived runs, which would read every row.
+            sa.func.coalesce(runs.c.derived_from_run_id, 0) == 0,
+        )
+        .order_by(runs.c.id)
+    )
+    return [
+        RunRow(
+            *(number, maneuver_id, method, axis),
+            None if adequacy is None else AdequacyState(adequacy),
+            n_accurate,
+        )
+        for number, maneuver_id, method, axis, adequacy, n_accurate in connection.execute(query)
+    ]
+
+
+def read_summaries(connection: Connection, run_ids: Iterable[int]) -> dict[int, RunSummary]:
+    """Read the summaries of these runs by id."""
+    columns = run_summaries.c
+    ordered = list(run_ids)
+    found: dict[int, RunSummary] = {}
+    for first in range(0, len(ordered), _AT_ONCE):
+        some = columns.run_id.in_(ordered[first : first + _AT_ONCE])
+        query = sa.select(columns.run_id, columns.estimates).where(some)
+        found.update((number, RunSummary(**read)) for number, read in connection.execute(query))
+    return found

@@ -1,4 +1,4 @@
-"""Signatures of the site on files that it issues, written into the files themselves."""
+"""Signatures (Ed25519) of the site on files that it issues, written into the files themselves."""
 
 from __future__ import annotations
 
@@ -11,9 +11,38 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives.asymmetric.ed25519 import (
+    Ed25519PrivateKey,
+    Ed25519PublicKey,
+)
+
 from flexsid.errors import BadInput
 from flexsid.storage.database import Database, sqlite_file
-from flexsid.storage.ed25519 import derive_public_key, is_valid, sign
+
+# --- Signatures Ed25519 (RFC 8032) of raw keys of 32 bytes ----------------------------------------
+
+
+def derive_public_key(secret: bytes) -> bytes:
+    """Derive the public key (32 bytes) of a secret of 32 random bytes."""
+    return Ed25519PrivateKey.from_private_bytes(secret).public_key().public_bytes_raw()
+
+
+def sign(secret: bytes, message: bytes) -> bytes:
+    """Sign a message; the signature has 64 bytes."""
+    return Ed25519PrivateKey.from_private_bytes(secret).sign(message)
+
+
+def is_valid(public: bytes, message: bytes, signature: bytes) -> bool:
+    """Whether a signature of a message was made with the secret of a public key."""
+    try:
+        Ed25519PublicKey.from_public_bytes(public).verify(signature, message)
+    except (InvalidSignature, ValueError):
+        return False
+    return True
+
+
+# --- Signatures of the site on files that it issues, written into the files themselves ------------
 
 _CONTEXT = b"flexsid file\n"  # what else is signed with the key is no file
 _KEY_LENGTH, _SIGNATURE_LENGTH = 32, 64  # bytes

@@ -6,19 +6,19 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Unpack
 
-from flexsid.records.account import Account, ApiToken, LoginSession, Membership
+from flexsid.records.account import Account, ApiToken, AuditEvent, LoginSession, Membership
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
-from flexsid.records.audit_event import AuditEvent
 from flexsid.records.decision import (
     Decision,
     DecisionEvent,
     FrozenFigure,
+    ModelStructure,
     ReviewRules,
     SeenEvents,
+    StructureVersion,
 )
 from flexsid.records.excitation import ExcitationDesign, PreflightSimulation
-from flexsid.records.flutter import Controller
-from flexsid.records.flutter_summary import FlutterSummary
+from flexsid.records.flutter import Controller, FlutterSummary
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.job import Job
 from flexsid.records.live import Acknowledgement, LiveStream, LiveTestPoint, RecordedState
@@ -31,31 +31,24 @@ from flexsid.records.maneuver import (
     StoredMapping,
 )
 from flexsid.records.modal_data import MeasuredResponses, ModalTable, ModeCorrection
-from flexsid.records.model_structure import ModelStructure, StructureVersion
-from flexsid.records.note import NoteRevision
+from flexsid.records.note import NoteRevision, SavedView
 from flexsid.records.quality import ManeuverQuality
-from flexsid.records.run import Batch
-from flexsid.records.run_template import RunTemplate
-from flexsid.records.saved_view import SavedView
+from flexsid.records.run import Batch, RunTemplate
 from flexsid.records.search import StructureSearch
 from flexsid.storage import tables
-from flexsid.storage.arrays import Arrays
+from flexsid.storage.access import Quotas
+from flexsid.storage.arrays import Arrays, ModalShapes
 from flexsid.storage.database import Database
-from flexsid.storage.list_query import Facets
+from flexsid.storage.list_query import Facets, Page, read_tags
 from flexsid.storage.maneuver_list import (
     ManeuverFilters,
     ManeuverItem,
     count_maneuvers,
     select_maneuvers,
 )
-from flexsid.storage.modal_shapes import ModalShapes
-from flexsid.storage.paging import Page
-from flexsid.storage.quotas import Quotas
 from flexsid.storage.recordings import Recordings
 from flexsid.storage.repository import Repository
-from flexsid.storage.run_list import RunFilters, RunItem, count_runs, select_runs
-from flexsid.storage.runs import Runs
-from flexsid.storage.tags import read_tags
+from flexsid.storage.run_list import RunFilters, RunItem, Runs, count_runs, select_runs
 
 
 class Store:

@@ -15,7 +15,6 @@ from typing import Annotated
 from pydantic import Field
 
 from flexsid.errors import BadInput
-from flexsid.importers.chapter10.measurements import MeasuredValues, read_measurements
 from flexsid.importers.chapter10.packets import (
     ANALOG,
     PCM,
@@ -25,11 +24,11 @@ from flexsid.importers.chapter10.packets import (
     is_xml,
     read_packets,
 )
-from flexsid.importers.chapter10.setup_record import SetupRecord, parse_setup_record
+from flexsid.importers.chapter10.pcm import SetupRecord, parse_setup_record
+from flexsid.importers.chapter10.recording import MeasuredValues, read_measurements
 from flexsid.records.live import Frame, Reception, StreamChannel, StreamHeader
 from flexsid.storage.store import Store
-from flexsid.streams.network_packets import PortOptions, receive_datagrams
-from flexsid.streams.receiver import ReceptionMonitor, Source
+from flexsid.streams.receiver import PortOptions, ReceptionMonitor, Source, receive_datagrams
 from flexsid.units import is_known, lookup
 from flexsid.workflow.live.frame_assembler import FrameAssembler
 

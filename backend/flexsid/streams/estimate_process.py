@@ -15,7 +15,7 @@ from flexsid.records.live import LivePhase, LiveResponses, LiveState, RecordedSt
 from flexsid.storage.live_history import find_newest_state
 from flexsid.storage.store import Store
 from flexsid.streams.frame_log import read_frames
-from flexsid.streams.messages import (
+from flexsid.streams.receiver import (
     EndMessage,
     ResponsesMessage,
     SegmentMessage,
@@ -25,7 +25,7 @@ from flexsid.streams.messages import (
     UpdateMessage,
 )
 from flexsid.workflow.live.live_estimator import LiveEstimator
-from flexsid.workflow.live.live_task import adjust_live_task
+from flexsid.workflow.live.live_fit import adjust_live_task
 from flexsid.workflow.live.maneuver_storage import store_test_point
 
 _log = logging.getLogger(__name__)

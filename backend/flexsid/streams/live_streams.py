@@ -18,7 +18,7 @@ import sqlalchemy as sa
 
 from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.jobs.child import Program
-from flexsid.jobs.process_id import get_process_id, is_gone
+from flexsid.jobs.health import get_process_id, is_gone
 from flexsid.records.live import (
     LiveResponses,
     LiveSnapshot,
@@ -32,9 +32,9 @@ from flexsid.records.live import (
 from flexsid.storage.access import using_access
 from flexsid.storage.store import Store
 from flexsid.storage.tables import live_streams
-from flexsid.streams.credentials import BrokerAccess, read_credentials
-from flexsid.streams.frame_log import has_sealed, locate_frames
-from flexsid.streams.messages import (
+from flexsid.streams.broker import BrokerAccess, read_credentials
+from flexsid.streams.frame_log import StripChartMemory, has_sealed, locate_frames
+from flexsid.streams.receiver import (
     EndMessage,
     FrameMessage,
     ReceptionMessage,
@@ -44,9 +44,8 @@ from flexsid.streams.messages import (
     StreamOrder,
 )
 from flexsid.streams.receivers import find_receiver
-from flexsid.streams.strip_chart import StripChartMemory
-from flexsid.workflow.live.live_task import LiveTask, prepare_live_task
-from flexsid.workflow.live.packets import decode_frames
+from flexsid.workflow.live.frame_assembler import decode_frames
+from flexsid.workflow.live.live_fit import LiveTask, prepare_live_task
 
 _log = logging.getLogger(__name__)
 

@@ -19,8 +19,7 @@ from flexsid.errors import BadInput
 from flexsid.records.live import Frame, Reception, StreamChannel, StreamHeader
 from flexsid.records.maneuver import Role
 from flexsid.storage.store import Store
-from flexsid.streams.network_packets import PortOptions, receive_datagrams
-from flexsid.streams.receiver import ReceptionMonitor, Source
+from flexsid.streams.receiver import PortOptions, ReceptionMonitor, Source, receive_datagrams
 from flexsid.units import AUTOPILOT_UNITS, lookup
 from flexsid.workflow.live.frame_assembler import FrameAssembler
 

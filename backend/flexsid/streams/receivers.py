@@ -18,15 +18,18 @@ from flexsid.errors import BadInput
 from flexsid.extensions import RECEIVERS, ExtensionFailed, load_extensions
 from flexsid.records.live import Frame, ReceiverSettings, StreamHeader
 from flexsid.storage.store import Store
+from flexsid.streams.broker import (
+    BrokerAccess,
+    MqttMessages,
+    MqttOptions,
+    NatsMessages,
+    NatsOptions,
+)
 from flexsid.streams.chapter10_packets import Chapter10Options, open_chapter10
-from flexsid.streams.credentials import BrokerAccess
 from flexsid.streams.mavlink_messages import MavlinkOptions, open_mavlink
-from flexsid.streams.mqtt_messages import MqttMessages, MqttOptions
-from flexsid.streams.nats_messages import NatsMessages, NatsOptions
-from flexsid.streams.network_packets import PortOptions, TcpPackets, UdpPackets
-from flexsid.streams.receiver import Options, Receiver, Source
+from flexsid.streams.receiver import Options, PortOptions, Receiver, Source, TcpPackets, UdpPackets
 from flexsid.text import LARGEST_ID
-from flexsid.workflow.live.replay import Replay, pace, read_replay
+from flexsid.workflow.live.frame_assembler import Replay, pace, read_replay
 
 _NO_CREDENTIALS = BrokerAccess()
 _PREFIX = "Value error, "  # of pydantic, before the message of a validator

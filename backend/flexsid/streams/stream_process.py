@@ -25,10 +25,10 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.jobs.child import Program
-from flexsid.jobs.interpreter import configure_interpreter
+from flexsid.jobs.messages import configure_interpreter
 from flexsid.records.live import Frame, LivePhase, LiveState, Reception
 from flexsid.streams.frame_log import LONGEST_TRIM_S, FrameLog
-from flexsid.streams.messages import (
+from flexsid.streams.receiver import (
     EndMessage,
     FrameMessage,
     Message,
@@ -39,8 +39,8 @@ from flexsid.streams.messages import (
     UpdateMessage,
 )
 from flexsid.workflow.importing.maneuver_cutting import DECAY_S
+from flexsid.workflow.live.frame_assembler import decode_frames
 from flexsid.workflow.live.live_estimator import combine_states
-from flexsid.workflow.live.packets import decode_frames
 from flexsid.workflow.live.stream_processor import StreamProcessor, StreamUpdate
 
 _log = logging.getLogger(__name__)

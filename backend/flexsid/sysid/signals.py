@@ -1,13 +1,15 @@
-"""Data types: samples by channel on one clock, and spectra by channel at common frequencies."""
+"""Data types: samples by channel on one clock, spectra by channel, and interpolation of tables."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Inexact
 
 from flexsid.errors import BadInput
+
+# --- Data types: samples by channel on one clock, and spectra by channel at common frequencies
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,3 +92,22 @@ def check_finite(values: np.ndarray, names: tuple[str, ...]) -> None:
             code="not-finite",
             channel=name,
         )
+
+
+# --- Linear interpolation of the rows of a table, over fuel, airspeed or frequency ----------------
+
+
+def interpolate(
+    places: Float[np.ndarray, " n"],
+    values: Inexact[np.ndarray, "n *shape"],
+    at: float | Float[np.ndarray, " n_at"],
+) -> np.ndarray:
+    """Interpolate the rows of a table at a place or several; the end rows hold beyond the ends."""
+    at = np.asarray(at, dtype=float)
+    if places.size == 1:
+        return values[np.zeros(at.shape, dtype=int)]
+    upper = np.clip(np.searchsorted(places, at), 1, places.size - 1)
+    low, high = places[upper - 1], places[upper]
+    share = np.clip((at - low) / (high - low), 0.0, 1.0)
+    share = share.reshape(*at.shape, *(1,) * (values.ndim - 1))
+    return (1.0 - share) * values[upper - 1] + share * values[upper]

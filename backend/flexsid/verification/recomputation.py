@@ -9,14 +9,14 @@ import numpy as np
 import sqlalchemy as sa
 
 from flexsid.errors import BadInput, Conflict
-from flexsid.jobs.inline import execute_run
+from flexsid.jobs.dispatcher import execute_run
 from flexsid.jobs.kinds import RUN
 from flexsid.records.run import EstimationRun, ReportProgress, RunResult
 from flexsid.storage.snapshot import open_snapshot
 from flexsid.storage.store import Store
 from flexsid.storage.tables import arrays, metadata
-from flexsid.workflow.fits.software_versions import METHODS, read_versions
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.fits.estimation_task import METHODS, read_versions
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.capsule import Capsule
 
 TOLERANCE = 1e-9

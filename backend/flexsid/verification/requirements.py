@@ -1,11 +1,18 @@
-"""Requirements on the installed software, each with its reference and its test."""
+"""Requirements on the installed software, each with its reference, its test and their report.
+
+Values of flights 41 and 15 are those of AIAA 2015-2704, Table 3, as transcribed by a third party.
+
+https://www.itl.nist.gov/div898/strd: a work of the United States government, in the public domain.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import platform
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -13,20 +20,100 @@ import numpy as np
 from flexsid.demo.flex28 import load_truth
 from flexsid.errors import FlexsidError
 from flexsid.records.decision import DecisionEvent, EventKind
-from flexsid.storage.ed25519 import derive_public_key, is_valid, sign
-from flexsid.storage.event_chain import hash_value, is_chain_intact, seal
+from flexsid.reports.content import Facts, Report, ReportTable, Section, Words
+from flexsid.storage.audit_recording import hash_value, is_chain_intact, seal
+from flexsid.storage.signatures import derive_public_key, is_valid, sign
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
-from flexsid.sysid.estimation.parameters import select_parameters
 from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
+from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.condition import FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.longitudinal import accelerometer_row, gyro_row, vane_row
+from flexsid.sysid.model.rigid_body import stack_rows
+from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
-from flexsid.verification.gtm import FLIGHTS, build_rigid_model
-from flexsid.verification.nist import build_regression, count_digits, read_data_sets
+from flexsid.workflow.fits.estimation_task import read_versions
 
-_FOOT = 0.3048  # m
+# --- NASA T-2 (GTM) subscale transport as a rigid aircraft with published derivatives -------------
+
+_FOOT, _SLUG = 0.3048, 14.593902937206364  # m, kg
+FLIGHTS: dict[int, dict[str, float]] = {
+    41: {"V": 139.1, "rho": 0.0022927, "m": 1.639, "Iyy": 4.651, "natural": 7.112, "zeta": 0.435,
+         "CZ_alpha": -3.933, "CZ_q": -15.11, "CZ_de": -0.143,
+         "Cm_alpha": -1.667, "Cm_q": -46.36, "Cm_de": -1.676},
+    15: {"V": 136.0, "rho": 0.0022765, "m": 1.646, "Iyy": 4.652, "natural": 6.470, "zeta": 0.449,
+         "CZ_alpha": -3.828, "CZ_q": -16.39, "CZ_de": -0.125,
+         "Cm_alpha": -1.437, "Cm_q": -44.76, "Cm_de": -1.722},
+}  # fmt: skip
+
+
+def build_rigid_model(flight: int) -> tuple[AeroelasticModel, DerivativeTable]:
+    """Build the model of a flight and its published derivatives."""
+    p = FLIGHTS[flight]
+    condition = FlightCondition(
+        airspeed=p["V"] * _FOOT,
+        density=p["rho"] * _SLUG / _FOOT**3,
+        mass=p["m"] * _SLUG,
+        pitch_inertia=p["Iyy"] * _SLUG * _FOOT**2,
+        area=5.902 * _FOOT**2,
+        chord=0.915 * _FOOT,
+    )
+    none = np.zeros((3, 0))
+    origin = (0.0, 0.0, 0.0)
+    rows = [
+        vane_row((0.5, 0.0, 0.0), none, none, condition),
+        gyro_row(none),
+        accelerometer_row("z", origin, none, none, condition),
+    ]
+    empty = np.zeros(0)
+    modes = StructuralModes(
+        (), empty, empty, empty, (), np.zeros((0, 3, 0)), np.zeros((0, 3, 0)), (), np.zeros((0, 0))
+    )
+    model = AeroelasticModel(condition, modes, ("de",), stack_rows(("alpha", "q", "az"), rows))
+    return model, DerivativeTable.from_names((), ("de",), p)
+
+
+# --- Linear regressions of the Statistical Reference Datasets of NIST, with certified values ------
+
+
+def read_data_sets() -> dict[str, Any]:
+    """Read all data sets by name."""
+    return json.loads(
+        files("flexsid.verification").joinpath("nist_linear_regression.json").read_text()
+    )
+
+
+def build_regression(data: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Build complex data points of two rows each, and the factor on variances that padding adds.
+
+    A complex regression of real parameters is one of twice as many real rows.
+    """
+    rows = [np.array(row, dtype=float) for row in data["x"]]
+    if len(rows) > 1:
+        rows_of_x = np.stack([np.ones(rows[0].size), *rows], axis=1)
+    else:
+        rows_of_x = np.stack([rows[0] ** power for power in data["powers"]], axis=1)
+    y = np.array(data["y"], dtype=float)
+    n, p = rows_of_x.shape
+    if n % 2:
+        rows_of_x, y = np.vstack([rows_of_x, np.zeros(p)]), np.append(y, 0.0)
+    return rows_of_x[::2] + 1j * rows_of_x[1::2], y[::2] + 1j * y[1::2], (y.size - p) / (n - p)
+
+
+def count_digits(found: np.ndarray, certified: list[float]) -> float:
+    """Count the decimal digits in which the worst value agrees."""
+    right = np.array(certified)
+    wrong = np.abs(found - right) / np.where(right == 0.0, 1.0, np.abs(right))
+    return float(-np.log10(max(wrong.max(), 1e-15)))
+
+
+# --- Requirements on the installed software, each with its reference and its test -----------------
+
+_FEET = 0.3048  # m
 _OMEGA = 2.0 * np.pi * np.linspace(0.2, 2.2, 60)  # rad/s, about the short period of GTM
 _AIRSPEEDS = np.linspace(25.0, 95.0, 120)  # m/s
 _REPEATS = 40  # of an estimation: their rms deviation over sigma scatters by 1/sqrt(2 * 40 * 6)
@@ -150,7 +237,7 @@ def _measure_flutter() -> float:
             truth.condition_at(40.0, fuel), truth.modes_at(fuel, 8), truth.derivatives_at(fuel, 8)
         )
         crossing = track_roots(aircraft, _AIRSPEEDS).flutter
-        errors.append(np.inf if crossing is None else crossing.airspeed / _FOOT / expected - 1.0)
+        errors.append(np.inf if crossing is None else crossing.airspeed / _FEET / expected - 1.0)
     return float(np.abs(errors).max())
 
 
@@ -248,3 +335,38 @@ REQUIREMENTS = (
         0.0,
     ),
 )
+
+
+# --- Report of the verification: requirement, reference, limit and result -------------------------
+
+
+def report_verification(found: Sequence[Measured]) -> Report:
+    """Report the tested requirements, with the software and the computer."""
+    failed = [one.requirement.id for one in found if not one.is_fulfilled]
+    summary = f"{len(found) - len(failed)} of {len(found)} requirements are fulfilled."
+    if failed:
+        summary += f" Not fulfilled: {', '.join(failed)}. Do not use results of this installation."
+    rows = tuple(
+        (
+            one.requirement.id,
+            one.requirement.statement,
+            one.requirement.reference,
+            f"{one.requirement.limit:.3g}",
+            "–" if one.value is None else f"{one.value:.3g}",
+            "fulfilled" if one.is_fulfilled else f"not fulfilled {one.failure}".strip(),
+        )
+        for one in found
+    )
+    head = ("", "requirement", "reference", "limit", "measured", "result")
+    computer = (("System", platform.platform()), ("Python", platform.python_version()))
+    return Report(
+        title="Verification of the installation",
+        subtitle=summary,
+        name="flexsid-verification",
+        sections=(
+            Section("Result", (Words(summary, warns=bool(failed)),)),
+            Section("Requirements", (ReportTable(head, rows, numbers_from=3),)),
+            Section("Computer", (Facts(computer),)),
+        ),
+        provenance=tuple(read_versions().items()),
+    )

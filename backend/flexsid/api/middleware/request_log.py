@@ -14,14 +14,20 @@ from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime
 
+from fastapi import Depends, FastAPI, Response
 from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from flexsid.api.authorization import client_address
+from flexsid.api.authorization import authorize, client_address
+from flexsid.api.context import TheContext
 from flexsid.api.errors import make_problem
 from flexsid.api.router import PREFIX
 from flexsid.settings import Mode, Settings
+from flexsid.storage import job_list, leases
+from flexsid.storage.access import using_access
+
+# --- Log and metrics of requests: an id for each, a line of JSON with accounts, and counts --------
 
 _log = logging.getLogger("flexsid.requests")
 
@@ -134,3 +140,29 @@ class JsonFormatter(logging.Formatter):
         if record.exc_info:
             line["exception"] = self.formatException(record.exc_info)
         return json.dumps(line, ensure_ascii=False)
+
+
+# --- Metrics for Prometheus at ``/metrics``: requests, jobs and workers ---------------------------
+
+
+def add_metrics(app: FastAPI, metrics: RequestMetrics) -> None:
+    """Serve the metrics; with accounts a token is needed, of any account."""
+
+    @app.get(
+        "/metrics",
+        tags=["health"],
+        dependencies=[Depends(authorize)],
+        response_class=Response,
+        responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}},
+    )
+    def get_metrics(context: TheContext) -> Response:
+        """Return numbers of requests, jobs and workers in the text format of Prometheus."""
+        with using_access(None):  # numbers of all campaigns, without their records
+            states = job_list.count_throughput(context.store).states
+            pool = leases.status(context.store)
+        lines = [*metrics.write(), "# TYPE flexsid_jobs gauge"]
+        lines += [f'flexsid_jobs{{state="{state.value}"}} {n}' for state, n in states.items()]
+        workers = 0 if pool is None else pool["workers"]
+        lines += ["# TYPE flexsid_workers gauge", f"flexsid_workers {workers}"]
+        text = "\n".join(lines) + "\n"
+        return Response(text, media_type="text/plain; version=0.0.4")

@@ -1,4 +1,4 @@
-"""Request models of excitation designs: by a row of Table 1, by harmonics or by bands."""
+"""Request models of excitation designs and of computed predictions."""
 
 from __future__ import annotations
 
@@ -6,18 +6,24 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flexsid.api.models.requests import Id, Name, Request, Text, Title
+from flexsid.api.models.requests import Id, Name, Number, Request, Text, Title
 from flexsid.errors import BadInput
 from flexsid.request_models import body_of
 from flexsid.storage.store import Store
+from flexsid.sysid.excitation.catalogue import Band, Target
 from flexsid.sysid.excitation.designer import DesignSpecification, InputSpecification
-from flexsid.sysid.excitation.harmonic_assignment import Band
-from flexsid.sysid.excitation.targets import Target
-from flexsid.sysid.simulation.recording import SensorErrors
+from flexsid.sysid.simulation.airframe import SensorErrors
 from flexsid.sysid.simulation.turbulence import DiscreteGust
 from flexsid.workflow.excitation import excitation_designs
 from flexsid.workflow.excitation.preflight_simulation import SimulationRequest, SurfaceLimits
 from flexsid.workflow.excitation.target_modes import TargetQuery, find_row_targets
+from flexsid.workflow.modal_data.computed_predictions import (
+    PlanformPanel,
+    PlanformSurface,
+    PredictionRequest,
+)
+
+# --- Request models of excitation designs: by a row of Table 1, by harmonics or by bands ----------
 
 Effort = Literal["quick", "thorough", "patient"]
 Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e5, allow_inf_nan=False)]
@@ -162,3 +168,52 @@ class PreflightSimulationRequest(Request):
     def to_simulation(self, design_id: int) -> SimulationRequest:
         """Return the request of the simulation of a design."""
         return self.make_record(SimulationRequest, design_id=design_id)
+
+
+# --- Request models of computed predictions: planform, surfaces, Mach number, reduced frequencies
+
+
+@body_of(PlanformPanel)
+class PanelRequest(Request):
+    """A trapezium of the right half in structural axes (X aft, Y right, Z up). [m]
+
+    ``left`` and ``right`` are the leading edges of its chords, left to right as seen from behind.
+    """
+
+
+@body_of(PlanformSurface)
+class PlanformSurfaceRequest(Request):
+    """A surface of the aircraft by Y of its ends [m] and its hinge as fraction of the chord."""
+
+
+class SaveGlobalPredictionRequest(Request):
+    """Name of the prediction, and the condition: a value of every variable in SI.
+
+    It is tabulated over the flown fuel weights, where fuel is a variable, whose value is then not
+    used. By default the mean condition of the runs.
+    """
+
+    source: Title
+    condition: Annotated[tuple[Number, ...], Field(max_length=5)] = ()
+
+
+class GlobalModelVersionRequest(Request):
+    """Label and note of a new version of a global model."""
+
+    label: Title
+    note: Text = ""
+
+
+@body_of(PredictionRequest)
+class ComputePredictionRequest(Request):
+    """A prediction to compute from panels, or from the CAERO1 entries of a Nastran deck.
+
+    ``source`` names it. ``axis`` is that of the derivatives; modes are the lowest eight of its
+    symmetry by default, and antisymmetric surfaces are positive with the right trailing edge down.
+    ``reference_k`` is the reduced frequency of the tabulated derivatives: 0, or that of the mode
+    that flutters.
+    """
+
+    def to_request(self) -> PredictionRequest:
+        """Return the request of the job."""
+        return self.make_record(PredictionRequest)

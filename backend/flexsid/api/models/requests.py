@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, TypeAdapter
 
 from flexsid import request_models
 from flexsid.records.maneuver import Correction, Cut, StoredMapping
-from flexsid.records.saved_view import SavedView
+from flexsid.records.note import SavedView
 from flexsid.request_models import body_of
 from flexsid.storage.bulk import Action
 from flexsid.text import (

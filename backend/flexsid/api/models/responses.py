@@ -1,14 +1,27 @@
-"""Response models that differ from the records."""
+"""Response models: derived from the classes of the records, and those that differ from them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass
+from typing import Any, TypeVar, cast, get_type_hints
+
+import numpy as np
 
 from flexsid.api.errors import Problem
-from flexsid.api.models.response_models import response_of
 from flexsid.jobs.health import PartHealth, PartState
 from flexsid.nomenclature import Symbol
 from flexsid.records.aircraft import DerivativePrediction, DerivativeValue
+from flexsid.records.decision import StructureVersion
+from flexsid.records.live import (
+    Acknowledgement,
+    LiveAlarm,
+    LiveSnapshot,
+    LiveStream,
+    LiveTestPoint,
+    RecordedState,
+    StreamHeader,
+)
 from flexsid.records.maneuver import (
     Channel,
     Maneuver,
@@ -19,11 +32,71 @@ from flexsid.records.modal_data import (
     ModeAtFuel,
     ResponseFunction,
 )
-from flexsid.records.model_structure import StructureVersion
 from flexsid.records.views import DefaultChannels
-from flexsid.storage.quality_list import QualityItem
+from flexsid.storage.campaign_rows import QualityItem
 from flexsid.workflow.importing.preview import FoundField, Proposal, UploadedFile
 from flexsid.workflow.importing.uploads import Upload
+
+# --- Response models, derived from the classes of the records -------------------------------------
+
+T = TypeVar("T")
+
+
+def response_of(
+    record: type, *, without: tuple[str, ...] = (), array: Any = list[float]
+) -> Callable[[type[T]], type[T]]:
+    """Return a decorator that adds the fields of a record to a class of responses.
+
+    Every field is present, and a stored record has an id; a field that the class declares itself
+    replaces that of the record.
+
+    Parameters
+    ----------
+    record
+        A frozen dataclass.
+    without
+        Fields that are not sent.
+    array
+        What is sent in place of an array: its numbers, or one of them.
+    """
+
+    def add(model: type[T]) -> type[T]:
+        own = get_type_hints(model)
+        hints = get_type_hints(record, include_extras=True)
+        added = [
+            (one.name, int if one.name == "id" else _replace_array(hints[one.name], array))
+            for one in fields(record)
+            if one.name not in own and one.name not in without
+        ]
+        declared = [
+            (name, hint, field(default=vars(model).get(name, MISSING)))
+            for name, hint in own.items()
+        ]
+        return make_dataclass(
+            model.__name__,
+            [*added, *declared],
+            namespace={"__doc__": model.__doc__, "__module__": model.__module__},
+            frozen=True,
+            slots=True,
+            kw_only=True,
+        )
+
+    return add
+
+
+def extend_record(detail: type[T], record: Any, **more: Any) -> T:
+    """Make a response of the values given, and of the fields that it shares with a record."""
+    names = [one.name for one in fields(cast("Any", detail)) if one.name not in more]
+    return detail(**{name: getattr(record, name) for name in names}, **more)
+
+
+def _replace_array(hint: Any, array: Any) -> Any:
+    if hint is np.ndarray:
+        return array
+    return array | None if hint == np.ndarray | None else hint
+
+
+# --- Response models that differ from the records -------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,3 +242,68 @@ class ChangedRecords:
     """Ids of the records that an action changed."""
 
     ids: tuple[int, ...]
+
+
+# --- Responses of live identification -------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiverOption:
+    """One option of a receiver: its name, JSON type and default; ``is_required`` without one."""
+
+    name: str
+    type: str
+    description: str
+    default: Any
+    is_required: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceiverItem:
+    """A way to receive samples; ``missing_extra`` is that of flexsid which it needs."""
+
+    name: str
+    label: str
+    missing_extra: str | None
+    options: tuple[ReceiverOption, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamDetail:
+    """A stream: its channels, what is known at present, test points and alarms.
+
+    ``header`` is None until the stream has begun; ``packet_bytes`` is the size of one packet of a
+    frame. ``outputs`` and ``inputs`` are those of the estimates; empty where the stream does not
+    run here. ``default_channels`` are those that strip charts show first. ``alarms`` are those of
+    all maneuvers. ``expected_std_errors`` are those of the run whose settings the stream has.
+    """
+
+    stream: LiveStream
+    header: StreamHeader | None
+    packet_bytes: int | None
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    default_channels: DefaultChannels | None
+    snapshot: LiveSnapshot | None
+    test_points: tuple[LiveTestPoint, ...]
+    alarms: tuple[LiveAlarm, ...]
+    acknowledgements: tuple[Acknowledgement, ...]
+    expected_std_errors: dict[str, float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamHistory:
+    """Stored states of a stream in order, of the seconds after ``since_s``.
+
+    ``more`` states that later ones exist beyond the limit.
+    """
+
+    states: tuple[RecordedState, ...]
+    more: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReceivedFrames:
+    """Number of frames that were passed on to a stream."""
+
+    frames: int

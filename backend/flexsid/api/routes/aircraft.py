@@ -1,23 +1,34 @@
-"""Aircraft: geometry, mass, sensors, thrust table."""
+"""Aircraft: geometry, mass, sensors, thrust table, and predicted derivatives."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
+from fastapi import Query, status
 from pydantic import Field
 
-from flexsid.api.context import TheStore
+from flexsid.api.authorization import TheAnalyst
+from flexsid.api.context import TheContext, TheStore
+from flexsid.api.models.design_requests import ComputePredictionRequest
 from flexsid.api.models.requests import LONGEST_TEXT, Line, MappingText, Name, Request
+from flexsid.api.models.responses import PredictionDetail, extend_record
+from flexsid.api.responses import submit_job
 from flexsid.api.router import make_router
-from flexsid.api.serialization import Identity, Json, JsonRoute
-from flexsid.records.aircraft import Aircraft
-from flexsid.records.dashboard import CampaignDashboard
-from flexsid.storage.paging import Page
-from flexsid.workflow.aircraft import aircraft_definition
-from flexsid.workflow.aircraft.thrust import parse_thrust_table, set_thrust_table
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
+from flexsid.jobs.kinds import PREDICTION
+from flexsid.records.aircraft import Aircraft, DerivativePrediction, DerivativeValue
+from flexsid.records.search import CampaignDashboard
+from flexsid.storage.job_list import JobItem
+from flexsid.storage.list_query import Page
+from flexsid.workflow.aircraft import derivative_predictions
+from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
+from flexsid.workflow.aircraft.flight_condition import parse_thrust_table, set_thrust_table
+from flexsid.workflow.modal_data.computed_predictions import check_prediction
 from flexsid.workflow.views.dashboard import read_dashboard
 
-router = make_router("/aircraft", tag="aircraft", route_class=JsonRoute)
+# --- Aircraft: geometry, mass, sensors, thrust table ----------------------------------------------
+
+aircraft_router = make_router("/aircraft", tag="aircraft", route_class=JsonRoute)
 
 _Name = Annotated[str, Field(min_length=1, max_length=100), Line]
 
@@ -43,38 +54,38 @@ class AircraftRequest(Request):
     text: MappingText
 
 
-@router.get("")
+@aircraft_router.get("")
 def list_aircraft(store: TheStore) -> Page[Aircraft]:
     """List all aircraft."""
     return Page(items=store.aircraft.find())
 
 
-@router.post("", response_model=Aircraft, status_code=201)
+@aircraft_router.post("", response_model=Aircraft, status_code=201)
 def add_aircraft(store: TheStore, body: AircraftRequest) -> Json:
     """Add an aircraft before its first flight; modal data and predictions can then be imported."""
-    added = aircraft_definition.add_aircraft(store, body.text)
+    added = derivative_predictions.add_aircraft(store, body.text)
     return Json(added, 201, {"Location": f"/api/v1/aircraft/{added.id}"})
 
 
-@router.get("/{aircraft_id}")
+@aircraft_router.get("/{aircraft_id}")
 def get_aircraft(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Return one aircraft."""
     return store.aircraft.get(aircraft_id)
 
 
-@router.get("/{aircraft_id}/dashboard")
+@aircraft_router.get("/{aircraft_id}/dashboard")
 def get_dashboard(store: TheStore, aircraft_id: Identity) -> CampaignDashboard:
     """Return coverage of the envelope, identified derivatives and open warnings of a campaign."""
     return read_dashboard(store, aircraft_id)
 
 
-@router.put("/{aircraft_id}")
+@aircraft_router.put("/{aircraft_id}")
 def replace_aircraft(store: TheStore, aircraft_id: Identity, body: AircraftRequest) -> Aircraft:
     """Correct the definition of an aircraft; surfaces and sensors of recordings must remain."""
-    return aircraft_definition.replace_aircraft(store, aircraft_id, body.text)
+    return derivative_predictions.replace_aircraft(store, aircraft_id, body.text)
 
 
-@router.put("/{aircraft_id}/thrust")
+@aircraft_router.put("/{aircraft_id}/thrust")
 def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> Aircraft:
     """Set the thrust table of an aircraft, from which the thrust of new maneuvers is computed."""
     table = parse_thrust_table(
@@ -86,7 +97,46 @@ def set_thrust(store: TheStore, aircraft_id: Identity, body: ThrustRequest) -> A
     return set_thrust_table(store, aircraft_id, table)
 
 
-@router.delete("/{aircraft_id}/thrust")
+@aircraft_router.delete("/{aircraft_id}/thrust")
 def remove_thrust(store: TheStore, aircraft_id: Identity) -> Aircraft:
     """Delete the thrust table of an aircraft; the thrust of existing maneuvers is unchanged."""
     return set_thrust_table(store, aircraft_id, None)
+
+
+# --- Predicted derivatives, from sources other than flight test -----------------------------------
+
+predictions_router = make_router("/predictions", tag="predictions", route_class=JsonRoute)
+
+
+@predictions_router.get("")
+def list_predictions(store: TheStore, aircraft_id: Reference = None) -> Page[DerivativePrediction]:
+    """List predictions, of one aircraft or of all."""
+    return Page(items=store.predictions.find(**drop_none(aircraft_id=aircraft_id)))
+
+
+@predictions_router.post("", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+def compute_prediction(
+    context: TheContext, body: ComputePredictionRequest, analyst: TheAnalyst
+) -> Json:
+    """Compute derivatives from a planform by a doublet lattice, as a job."""
+    request = body.to_request()
+    check_prediction(context.store, request)
+    return submit_job(context, PREDICTION, request, analyst, request.source)
+
+
+@predictions_router.get("/{prediction_id}")
+def get_prediction(
+    store: TheStore,
+    prediction_id: Identity,
+    fuel: Annotated[
+        float | None, Query(ge=0, le=1, description="Fuel fraction; by default the first.")
+    ] = None,
+) -> PredictionDetail:
+    """Return one prediction with its derivatives at a fuel fraction."""
+    prediction = store.predictions.get(prediction_id)
+    at_fuel = prediction.fuel[0] if fuel is None else fuel
+    derivatives = [
+        DerivativeValue(name=name, value=value, std_error=std_error)
+        for name, (value, std_error) in interpolate_prediction(store, prediction, at_fuel).items()
+    ]
+    return extend_record(PredictionDetail, prediction, at_fuel=at_fuel, derivatives=derivatives)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
 from fastapi import Depends, File, Form, Query, Response, UploadFile, status
 
-from flexsid.api.analyst import TheAnalyst
-from flexsid.api.context import TheContext, TheStore
+from flexsid.api.authorization import TheAnalyst
+from flexsid.api.context import TheContext, TheStore, save_files
 from flexsid.api.models.design_requests import (
     DesignRequest,
     PreflightSimulationRequest,
@@ -17,27 +18,46 @@ from flexsid.api.models.design_requests import (
     RescaleRequest,
 )
 from flexsid.api.models.requests import Title
-from flexsid.api.models.response_models import extend_record, response_of
+from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json
-from flexsid.api.submission import submit_job
-from flexsid.api.uploads import save_files
 from flexsid.importers import sandbox
-from flexsid.jobs.kinds import DESIGN, SIMULATION
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import (
+    AMPLITUDES,
+    DESIGN,
+    INPUT_COMPARISON,
+    OPTIMAL_DESIGN,
+    PREDICTED_ACCURACY,
+    SIMULATION,
+)
 from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign
-from flexsid.records.views import TargetModes
+from flexsid.records.views import ExpectedMode, TargetModes
 from flexsid.storage.job_list import JobItem
-from flexsid.storage.paging import Page
+from flexsid.storage.list_query import Page
+from flexsid.storage.store import Store
 from flexsid.sysid.excitation.catalogue import CATALOGUE, FlightTestAid
 from flexsid.sysid.excitation.checks import ActuatorLimits, DesignChecks
 from flexsid.workflow.excitation import (
     amplitude_optimisation,
     excitation_designs,
-    imported_multisines,
     preflight_simulation,
 )
-from flexsid.workflow.excitation.excitation_designs import DesignOrder
+from flexsid.workflow.excitation.amplitude_optimisation import AmplitudeQuery, OptimisedAmplitudes
+from flexsid.workflow.excitation.classic_inputs import InputComparison
+from flexsid.workflow.excitation.excitation_designs import (
+    DesignOrder,
+    recognise_inputs,
+    redesign,
+    save_designs,
+)
+from flexsid.workflow.excitation.optimal_designs import (
+    OptimalDesign,
+    OptimalDesignQuery,
+)
+from flexsid.workflow.excitation.predicted_accuracy import DesignQuery, ExpectedErrors
 from flexsid.workflow.excitation.target_modes import (
     RowTargets,
     TargetQuery,
@@ -45,7 +65,9 @@ from flexsid.workflow.excitation.target_modes import (
     list_row_targets,
 )
 
-router = make_router("/designs", tag="designs")
+# --- Excitation designs: design, checks, predicted accuracy, pre-flight simulation, export --------
+
+designs_router = make_router("/designs", tag="designs")
 
 _DIRECT_S = 0.2  # longest estimated processor time of a phase search within a request
 
@@ -73,13 +95,13 @@ class CatalogueRow:
     inputs: list[str]
 
 
-@router.get("", response_model=Page[ExcitationDesign])
+@designs_router.get("", response_model=Page[ExcitationDesign])
 def list_designs(store: TheStore) -> Json:
     """List excitation designs."""
     return Json(Page(items=store.designs.find()))
 
 
-@router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
+@designs_router.post("", response_model=ExcitationDesign, status_code=status.HTTP_201_CREATED)
 def create_design(store: TheStore, body: DesignRequest) -> Json:
     """Create a design and optimise its phases, where that takes no longer than 0.2 s."""
     specification = body.to_specification(store)
@@ -91,7 +113,7 @@ def create_design(store: TheStore, body: DesignRequest) -> Json:
     return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
-@router.post("/searches", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+@designs_router.post("/searches", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
 def start_design(context: TheContext, body: DesignRequest, analyst: TheAnalyst) -> Json:
     """Create a design and optimise its phases, as a job."""
     specification = body.to_specification(context.store)
@@ -100,7 +122,9 @@ def start_design(context: TheContext, body: DesignRequest, analyst: TheAnalyst) 
     return submit_job(context, DESIGN, order, analyst, body.name)
 
 
-@router.post("/import", response_model=Page[ExcitationDesign], status_code=status.HTTP_201_CREATED)
+@designs_router.post(
+    "/import", response_model=Page[ExcitationDesign], status_code=status.HTTP_201_CREATED
+)
 def import_multisines(
     store: TheStore,
     files: Annotated[list[UploadFile], File(description="Samples of exactly one period.")],
@@ -112,12 +136,12 @@ def import_multisines(
     """Import flown multisines: harmonics, amplitudes and phases are identified from the samples."""
     with TemporaryDirectory(prefix="flexsid-") as folder:
         sources = sandbox.read_all(*save_files(Path(folder), files), store.quotas.expansion)
-    found = imported_multisines.recognise_inputs(sources, unit)
-    stored = imported_multisines.save_designs(store, found, name, rate_hz, separate=separate)
+    found = recognise_inputs(sources, unit)
+    stored = save_designs(store, found, name, rate_hz, separate=separate)
     return Json(Page(items=list(stored)), status.HTTP_201_CREATED)
 
 
-@router.get("/catalogue", response_model=Page[CatalogueRow])
+@designs_router.get("/catalogue", response_model=Page[CatalogueRow])
 def list_catalogue() -> Json:
     """List the 24 designs of Table 1."""
     rows = [
@@ -127,7 +151,7 @@ def list_catalogue() -> Json:
     return Json(Page(items=rows))
 
 
-@router.get("/catalogue/targets", response_model=Page[RowTargets])
+@designs_router.get("/catalogue/targets", response_model=Page[RowTargets])
 def list_catalogue_targets(
     store: TheStore,
     query: TheTargetQuery,
@@ -138,20 +162,20 @@ def list_catalogue_targets(
     return Json(Page(items=list(list_row_targets(store, query, period_s, first_harmonic))))
 
 
-@router.get("/{design_id}", response_model=ExcitationDesign)
+@designs_router.get("/{design_id}", response_model=ExcitationDesign)
 def get_design(store: TheStore, design_id: Identity) -> Json:
     """Return one design."""
     return Json(store.designs.get(design_id))
 
 
-@router.delete("/{design_id}", status_code=status.HTTP_204_NO_CONTENT)
+@designs_router.delete("/{design_id}", status_code=status.HTTP_204_NO_CONTENT)
 def delete_design(store: TheStore, design_id: Identity) -> Response:
     """Delete a design."""
     store.designs.delete(design_id)
     return Response(status_code=status.HTTP_204_NO_CONTENT)
 
 
-@router.get("/{design_id}/checks", response_model=DesignChecks)
+@designs_router.get("/{design_id}/checks", response_model=DesignChecks)
 def check_design(
     store: TheStore,
     design_id: Identity,
@@ -180,13 +204,13 @@ def check_design(
     return Json(excitation_designs.check_multisine(store.designs.get(design_id), actuator, level))
 
 
-@router.get("/{design_id}/target-modes", response_model=TargetModes)
+@designs_router.get("/{design_id}/target-modes", response_model=TargetModes)
 def get_target_modes(store: TheStore, design_id: Identity, query: TheTargetQuery) -> Json:
     """Compare the harmonics of a design with its target modes on an aircraft."""
     return Json(compare_target_modes(store, store.designs.get(design_id), query))
 
 
-@router.post(
+@designs_router.post(
     "/{design_id}/rescaled",
     response_model=ExcitationDesign,
     status_code=status.HTTP_201_CREATED,
@@ -198,18 +222,20 @@ def rescale_design(store: TheStore, design_id: Identity, body: RescaleRequest) -
     return Json(stored, status.HTTP_201_CREATED, {"Location": f"/api/v1/designs/{stored.id}"})
 
 
-@router.post("/{design_id}/redesign", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED)
+@designs_router.post(
+    "/{design_id}/redesign", response_model=JobItem, status_code=status.HTTP_202_ACCEPTED
+)
 def redesign_phases(
     context: TheContext, design_id: Identity, body: RedesignRequest, analyst: TheAnalyst
 ) -> Json:
     """Optimise new phases for the harmonics of a design, such as an imported one, as a job."""
     design = context.store.designs.get(design_id)
-    order = imported_multisines.redesign(design, body.name, body.effort)
+    order = redesign(design, body.name, body.effort)
     excitation_designs.check_search(order.specification)
     return submit_job(context, DESIGN, order, analyst, body.name)
 
 
-@router.get(
+@designs_router.get(
     "/{design_id}/preflight-simulations", response_model=Page[preflight_simulation.SimulationResult]
 )
 def list_preflight_simulations(store: TheStore, design_id: Identity) -> Json:
@@ -218,7 +244,7 @@ def list_preflight_simulations(store: TheStore, design_id: Identity) -> Json:
     return Json(Page(items=list(preflight_simulation.list_simulations(store, design))))
 
 
-@router.post(
+@designs_router.post(
     "/{design_id}/preflight-simulations",
     response_model=JobItem,
     status_code=status.HTTP_202_ACCEPTED,
@@ -243,7 +269,9 @@ _FILE = {
 }
 
 
-@router.get("/{design_id}/export", response_class=Response, responses={200: {"content": _FILE}})
+@designs_router.get(
+    "/{design_id}/export", response_class=Response, responses={200: {"content": _FILE}}
+)
 def export_design(
     store: TheStore,
     design_id: Identity,
@@ -258,3 +286,88 @@ def export_design(
         media_type=excitation_designs.MEDIA[form],
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
+
+
+# --- Predictions for an excitation design: accuracy, comparison with classic inputs, amplitudes
+
+design_predictions_router = make_router("/designs/{design_id}", tag="designs")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectedSummary:
+    """Expected signal of the modes, correlation of the surface deflections, information by input.
+
+    ``information`` is the information of the harmonics of each input, as a number of parameters.
+    """
+
+    modes: list[ExpectedMode]
+    surfaces: list[str]
+    correlation: list[list[float]]
+    information: dict[str, float]
+
+
+TheDesignQuery = Annotated[DesignQuery, Depends(query_as(DesignQuery, "design_id"))]
+TheAmplitudeQuery = Annotated[AmplitudeQuery, Depends(query_as(AmplitudeQuery, "design_id"))]
+TheOptimalDesignQuery = Annotated[
+    OptimalDesignQuery, Depends(query_as(OptimalDesignQuery, "design_id"))
+]
+
+
+def _get_title(store: Store, query: DesignQuery) -> str:
+    return store.designs.get(query.design_id).name
+
+
+for _path, _kind, _name in (
+    ("/predicted-accuracy", PREDICTED_ACCURACY, "predicted_accuracy"),
+    ("/classic-inputs", INPUT_COMPARISON, "input_comparison"),
+    ("/amplitudes", AMPLITUDES, "amplitudes"),
+    ("/optimal-design", OPTIMAL_DESIGN, "optimal_design"),
+):
+    add_job_routes(design_predictions_router, _path, _kind, _name, _get_title, "design_id")
+
+
+@design_predictions_router.get("/expected-errors", response_model=ExpectedErrors)
+def get_expected_errors(store: TheStore, query: TheDesignQuery) -> Json:
+    """Return the stored standard errors of the derivatives of a run for this excitation."""
+    return Json(get_result(store, PREDICTED_ACCURACY, query).errors)
+
+
+@design_predictions_router.get("/expected-response", response_model=ExpectedSummary)
+def get_expected_response(store: TheStore, query: TheDesignQuery) -> Json:
+    """Return the stored signal-to-noise ratio of the modes and correlation of the surfaces."""
+    found = get_result(store, PREDICTED_ACCURACY, query).response
+    return Json(
+        ExpectedSummary(
+            modes=list(found.modes),
+            surfaces=list(found.surfaces),
+            correlation=found.correlation.tolist(),
+            information={name: float(one.sum()) for name, one in found.information.items()},
+        )
+    )
+
+
+@design_predictions_router.get("/classic-inputs", response_model=InputComparison)
+def get_input_comparison(store: TheStore, query: TheDesignQuery) -> Json:
+    """Return the stored comparison with doublets, 3-2-1-1s and sweeps of equal limits."""
+    return Json(get_result(store, INPUT_COMPARISON, query))
+
+
+@design_predictions_router.get("/amplitudes", response_model=OptimisedAmplitudes)
+def get_amplitudes(store: TheStore, query: TheAmplitudeQuery) -> Json:
+    """Return the stored amplitudes of minimax relative standard error, and D-optimal ones.
+
+    Limits: largest deflection of any surface [rad], its rate [rad/s] and load factor [g], feedback
+    included; if omitted, those of the design. ``levels`` are amplitudes by airspeed within them.
+    """
+    return Json(get_result(store, AMPLITUDES, query))
+
+
+@design_predictions_router.get("/optimal-design", response_model=OptimalDesign)
+def get_optimal_design(store: TheStore, query: TheOptimalDesignQuery) -> Json:
+    """Return the stored gain of the design that is optimal for an objective within limits.
+
+    Objectives: ``flutter`` speed, ``derivatives`` by name, ``damping`` of a mode, and
+    ``structures``, the distance of the run's model structure from the smaller one of another run.
+    Limits: deflection [rad], rate [rad/s] and load factor [g]; if omitted, those of the design.
+    """
+    return Json(get_result(store, OPTIMAL_DESIGN, query))

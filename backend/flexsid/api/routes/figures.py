@@ -1,4 +1,4 @@
-"""Figures as Plotly specifications; colours and fonts are set by the frontend.
+"""Figures as Plotly specifications, and the glossary.
 
 Of all routes, only figures, reports and the glossary are in display units; everything else is SI.
 """
@@ -12,18 +12,23 @@ from fastapi import Query
 from fastapi.responses import Response
 
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.display import ThePrintFormat, TheUnits
-from flexsid.api.export import FILES, Form, respond_with_figure
+from flexsid.api.models.responses import AxisNames, DisplayUnit, GlossaryEntry, extend_record
+from flexsid.api.responses import FILES, Form, ThePrintFormat, TheUnits, respond_with_figure
 from flexsid.api.router import make_router
-from flexsid.display_units import show_in
+from flexsid.api.serialization import JsonRoute
+from flexsid.display_units import list_display_units, show_in
 from flexsid.figure_table import FIGURES, FigureKind, draw_figure
 from flexsid.figures.bode import draw_bode
-from flexsid.figures.print_format import set_print_format
-from flexsid.figures.spec import empty
-from flexsid.text import LARGEST_ID
-from flexsid.workflow.live.live_bode import build_live_bode
+from flexsid.figures.spec import empty, set_print_format
+from flexsid.nomenclature import GLOSSARY, TERMS, explain
+from flexsid.storage.list_query import Page
+from flexsid.sysid.model.derivatives import RIGID_BODIES
+from flexsid.text import LARGEST_ID, split_names
+from flexsid.workflow.live.live_estimator import build_live_bode
 
-router = make_router("/figures", tag="figures", responses=FILES)
+# --- Figures as Plotly specifications; colours and fonts are set by the frontend ------------------
+
+figures_router = make_router("/figures", tag="figures", responses=FILES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +52,7 @@ def _add_route(kind: FigureKind) -> None:
         return respond_with_figure(set_print_format(spec, print_format), form)
 
     respond.__annotations__["parameters"] = Annotated[kind.parameters, Query()]
-    router.add_api_route(
+    figures_router.add_api_route(
         f"/{kind.name}",
         respond,
         name=f"draw_{kind.name.replace('-', '_')}",
@@ -56,7 +61,7 @@ def _add_route(kind: FigureKind) -> None:
     )
 
 
-@router.get("/live-bode", response_model=Figure)
+@figures_router.get("/live-bode", response_model=Figure)
 def draw_live_bode(
     context: TheContext,
     stream_id: Annotated[int, Query(ge=1, le=LARGEST_ID)],
@@ -83,3 +88,45 @@ def draw_live_bode(
 
 for _kind in FIGURES.values():
     _add_route(_kind)
+
+
+# --- The glossary ---------------------------------------------------------------------------------
+
+nomenclature_router = make_router("/nomenclature", tag="nomenclature", route_class=JsonRoute)
+
+
+@nomenclature_router.get("")
+def list_nomenclature(
+    units: TheUnits,
+    names: Annotated[
+        str | None,
+        Query(
+            max_length=4_000,
+            description="Channels, derivatives, symbols or terms, by commas; all if omitted.",
+        ),
+    ] = None,
+) -> Page[GlossaryEntry]:
+    """List all quantities and terms with unit and meaning, or those of the given names."""
+    requested = split_names(names)
+    symbols = (*GLOSSARY, *TERMS) if requested is None else tuple(map(explain, requested))
+    with show_in(units):
+        return Page(items=[extend_record(GlossaryEntry, symbol) for symbol in symbols])
+
+
+@nomenclature_router.get("/units")
+def list_units(units: TheUnits) -> Page[DisplayUnit]:
+    """List the SI units, and Hz, with their display unit: displayed = factor * SI value."""
+    with show_in(units):
+        shown = list_display_units()
+    return Page(
+        items=[
+            DisplayUnit(unit=unit, display_unit=name, factor=factor)
+            for unit, (name, factor) in shown.items()
+        ]
+    )
+
+
+@nomenclature_router.get("/axes")
+def list_axes() -> Page[AxisNames]:
+    """List the axes of models, with the coefficients and motions that name derivatives."""
+    return Page(items=[extend_record(AxisNames, body) for body in RIGID_BODIES.values()])

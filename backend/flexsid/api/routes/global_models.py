@@ -7,14 +7,15 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Response
 
-from flexsid.api.analyst import TheAnalyst
+from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheStore
-from flexsid.api.models.prediction_requests import (
+from flexsid.api.models.design_requests import (
     GlobalModelVersionRequest,
     SaveGlobalPredictionRequest,
 )
-from flexsid.api.models.response_models import extend_record
+from flexsid.api.models.responses import extend_record
 from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     Identity,
@@ -24,7 +25,6 @@ from flexsid.api.serialization import (
     RequiredReference,
     drop_none,
 )
-from flexsid.api.submission import add_job_routes
 from flexsid.jobs.kind import get_result
 from flexsid.jobs.kinds import GLOBAL_MODEL
 from flexsid.records.aircraft import DerivativePrediction
@@ -34,14 +34,13 @@ from flexsid.records.global_model import (
     GlobalModelVersion,
     VersionDifferences,
 )
-from flexsid.storage.paging import Items
+from flexsid.storage.list_query import Items
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.text import count_noun
 from flexsid.workflow.global_model import versions
-from flexsid.workflow.global_model.dave_ml import write_dave_ml
 from flexsid.workflow.global_model.estimates import GlobalModelQuery
-from flexsid.workflow.global_model.fmu import write_global_fmu
-from flexsid.workflow.global_model.stored_prediction import store_global_prediction
+from flexsid.workflow.global_model.exports import write_dave_ml, write_global_fmu
+from flexsid.workflow.global_model.versions import store_global_prediction
 
 router = make_router("/global-models", tag="global model", route_class=JsonRoute)
 

@@ -8,16 +8,16 @@ from typing import Annotated, Any
 from fastapi import Body, Path, Query, Response, status
 from pydantic import Field
 
-from flexsid.api.analyst import NamedAnalyst, TheAnalyst
+from flexsid.api.authorization import NamedAnalyst, TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.models.live_responses import (
+from flexsid.api.models.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
+from flexsid.api.models.responses import (
     ReceivedFrames,
     ReceiverItem,
     ReceiverOption,
     StreamDetail,
     StreamHistory,
 )
-from flexsid.api.models.requests import LATEST_S, Id, Moment, Name, Number, Request, Text, Title
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, Limit, Reference, drop_none
 from flexsid.errors import Conflict
@@ -34,14 +34,14 @@ from flexsid.records.live import (
 )
 from flexsid.records.run import EstimationRun
 from flexsid.records.views import DefaultChannels
+from flexsid.storage.list_query import Items
 from flexsid.storage.live_history import list_alarms, list_states
-from flexsid.storage.paging import Items
 from flexsid.storage.store import Store
 from flexsid.streams.receiver import Receiver
 from flexsid.streams.receivers import is_installed, load_receivers
 from flexsid.text import LARGEST_ID
-from flexsid.workflow.live.packets import compute_packet_size
-from flexsid.workflow.views.channels import select_default_channels
+from flexsid.workflow.live.frame_assembler import compute_packet_size
+from flexsid.workflow.views.maneuver import select_default_channels
 
 router = make_router("/live", tag="live")
 

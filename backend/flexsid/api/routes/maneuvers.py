@@ -1,4 +1,4 @@
-"""Maneuvers: filtered list, details, and import from files."""
+"""Flights and maneuvers: filtered list, details, cutting, import, and transfer functions."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import Annotated
 
 from fastapi import Depends, File, Form, Query, UploadFile
 
-from flexsid.api.context import TheContext, TheStore
-from flexsid.api.models.requests import ChangeRequest
-from flexsid.api.models.response_models import extend_record
-from flexsid.api.models.responses import ChangedRecords, ManeuverDetail
+from flexsid.api.context import TheContext, TheStore, save_files
+from flexsid.api.models.requests import ChangeRequest, CutRequest
+from flexsid.api.models.responses import ChangedRecords, ManeuverDetail, extend_record
+from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -19,27 +20,32 @@ from flexsid.api.serialization import (
     Json,
     JsonRoute,
     Limit,
+    Reference,
     describe_sort,
+    drop_none,
     read_query,
 )
-from flexsid.api.submission import add_job_routes
-from flexsid.api.uploads import save_files
 from flexsid.errors import BadInput
-from flexsid.jobs.kinds import RECONSTRUCTION
-from flexsid.records.maneuver import Maneuver
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import RECONSTRUCTION, TRANSFER_FUNCTION
+from flexsid.records.maneuver import Cut, Flight, FlightChannel, Maneuver, ManeuverProposal
 from flexsid.records.run import RunProposal
+from flexsid.records.views import TransferFunction
 from flexsid.storage import bulk
-from flexsid.storage.list_query import Facets
+from flexsid.storage.list_query import Facets, Items, Page
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
-from flexsid.storage.paging import Page
 from flexsid.storage.store import Store
-from flexsid.sysid.model.axes import ModelAxis
+from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.text import LARGEST_ID, split_ids
+from flexsid.workflow.importing import maneuver_cutting
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
+from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
-from flexsid.workflow.views.channels import select_default_channels
+from flexsid.workflow.views.maneuver import select_default_channels
 
-router = make_router("/maneuvers", tag="maneuvers", route_class=JsonRoute)
+# --- Maneuvers: filtered list, details, and import from files -------------------------------------
+
+maneuvers_router = make_router("/maneuvers", tag="maneuvers", route_class=JsonRoute)
 
 Frequency = Annotated[float | None, Query(ge=0.0, le=1e4, allow_inf_nan=False)]
 _LARGEST_MAPPING = 1024**2
@@ -47,7 +53,7 @@ _LARGEST_MAPPING = 1024**2
 Filters = Annotated[ManeuverFilters, Depends(read_query(ManeuverFilters))]
 
 
-@router.get("")
+@maneuvers_router.get("")
 def list_maneuvers(
     store: TheStore,
     filters: Filters,
@@ -59,13 +65,13 @@ def list_maneuvers(
     return store.maneuver_page(sort=sort, limit=limit, after=after, **filters)
 
 
-@router.get("/facets")
+@maneuvers_router.get("/facets")
 def list_maneuver_facets(store: TheStore, filters: Filters) -> Facets:
     """Return the number of maneuvers, in total and for each value of each filter."""
     return store.maneuver_facets(**filters)
 
 
-@router.post("/changes")
+@maneuvers_router.post("/changes")
 def change_maneuvers(store: TheStore, body: ChangeRequest) -> ChangedRecords:
     """Delete, restore, tag or untag many maneuvers; all of them, or none.
 
@@ -74,13 +80,13 @@ def change_maneuvers(store: TheStore, body: ChangeRequest) -> ChangedRecords:
     return ChangedRecords(ids=bulk.change_maneuvers(store, body.ids, body.action, body.tag))
 
 
-@router.get("/{maneuver_id}")
+@maneuvers_router.get("/{maneuver_id}")
 def get_maneuver(store: TheStore, maneuver_id: Identity) -> ManeuverDetail:
     """Return one maneuver with its channels."""
     return build_maneuver_detail(store, store.maneuvers.get(maneuver_id))
 
 
-@router.get("/{maneuver_id}/run-proposal")
+@maneuvers_router.get("/{maneuver_id}/run-proposal")
 def get_run_proposal(
     store: TheStore,
     maneuver_id: Identity,
@@ -107,12 +113,12 @@ def get_run_proposal(
 
 # The figure of the reconstruction has its result.
 add_job_routes(
-    *(router, "/{maneuver_id}/reconstruction", RECONSTRUCTION, "reconstruction"),
+    *(maneuvers_router, "/{maneuver_id}/reconstruction", RECONSTRUCTION, "reconstruction"),
     *(lambda store, query: store.maneuvers.get(query.maneuver_id).label, "maneuver_id"),
 )
 
 
-@router.post("", response_model=ManeuverDetail, status_code=201)
+@maneuvers_router.post("", response_model=ManeuverDetail, status_code=201)
 def upload_maneuver(
     context: TheContext,
     files: Annotated[list[UploadFile], File(description="Recorder files and tables.")],
@@ -145,7 +151,7 @@ def upload_maneuver(
     return Json(build_maneuver_detail(context.store, stored), 201, location)
 
 
-@router.delete("/{maneuver_id}", status_code=204)
+@maneuvers_router.delete("/{maneuver_id}", status_code=204)
 def delete_maneuver(store: TheStore, maneuver_id: Identity) -> None:
     """Delete a maneuver with its runs; it can be restored."""
     bulk.change_maneuvers(store, [maneuver_id], bulk.Action.DELETE)
@@ -178,3 +184,66 @@ def _read_text(mapping: UploadFile) -> str:
     except UnicodeDecodeError as error:
         raise BadInput("the mapping is not text; expected TOML", code="bad-mapping") from error
     raise BadInput("the mapping is larger than 1 MB; expected a short TOML", code="bad-mapping")
+
+
+# --- Flights of an aircraft, and maneuvers cut from their recordings ------------------------------
+
+flights_router = make_router("/flights", tag="flights", route_class=JsonRoute)
+
+
+@flights_router.get("")
+def list_flights(store: TheStore, aircraft_id: Reference = None) -> Page[Flight]:
+    """List flights, of one aircraft or of all."""
+    return Page(items=store.flights.find(**drop_none(aircraft_id=aircraft_id)))
+
+
+@flights_router.get("/{flight_id}")
+def get_flight(store: TheStore, flight_id: Identity) -> Flight:
+    """Return one flight."""
+    return store.flights.get(flight_id)
+
+
+@flights_router.get("/{flight_id}/channels")
+def list_flight_channels(store: TheStore, flight_id: Identity) -> Items[FlightChannel]:
+    """List the channels of the recording of a flight."""
+    store.flights.get(flight_id)
+    return Items(items=store.flight_channels.find(flight_id=flight_id))
+
+
+@flights_router.get("/{flight_id}/maneuver-proposals")
+def find_maneuvers(store: TheStore, flight_id: Identity) -> Items[ManeuverProposal]:
+    """Detect maneuvers in the recording of a flight; nothing is stored."""
+    return Items(items=list(maneuver_cutting.find_maneuvers(store, flight_id)))
+
+
+@flights_router.post("/{flight_id}/maneuvers", response_model=ManeuverDetail, status_code=201)
+def cut_maneuver(store: TheStore, flight_id: Identity, body: CutRequest) -> Json:
+    """Cut a maneuver from a window of the recording, which is not changed."""
+    stored = maneuver_cutting.cut_maneuver(store, flight_id, body.make_record(Cut))
+    location = {"Location": f"/api/v1/maneuvers/{stored.id}"}
+    return Json(build_maneuver_detail(store, stored), 201, location)
+
+
+# --- Transfer functions of one input and output of a maneuver -------------------------------------
+
+transfer_functions_router = make_router(tag="maneuvers")
+
+
+TheQuery = Annotated[TransferFunctionQuery, Depends(query_as(TransferFunctionQuery))]
+
+add_job_routes(
+    *(transfer_functions_router, "/transfer-functions", TRANSFER_FUNCTION, "transfer_function"),
+    lambda store, query: (
+        f"{query.output} over {query.input}, {store.maneuvers.get(query.maneuver_id).label}"
+    ),
+)
+
+
+@transfer_functions_router.get("/transfer-functions", response_model=TransferFunction)
+def get_transfer_function(store: TheStore, query: TheQuery) -> Json:
+    """Return the stored transfer function of an output over an input, with standard errors.
+
+    By default the orders are those usual for the output: a short period for pitch rate and pitch
+    angle, a roll mode for roll rate and bank angle.
+    """
+    return Json(get_result(store, TRANSFER_FUNCTION, query).function)

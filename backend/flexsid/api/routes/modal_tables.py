@@ -1,4 +1,4 @@
-"""Modal tables: frequencies, damping and shapes over fuel; correlation of sources."""
+"""Modal tables: import, frequencies, damping and shapes over fuel; correlation of sources."""
 
 from __future__ import annotations
 
@@ -11,15 +11,10 @@ from fastapi import Depends, Query
 from fastapi.responses import StreamingResponse
 from pydantic import Field
 
-from flexsid.api.analyst import TheAnalyst
+from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheStore
 from flexsid.api.models.requests import Id, Request, Title
-from flexsid.api.models.response_models import extend_record
-from flexsid.api.models.responses import (
-    ModalTableDetail,
-    ModeList,
-    ModeShape,
-)
+from flexsid.api.models.responses import ModalTableDetail, ModeList, ModeShape, extend_record
 from flexsid.api.parameters import query_as
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
@@ -27,11 +22,22 @@ from flexsid.api.serialization import (
     Json,
     JsonRoute,
     Reference,
+    UploadId,
     drop_none,
 )
 from flexsid.errors import BadInput
-from flexsid.figures.shape_picture import draw_shape_picture
+from flexsid.figures.mode_shapes import draw_shape_picture
+from flexsid.importers.modal_data import (
+    MassOptions,
+    ModalDataOptions,
+    ModalFiles,
+    extract_mass_table,
+    extract_modal_data,
+    inspect_modal_data,
+)
 from flexsid.importers.modal_files import FORMS, write_archive, write_modes
+from flexsid.records.aircraft import Aircraft
+from flexsid.records.flutter import FlutterSummary, SummaryRoots
 from flexsid.records.modal_data import (
     Correlation,
     ModalKind,
@@ -41,7 +47,16 @@ from flexsid.records.modal_data import (
     Observability,
 )
 from flexsid.request_models import body_of
-from flexsid.storage.paging import Page
+from flexsid.storage.list_query import Page
+from flexsid.workflow.aircraft.derivative_predictions import set_mass_table
+from flexsid.workflow.flutter.flutter_summary import (
+    SummaryQuery,
+    add_warning,
+    read_summary_roots,
+    save_flutter_summary,
+)
+from flexsid.workflow.importing.uploads import open_upload
+from flexsid.workflow.modal_data.modal_import import store_modal_data
 from flexsid.workflow.modal_data.modal_tables import (
     FREQUENCY_STD,
     apply_corrections,
@@ -53,12 +68,12 @@ from flexsid.workflow.modal_data.modal_tables import (
 )
 from flexsid.workflow.modal_data.model_updating import update_modal_table
 from flexsid.workflow.views import model_order
-from flexsid.workflow.views.fuel import list_modes_at
-from flexsid.workflow.views.modal_assurance import correlate
-from flexsid.workflow.views.observability import compute_observability
-from flexsid.workflow.views.shape import read_shape
+from flexsid.workflow.views.modal_assurance import compute_observability, correlate
+from flexsid.workflow.views.modes import list_modes_at, read_shape
 
-router = make_router("/modal-tables", tag="modal-tables", route_class=JsonRoute)
+# --- Modal tables: frequencies, damping and shapes over fuel; correlation of sources --------------
+
+modal_tables_router = make_router("/modal-tables", tag="modal-tables", route_class=JsonRoute)
 
 
 Fuel = Annotated[float, Query(ge=0.0, le=1.0, description="Fuel fraction.")]
@@ -83,7 +98,7 @@ class UpdateRequest(Request):
     run_ids: Annotated[tuple[Id, ...], Field(max_length=20)] = ()
 
 
-@router.get("")
+@modal_tables_router.get("")
 def list_modal_tables(
     store: TheStore, aircraft_id: Reference = None, kind: ModalKind | None = None
 ) -> Page[ModalTable]:
@@ -92,13 +107,13 @@ def list_modal_tables(
     return Page(items=[apply_corrections(store, table) for table in found])
 
 
-@router.get("/order")
+@modal_tables_router.get("/order")
 def get_model_order(store: TheStore, query: TheOrderQuery) -> ModelOrder:
     """Reduce the predicted model at a condition, and return the number of modes needed."""
     return model_order.study_model_order(store, query)
 
 
-@router.get("/{modal_table_id}")
+@modal_tables_router.get("/{modal_table_id}")
 def get_modal_table(store: TheStore, modal_table_id: Identity) -> ModalTableDetail:
     """Return one modal table with frequencies and damping, in the order of its source."""
     table = apply_corrections(store, store.modal_tables.get(modal_table_id))
@@ -117,14 +132,14 @@ def get_modal_table(store: TheStore, modal_table_id: Identity) -> ModalTableDeta
     )
 
 
-@router.get("/{modal_table_id}/modes")
+@modal_tables_router.get("/{modal_table_id}/modes")
 def list_modes(store: TheStore, modal_table_id: Identity, fuel: Fuel = 0.5) -> ModeList:
     """List the modes at a fuel fraction, tracked over fuel by their shapes."""
     items = list(list_modes_at(store, modal_table_id, fuel))
     return ModeList(modal_table_id=modal_table_id, fuel=fuel, items=items)
 
 
-@router.get("/{modal_table_id}/shape", response_model=ModeShape)
+@modal_tables_router.get("/{modal_table_id}/shape", response_model=ModeShape)
 def get_shape(
     store: TheStore,
     modal_table_id: Identity,
@@ -144,7 +159,7 @@ def get_shape(
     return Json(compact)
 
 
-@router.get("/{modal_table_id}/correlation")
+@modal_tables_router.get("/{modal_table_id}/correlation")
 def get_correlation(
     store: TheStore,
     modal_table_id: Identity,
@@ -157,7 +172,7 @@ def get_correlation(
     return correlate(store, modal_table_id, fuel, other_id, at_other)
 
 
-@router.get("/{modal_table_id}/observability")
+@modal_tables_router.get("/{modal_table_id}/observability")
 def get_observability(
     store: TheStore,
     modal_table_id: Identity,
@@ -170,7 +185,7 @@ def get_observability(
     return compute_observability(store, modal_table_id, fuel, symmetric, up_to_hz)
 
 
-@router.get(
+@modal_tables_router.get(
     "/{modal_table_id}/file",
     response_class=StreamingResponse,
     responses={200: {"content": {kind: {} for kind in FORMS.values()}}},
@@ -187,7 +202,7 @@ def download_modes(
     return _send(write_modes(modes, form), FORMS[form], name)
 
 
-@router.get(
+@modal_tables_router.get(
     "/{modal_table_id}/archive",
     response_class=StreamingResponse,
     responses={200: {"content": {"application/zip": {}}}},
@@ -214,7 +229,7 @@ def download_archive(
     return _send(write_archive(files), "application/zip", f"modes-{modal_table_id}-{form}.zip")
 
 
-@router.get(
+@modal_tables_router.get(
     "/{modal_table_id}/picture",
     response_class=StreamingResponse,
     responses={200: {"content": {"image/svg+xml": {}}}},
@@ -245,7 +260,7 @@ def _send(content: Iterable[str | bytes], kind: str, name: str) -> StreamingResp
     )
 
 
-@router.post("/{modal_table_id}/corrections", status_code=201)
+@modal_tables_router.post("/{modal_table_id}/corrections", status_code=201)
 def correct_mode(
     store: TheStore, analyst: TheAnalyst, modal_table_id: Identity, body: CorrectionRequest
 ) -> ModeCorrection:
@@ -259,7 +274,7 @@ def correct_mode(
     return store.mode_corrections.add(replace(given, reason=given.reason.strip()))
 
 
-@router.post("/{modal_table_id}/updates", status_code=201)
+@modal_tables_router.post("/{modal_table_id}/updates", status_code=201)
 def save_updated_table(
     store: TheStore, modal_table_id: Identity, body: UpdateRequest
 ) -> ModalTable:
@@ -267,7 +282,90 @@ def save_updated_table(
     return update_modal_table(store, modal_table_id, body.name, body.test_ids, body.run_ids)
 
 
-@router.delete("/{modal_table_id}", status_code=204)
+@modal_tables_router.delete("/{modal_table_id}", status_code=204)
 def delete_modal_table(store: TheStore, modal_table_id: Identity) -> None:
     """Delete a modal table; refused if runs refer to it."""
     store.modal_tables.delete(modal_table_id)
+
+
+# --- Modal data and flutter summaries from uploaded files -----------------------------------------
+
+modal_files_router = make_router(tag="modal-data", route_class=JsonRoute)
+
+
+@body_of(ModalDataOptions)
+class ModalDataRequest(Request):
+    """Units, axes and fuel fractions of uploaded modal data; see ``ModalDataOptions``."""
+
+    aircraft_id: Id
+
+
+@body_of(MassOptions)
+class MassRequest(Request):
+    """Units, axes and fuel fractions of mass properties of uploaded printouts (GPWG)."""
+
+    aircraft_id: Id
+
+
+class FlutterSummaryRequest(Request):
+    """Name of a flutter summary, and unit of its velocities."""
+
+    aircraft_id: Id
+    name: Title
+    speed_unit: Literal["m/s", "ft/s", "in/s", "kt", "km/h"]
+
+
+@modal_files_router.get("/uploads/{upload_id}/modal-data")
+def inspect_modal_files(store: TheStore, upload_id: UploadId) -> ModalFiles:
+    """Return the modes in the files of an upload, and the information missing for an import."""
+    return inspect_modal_data(open_upload(store, upload_id))
+
+
+@modal_files_router.post("/uploads/{upload_id}/modal-data", status_code=201)
+def import_modal_data(store: TheStore, upload_id: UploadId, body: ModalDataRequest) -> ModalTable:
+    """Import the modes of uploaded files as a modal table, as a new version of its name."""
+    aircraft = store.aircraft.get(body.aircraft_id)
+    raw = extract_modal_data(open_upload(store, upload_id), body.make_record(ModalDataOptions))
+    return store_modal_data(store, aircraft, raw)
+
+
+@modal_files_router.post("/uploads/{upload_id}/mass-properties")
+def import_mass_properties(store: TheStore, upload_id: UploadId, body: MassRequest) -> Aircraft:
+    """Set the mass properties of an aircraft at the fuel weights of uploaded printouts."""
+    options = body.make_record(MassOptions)
+    table = extract_mass_table(open_upload(store, upload_id), options)
+    return set_mass_table(store, body.aircraft_id, table)
+
+
+@modal_files_router.post("/uploads/{upload_id}/flutter-summary", status_code=201)
+def import_flutter_summary(
+    store: TheStore, upload_id: UploadId, body: FlutterSummaryRequest
+) -> FlutterSummary:
+    """Import the flutter summary of an uploaded printout, with its flutter speeds."""
+    aircraft = store.aircraft.get(body.aircraft_id)
+    sources = open_upload(store, upload_id)
+    return save_flutter_summary(store, aircraft, sources, body.name, body.speed_unit)
+
+
+@modal_files_router.get("/flutter-summaries")
+def list_flutter_summaries(store: TheStore, aircraft_id: Reference = None) -> Page[FlutterSummary]:
+    """List the flutter summaries of one aircraft, or of all."""
+    found = [
+        add_warning(summary)
+        for summary in store.flutter_summaries.find(**drop_none(aircraft_id=aircraft_id))
+    ]
+    return Page(items=found)
+
+
+@modal_files_router.get("/flutter-summaries/{summary_id}")
+def get_flutter_summary(store: TheStore, summary_id: Identity) -> FlutterSummary:
+    """Return one flutter summary."""
+    return add_warning(store.flutter_summaries.get(summary_id))
+
+
+@modal_files_router.get("/flutter-summaries/{summary_id}/roots")
+def get_summary_roots(
+    store: TheStore, query: Annotated[SummaryQuery, Depends(query_as(SummaryQuery, "summary_id"))]
+) -> SummaryRoots:
+    """Return the roots of one analysis, and where they become unstable at a damping g."""
+    return read_summary_roots(store, query)

@@ -1,25 +1,29 @@
-"""Notes on maneuvers, runs, modes and derivatives."""
+"""Notes on maneuvers, runs, modes and derivatives, and saved views."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query, Response
 
-from flexsid.api.analyst import NamedAnalyst
+from flexsid.api.authorization import NamedAnalyst, TheAnalyst, choose_author
 from flexsid.api.context import TheStore
-from flexsid.api.models.decision_requests import NoteEditRequest, NoteRequest
+from flexsid.api.models.decisions import NoteEditRequest, NoteRequest
+from flexsid.api.models.requests import SavedViewRequest
 from flexsid.api.router import make_router
-from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, drop_none
 from flexsid.errors import BadInput
-from flexsid.records.note import Note
-from flexsid.storage.paging import Items
+from flexsid.records.note import Note, SavedView
+from flexsid.storage.list_query import Items
 from flexsid.workflow.review import notes as workflow
 
-router = make_router("/notes", tag="notes", route_class=JsonRoute)
+# --- Notes on maneuvers, runs, modes and derivatives ----------------------------------------------
+
+notes_router = make_router("/notes", tag="notes", route_class=JsonRoute)
 
 
-@router.get("")
+@notes_router.get("")
 def list_notes(
     store: TheStore,
     aircraft_id: Reference = None,
@@ -35,7 +39,7 @@ def list_notes(
     return Items(items=found)
 
 
-@router.post("", response_model=Note, status_code=201)
+@notes_router.post("", response_model=Note, status_code=201)
 def add_note(store: TheStore, body: NoteRequest, analyst: NamedAnalyst) -> Json:
     """Add a note in Markdown."""
     stored = workflow.add_note(
@@ -44,13 +48,13 @@ def add_note(store: TheStore, body: NoteRequest, analyst: NamedAnalyst) -> Json:
     return Json(stored, 201, {"Location": f"/api/v1/notes/{stored.id}"})
 
 
-@router.get("/{note_id}")
+@notes_router.get("/{note_id}")
 def get_note(store: TheStore, note_id: Identity) -> Note:
     """Return a note with all its revisions, also if it is deleted."""
     return workflow.get_note(store, note_id)
 
 
-@router.put("/{note_id}")
+@notes_router.put("/{note_id}")
 def edit_note(
     store: TheStore, note_id: Identity, body: NoteEditRequest, analyst: NamedAnalyst
 ) -> Note:
@@ -58,7 +62,7 @@ def edit_note(
     return workflow.edit_note(store, note_id, body.revision, body.text, analyst)
 
 
-@router.delete("/{note_id}", status_code=204)
+@notes_router.delete("/{note_id}", status_code=204)
 def delete_note(
     store: TheStore,
     note_id: Identity,
@@ -68,3 +72,31 @@ def delete_note(
     """Mark a note of one's own as deleted; its revisions remain readable."""
     workflow.delete_note(store, note_id, revision, analyst)
     return Response(status_code=204)
+
+
+# --- Saved views: named filters of pages, shared by all users of the workbench --------------------
+
+saved_views_router = make_router("/saved-views", tag="saved views", route_class=JsonRoute)
+
+
+@saved_views_router.get("")
+def list_saved_views(
+    store: TheStore, page: Annotated[str | None, Query(max_length=64)] = None
+) -> Items[SavedView]:
+    """List saved views, of one page or of all."""
+    found = store.saved_views.find(**drop_none(page=page))
+    return Items(items=sorted(found, key=lambda view: view.name.casefold()))
+
+
+@saved_views_router.post("", status_code=201)
+def add_saved_view(store: TheStore, body: SavedViewRequest, analyst: TheAnalyst) -> SavedView:
+    """Store the filters of a page under a name; refused if the name is in use."""
+    view = body.make_record(SavedView)
+    author = choose_author(view.author, analyst)
+    return store.saved_views.add(replace(view, author=author))
+
+
+@saved_views_router.delete("/{view_id}", status_code=204)
+def delete_saved_view(store: TheStore, view_id: Identity) -> None:
+    """Delete a saved view."""
+    store.saved_views.delete(view_id)

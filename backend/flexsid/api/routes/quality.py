@@ -1,42 +1,63 @@
-"""Data quality of the maneuvers of a campaign: list and assessment."""
+"""Data quality of maneuvers, compatibility of their sensors, and corrections of channels."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Annotated
 
 from fastapi import Depends, status
 
-from flexsid.api.analyst import TheAnalyst
-from flexsid.api.context import TheContext
-from flexsid.api.models.requests import AssessRequest
+from flexsid.api.authorization import TheAnalyst
+from flexsid.api.context import TheContext, TheStore
+from flexsid.api.models.requests import AssessRequest, ConditioningRequest
 from flexsid.api.models.responses import Assessing, QualityList
+from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes
 from flexsid.api.router import make_router
-from flexsid.api.serialization import After, Json, Limit, describe_sort, read_query
-from flexsid.jobs.kinds import QUALITY
+from flexsid.api.serialization import (
+    After,
+    Identity,
+    Json,
+    JsonRoute,
+    Limit,
+    describe_sort,
+    read_query,
+)
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import COMPATIBILITY, QUALITY
 from flexsid.records.job import Job
+from flexsid.records.maneuver import ConditioningStep, Correction
+from flexsid.records.quality import CompatibilityReport, ManeuverQuality
 from flexsid.records.run import RunState
 from flexsid.storage import job_list, queue
 from flexsid.storage.access import storing_in_campaign
-from flexsid.storage.encoding import encode
-from flexsid.storage.quality_list import (
+from flexsid.storage.campaign_rows import (
     SORT_FIELDS,
     QualityFilters,
     count_verdicts,
     list_unassessed,
     select_qualities,
 )
+from flexsid.storage.encoding import encode
+from flexsid.storage.list_query import Items
 from flexsid.storage.store import Store
+from flexsid.text import count_noun
+from flexsid.workflow.measurements import maneuver_spectra
+from flexsid.workflow.quality import maneuver_quality
+from flexsid.workflow.quality.compatibility import CompatibilityQuery
 from flexsid.workflow.quality.maneuver_quality import QualityRequest
 
-router = make_router("/quality", tag="quality")
+# --- Data quality of the maneuvers of a campaign: list and assessment -----------------------------
+
+quality_router = make_router("/quality", tag="quality")
 
 _KIND = QUALITY.name
 _AT_ONCE = 100  # jobs in one transaction: others write between them
 
 
-@router.get("", response_model=QualityList)
+@quality_router.get("", response_model=QualityList)
 def list_qualities(
     context: TheContext,
     filters: Annotated[QualityFilters, Depends(read_query(QualityFilters))],
@@ -52,7 +73,7 @@ def list_qualities(
     return Json(QualityList(items=page.items, counts=counts, assessing=assessing, next=page.next))
 
 
-@router.post("/assess", response_model=Assessing, status_code=status.HTTP_202_ACCEPTED)
+@quality_router.post("/assess", response_model=Assessing, status_code=status.HTTP_202_ACCEPTED)
 def assess_maneuvers(context: TheContext, body: AssessRequest, analyst: TheAnalyst) -> Json:
     """Queue assessments of the data quality of the given maneuvers, or of all unassessed ones."""
     store = context.store
@@ -84,7 +105,7 @@ def assess_maneuvers(context: TheContext, body: AssessRequest, analyst: TheAnaly
     return Json(_count_assessments(store), status.HTTP_202_ACCEPTED)
 
 
-@router.delete("/assess", response_model=Assessing)
+@quality_router.delete("/assess", response_model=Assessing)
 def stop_assessment(context: TheContext) -> Json:
     """Cancel all assessments; their maneuvers stay unassessed."""
     queue.cancel(
@@ -115,3 +136,77 @@ def _count_assessments(store: Store) -> Assessing:
         total=total,
         failed=states[RunState.FAILED],
     )
+
+
+# --- Data quality of one maneuver, and corrections of its channels --------------------------------
+
+conditioning_router = make_router("/maneuvers", tag="quality", route_class=JsonRoute)
+
+
+@dataclass(frozen=True, slots=True)
+class StoredQuality:
+    """Data quality of a maneuver, null if its present data are not assessed; newest assessment."""
+
+    quality: ManeuverQuality | None
+    job: job_list.JobItem | None
+
+
+@conditioning_router.get("/{maneuver_id}/quality")
+def get_quality(store: TheStore, maneuver_id: Identity) -> StoredQuality:
+    """Return the stored data quality of a maneuver; ``/quality/assess`` computes it."""
+    return StoredQuality(
+        maneuver_quality.find_maneuver_quality(store, maneuver_id),
+        job_list.find_newest(store, QUALITY.name, maneuver_id=maneuver_id),
+    )
+
+
+@conditioning_router.get("/{maneuver_id}/conditioning")
+def list_conditioning(store: TheStore, maneuver_id: Identity) -> Items[ConditioningStep]:
+    """List the corrections of a maneuver, including undone ones."""
+    store.maneuvers.get(maneuver_id)
+    return Items(items=store.conditioning.find(maneuver_id=maneuver_id))
+
+
+@conditioning_router.post("/{maneuver_id}/conditioning", status_code=201)
+def add_conditioning(
+    store: TheStore, maneuver_id: Identity, body: ConditioningRequest, analyst: TheAnalyst
+) -> Items[ConditioningStep]:
+    """Apply corrections, all or none; the recorded data are not changed."""
+    corrections = [item.make_record(Correction) for item in body.items]
+    steps = maneuver_spectra.add_conditioning_steps(store, maneuver_id, corrections, analyst)
+    return Items(items=steps)
+
+
+@conditioning_router.delete("/{maneuver_id}/conditioning/{step_id}")
+def undo_conditioning(
+    store: TheStore, maneuver_id: Identity, step_id: Identity, analyst: TheAnalyst
+) -> ConditioningStep:
+    """Undo a correction; it remains in the list."""
+    return maneuver_spectra.undo_step(store, maneuver_id, step_id, analyst)
+
+
+# --- Compatibility of the sensors of maneuvers by kinematics --------------------------------------
+
+compatibility_router = make_router(tag="quality")
+
+
+TheQuery = Annotated[CompatibilityQuery, Depends(query_as(CompatibilityQuery))]
+
+
+def _make_title(store: Store, query: CompatibilityQuery) -> str:
+    if len(query.maneuver_ids) == 1:
+        return store.maneuvers.get(query.maneuver_ids[0]).label
+    return count_noun(len(query.maneuver_ids), "maneuver")
+
+
+add_job_routes(compatibility_router, "/compatibility", COMPATIBILITY, "compatibility", _make_title)
+
+
+@compatibility_router.get("/compatibility", response_model=CompatibilityReport)
+def get_compatibility(store: TheStore, query: TheQuery) -> Json:
+    """Return the stored comparison of the sensors of maneuvers by kinematics.
+
+    It needs the locations of the sensors, and neither aerodynamics nor a modal table. Each fault
+    has its correction, for ``/conditioning``, and the faults that the data do not separate from it.
+    """
+    return Json(get_result(store, COMPATIBILITY, query))

@@ -14,16 +14,14 @@ from typing import Annotated, Any, Literal
 from fastapi import Depends, Query, Response, status
 
 from flexsid import reports
-from flexsid.api.analyst import TheAnalyst
+from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
-from flexsid.api.display import TheUnits
+from flexsid.api.responses import TheUnits, submit_job
 from flexsid.api.router import make_router
-from flexsid.api.routes.closed_loop import TheClosedLoopQuery
 from flexsid.api.routes.designs import Level
-from flexsid.api.routes.flutter import TheFlutterQuery
+from flexsid.api.routes.flutter import TheClosedLoopQuery, TheFlutterQuery
 from flexsid.api.routes.maneuvers import Filters
 from flexsid.api.serialization import Identity, Json
-from flexsid.api.submission import submit_job
 from flexsid.display_units import DisplayUnits, show_in
 from flexsid.errors import UnknownRecord
 from flexsid.jobs.kind import get_result
@@ -32,7 +30,7 @@ from flexsid.records.excitation import DEFAULT_LEVEL
 from flexsid.records.run import RunState
 from flexsid.reports import Report
 from flexsid.storage.job_list import JobItem
-from flexsid.storage.reading import reading_once
+from flexsid.storage.repository import reading_once
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
 from flexsid.text import split_ids

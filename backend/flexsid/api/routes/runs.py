@@ -1,17 +1,26 @@
-"""Estimation runs: requests, results, lists and exports."""
+"""Estimation runs: requests, templates and batches of them, results, lists and exports."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-from fastapi import Depends, Query, Response
+from fastapi import Depends, Query, Response, status
 
-from flexsid.api.analyst import TheAnalyst, choose_author
+from flexsid.api.authorization import TheAnalyst, choose_author
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import ChangeRequest
 from flexsid.api.models.responses import ChangedRecords
-from flexsid.api.models.run_requests import RunRequest
-from flexsid.api.models.run_responses import Run, build_run_response
+from flexsid.api.models.runs import (
+    BatchRequest,
+    Run,
+    RunRequest,
+    RunTemplateEditRequest,
+    RunTemplateItem,
+    RunTemplateRequest,
+    build_run_response,
+    build_template_response,
+)
 from flexsid.api.router import make_router
 from flexsid.api.serialization import (
     After,
@@ -24,25 +33,35 @@ from flexsid.api.serialization import (
     dump_json,
     read_query,
 )
-from flexsid.records.model_structure import Structure
+from flexsid.records.decision import Structure
+from flexsid.records.run import Batch, EstimationRun
 from flexsid.storage import batches, bulk
-from flexsid.storage.list_query import Facets
-from flexsid.storage.paging import Page
+from flexsid.storage.batches import BatchProgress
+from flexsid.storage.list_query import Facets, Items, Page
 from flexsid.storage.run_list import RUN_SORT_FIELDS, RunFilters, RunItem
 from flexsid.storage.signatures import SignaturePlace, sign_content
+from flexsid.storage.store import Store
 from flexsid.sysid.exchange.fmu import FmiVersion
 from flexsid.workflow.global_model.versions import add_default_priors
 from flexsid.workflow.model_structures import model_structures
-from flexsid.workflow.runs import estimation
+from flexsid.workflow.runs import estimation, run_templates
 from flexsid.workflow.runs.capsule import write_capsule
-from flexsid.workflow.runs.fmu import write_fmu
-from flexsid.workflow.runs.jsbsim import write_jsbsim_aircraft
-from flexsid.workflow.runs.model_export import ModelExport, export_model, write_matlab_model
-from flexsid.workflow.runs.run_export import RunExport, export_run
+from flexsid.workflow.runs.exports import (
+    ModelExport,
+    RunExport,
+    export_model,
+    export_run,
+    write_fmu,
+    write_jsbsim_aircraft,
+    write_matlab_model,
+)
 from flexsid.workflow.runs.run_identity import add_hashes
 from flexsid.workflow.runs.run_proposal import apply_proposal, attach_proposal_basis
+from flexsid.workflow.runs.run_templates import queue_batch
 
-router = make_router("/runs", tag="runs", route_class=JsonRoute)
+# --- Estimation runs: requests, results, lists and exports ----------------------------------------
+
+runs_router = make_router("/runs", tag="runs", route_class=JsonRoute)
 
 _MATLAB: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/octet-stream": {"schema": {"type": "string"}}}}
@@ -53,7 +72,7 @@ _ZIP: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.post(
+@runs_router.post(
     "",
     response_model=Run,
     status_code=202,
@@ -99,7 +118,7 @@ def request_run(context: TheContext, body: RunRequest, analyst: TheAnalyst) -> J
 Filters = Annotated[RunFilters, Depends(read_query(RunFilters))]
 
 
-@router.get("")
+@runs_router.get("")
 def list_runs(
     store: TheStore,
     filters: Filters,
@@ -111,13 +130,13 @@ def list_runs(
     return store.run_page(sort=sort, limit=limit, after=after, **filters)
 
 
-@router.get("/facets")
+@runs_router.get("/facets")
 def list_run_facets(store: TheStore, filters: Filters) -> Facets:
     """Return the number of runs, in total and for each value of each filter."""
     return store.run_facets(**filters)
 
 
-@router.post("/changes")
+@runs_router.post("/changes")
 def change_runs(store: TheStore, body: ChangeRequest) -> ChangedRecords:
     """Delete, restore, tag or untag many runs; all of them, or none.
 
@@ -126,13 +145,13 @@ def change_runs(store: TheStore, body: ChangeRequest) -> ChangedRecords:
     return ChangedRecords(ids=bulk.change_runs(store, body.ids, body.action, body.tag))
 
 
-@router.get("/{run_id}")
+@runs_router.get("/{run_id}")
 def get_run(store: TheStore, run_id: Identity) -> Run:
     """Return one run, with its parameters once it succeeded."""
     return build_run_response(store, store.runs.get(run_id))
 
 
-@router.get("/{run_id}/export", response_model=RunExport)
+@runs_router.get("/{run_id}/export", response_model=RunExport)
 def get_run_export(store: TheStore, run_id: Identity) -> Response:
     """Return the inputs and results of a run, with covariance matrix and fitted data points."""
     name = {"Content-Disposition": f'attachment; filename="run-{run_id}.json"'}
@@ -142,7 +161,7 @@ def get_run_export(store: TheStore, run_id: Identity) -> Response:
     return Response(content, media_type=Json.media_type, headers=name)
 
 
-@router.get("/{run_id}/fmu", response_class=Response, responses=_ZIP)
+@runs_router.get("/{run_id}/fmu", response_class=Response, responses=_ZIP)
 def get_run_fmu(
     store: TheStore,
     run_id: Identity,
@@ -154,7 +173,7 @@ def get_run_fmu(
     return Response(content, media_type="application/zip", headers=name)
 
 
-@router.get("/{run_id}/jsbsim", response_class=Response, responses=_ZIP)
+@runs_router.get("/{run_id}/jsbsim", response_class=Response, responses=_ZIP)
 def get_run_jsbsim(
     store: TheStore,
     run_id: Identity,
@@ -169,7 +188,7 @@ def get_run_jsbsim(
     return Response(content, media_type="application/zip", headers=name)
 
 
-@router.get("/{run_id}/capsule", response_class=Response, responses=_ZIP)
+@runs_router.get("/{run_id}/capsule", response_class=Response, responses=_ZIP)
 def get_run_capsule(store: TheStore, run_id: Identity) -> Response:
     """Return a run with its data, settings, software versions and results as an RO-Crate.
 
@@ -179,7 +198,7 @@ def get_run_capsule(store: TheStore, run_id: Identity) -> Response:
     return Response(write_capsule(store, run_id), media_type="application/zip", headers=name)
 
 
-@router.get("/{run_id}/model", response_model=ModelExport, responses=_MATLAB)
+@runs_router.get("/{run_id}/model", response_model=ModelExport, responses=_MATLAB)
 def get_run_model(
     store: TheStore,
     run_id: Identity,
@@ -196,7 +215,152 @@ def get_run_model(
     return Json(model, headers=name)
 
 
-@router.delete("/{run_id}", status_code=204)
+@runs_router.delete("/{run_id}", status_code=204)
 def delete_run(store: TheStore, run_id: Identity) -> None:
     """Delete a run that has ended; it can be restored."""
     bulk.change_runs(store, [run_id], bulk.Action.DELETE)
+
+
+# --- Batches: many runs requested at once, with a common progress ---------------------------------
+
+batches_router = make_router("/batches", tag="jobs")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueuedBatch:
+    """A queued batch; ``repeated`` of its runs had been requested before."""
+
+    id: int
+    total: int
+    repeated: int
+
+
+@batches_router.post("", response_model=QueuedBatch, status_code=status.HTTP_202_ACCEPTED)
+def request_batch(context: TheContext, body: BatchRequest, analyst: TheAnalyst) -> Json:
+    """Queue many runs; all of them, or none.
+
+    Without structures, each run uses the proposed structure of its maneuver, as a single run does.
+    """
+    store = context.store
+    templates = []
+    for item in body.structures:
+        given = None if item.structure is None else item.structure.to_record()
+        structure, version = model_structures.get_structure_of_run(
+            store, given, item.structure_id, item.structure_version
+        )
+        templates.append(body.make_template(structure, item.structure_id, version, analyst))
+    if not body.structures:
+        templates.append(body.make_template(Structure(fixed={}), None, None, analyst))
+    templates = [_apply_run_template(store, body, one) for one in templates]
+    queued = queue_batch(
+        store,
+        Batch(name=body.name, author=analyst),
+        body.maneuver_ids,
+        body.methods,
+        templates,
+        from_equation_error=body.from_equation_error,
+        by_proposal=not body.structures,
+    )
+    context.dispatcher.wake()
+    assert queued.batch.id is not None
+    response = QueuedBatch(
+        id=queued.batch.id, total=queued.total, repeated=queued.total - queued.new
+    )
+    return Json(
+        response, status.HTTP_202_ACCEPTED, {"Location": f"/api/v1/batches/{queued.batch.id}"}
+    )
+
+
+def _apply_run_template(store: Store, body: BatchRequest, run: EstimationRun) -> EstimationRun:
+    """Return the common part of runs with the settings of the template, of every method."""
+    applied = [body.apply_template(store, replace(run, method=one)) for one in body.methods]
+    return applied[0]
+
+
+@batches_router.get("", response_model=Page[BatchProgress])
+def list_batches(store: TheStore, limit: Limit = 100, after: After = None) -> Json:
+    """List batches with their progress, newest first."""
+    return Json(batches.read_page(store, limit=limit, after=after))
+
+
+@batches_router.get("/{batch_id}", response_model=BatchProgress)
+def get_batch(store: TheStore, batch_id: Identity) -> Json:
+    """Return the progress of a batch."""
+    return Json(batches.read_progress(store, batch_id))
+
+
+@batches_router.post(
+    "/{batch_id}/cancel", response_model=BatchProgress, status_code=status.HTTP_202_ACCEPTED
+)
+def cancel_batch(context: TheContext, batch_id: Identity) -> Json:
+    """Cancel the unfinished runs of a batch; runs shared with another batch continue."""
+    progress = batches.cancel(context.store, batch_id)
+    context.dispatcher.wake()
+    return Json(progress, status.HTTP_202_ACCEPTED)
+
+
+@batches_router.post(
+    "/{batch_id}/retry", response_model=BatchProgress, status_code=status.HTTP_202_ACCEPTED
+)
+def retry_batch(context: TheContext, batch_id: Identity) -> Json:
+    """Queue the failed and cancelled runs of a batch again."""
+    progress = batches.retry(context.store, batch_id)
+    context.dispatcher.wake()
+    return Json(progress, status.HTTP_202_ACCEPTED)
+
+
+# --- Templates of runs: settings under a name in a campaign, by revision --------------------------
+
+run_templates_router = make_router("/run-templates", tag="runs", route_class=JsonRoute)
+
+
+@run_templates_router.get("")
+def list_run_templates(store: TheStore, aircraft_id: Reference = None) -> Items[RunTemplateItem]:
+    """List the templates of a campaign, or of all, in their newest revision, by name."""
+    found = run_templates.list_run_templates(store, aircraft_id)
+    return Items(items=[build_template_response(one) for one in found])
+
+
+@run_templates_router.post("", response_model=RunTemplateItem, status_code=201)
+def add_run_template(store: TheStore, body: RunTemplateRequest, analyst: TheAnalyst) -> Json:
+    """Save method and settings of a run as a template of its campaign.
+
+    Values of the maneuver or its condition are not part of it: additional maneuvers, the run to
+    start from, priors by value.
+    """
+    stored = run_templates.save_run_template(store, body.run_id, body.name, body.note, analyst)
+    location = {"Location": f"/api/v1/run-templates/{stored.id}"}
+    return Json(build_template_response(stored), 201, location)
+
+
+@run_templates_router.get("/{run_template_id}")
+def get_run_template(
+    store: TheStore,
+    run_template_id: Identity,
+    revision: Annotated[int | None, Query(ge=1, le=2**31 - 1)] = None,
+) -> RunTemplateItem:
+    """Return a template in a revision, by default the newest, also if it is deleted."""
+    return build_template_response(run_templates.get_run_template(store, run_template_id, revision))
+
+
+@run_templates_router.put("/{run_template_id}")
+def edit_run_template(
+    store: TheStore, run_template_id: Identity, body: RunTemplateEditRequest, analyst: TheAnalyst
+) -> RunTemplateItem:
+    """Save method and settings of a run as the next revision; earlier ones remain."""
+    stored = run_templates.revise_run_template(
+        store, run_template_id, body.revision, body.run_id, body.note, analyst
+    )
+    return build_template_response(stored)
+
+
+@run_templates_router.delete("/{run_template_id}", status_code=204)
+def delete_run_template(
+    store: TheStore,
+    run_template_id: Identity,
+    analyst: TheAnalyst,
+    revision: Annotated[int, Query(ge=1, le=2**31 - 1, description="Revision that was read.")],
+) -> Response:
+    """Mark a template as deleted; runs still name its revisions."""
+    run_templates.delete_run_template(store, run_template_id, revision, analyst)
+    return Response(status_code=204)

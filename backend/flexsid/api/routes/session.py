@@ -11,16 +11,11 @@ from fastapi import Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import Field
 
-from flexsid.api.authorization import (
-    client_address,
-    cookie_name,
-    identify,
-    set_cookie,
-)
+from flexsid.api.authorization import client_address, cookie_name, identify, set_cookie
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models import requests
 from flexsid.api.models.requests import Id, Title
-from flexsid.api.models.response_models import extend_record, response_of
+from flexsid.api.models.responses import extend_record, response_of
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity as RecordId
 from flexsid.api.serialization import Json, JsonRoute
@@ -28,10 +23,10 @@ from flexsid.display_units import FrequencyUnit, UnitSystem
 from flexsid.errors import Conflict, UnknownRecord
 from flexsid.records.account import AccountRole, ApiToken, LoginSession, OpenIdProvider
 from flexsid.settings import Mode, Settings
-from flexsid.storage.paging import Items
+from flexsid.storage.list_query import Items
 from flexsid.workflow.accounts import accounts, sessions
 from flexsid.workflow.accounts.accounts import LONGEST_PASSWORD
-from flexsid.workflow.accounts.login_limit import KNOWN_DAYS
+from flexsid.workflow.accounts.sessions import KNOWN_DAYS
 
 router = make_router(tag="session", route_class=JsonRoute)
 

@@ -1,31 +1,91 @@
-"""Validation of identified models: cross-prediction of maneuvers, and cross-validation of runs."""
+"""Comparison of runs and predictions, sheets of flight conditions, validation of models."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends
+from fastapi import Depends, Query
 
 from flexsid.api.context import TheStore
 from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes
 from flexsid.api.router import make_router
-from flexsid.api.serialization import Json
-from flexsid.api.submission import add_job_routes
+from flexsid.api.serialization import Identity, Json, JsonRoute, Reference
+from flexsid.figure_table import TrendParameters
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import AERODYNAMICS, CROSS_PREDICTION, CROSS_VALIDATION, POSTERIOR
+from flexsid.jobs.kinds import (
+    AERODYNAMICS,
+    CROSS_PREDICTION,
+    CROSS_VALIDATION,
+    POSTERIOR,
+    read_condition_sheet,
+)
+from flexsid.records.condition_sheet import ConditionItem, ConditionSheet
 from flexsid.records.validation import (
     AerodynamicsComparison,
+    Comparison,
     CrossPredictionMatrix,
     CrossValidationSummary,
+    DerivativeTrend,
     PosteriorCheck,
 )
-from flexsid.text import count_noun
+from flexsid.storage.list_query import Items
+from flexsid.text import count_noun, split_ids
+from flexsid.workflow.comparison.derivative_comparison import compare
+from flexsid.workflow.comparison.trends import fit_derivative_trend
+from flexsid.workflow.review import condition_sheet
 from flexsid.workflow.validation.aerodynamics_comparison import AerodynamicsQuery
 from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
 from flexsid.workflow.validation.cross_validation import CrossValidationQuery
 from flexsid.workflow.validation.posterior_check import PosteriorQuery
 
-router = make_router(tag="validation")
+# --- Comparisons of derivatives between runs and predictions, and over flight conditions ----------
+
+comparisons_router = make_router("/comparisons", tag="comparisons", route_class=JsonRoute)
+
+_Runs = Annotated[str, Query(description="Ids of runs, separated by commas.")]
+_Predictions = Annotated[str | None, Query(description="Ids of predictions, separated by commas.")]
+
+
+@comparisons_router.get("")
+def get_comparison(
+    store: TheStore, run_ids: _Runs, prediction_ids: _Predictions = None
+) -> Comparison:
+    """Compare derivatives of runs and predictions, with the difference of every pair."""
+    return compare(
+        store, split_ids(run_ids, "run_ids"), split_ids(prediction_ids, "prediction_ids")
+    )
+
+
+@comparisons_router.get("/trend")
+def get_trend(store: TheStore, parameters: Annotated[TrendParameters, Query()]) -> DerivativeTrend:
+    """Return one derivative over the flight conditions, with a weighted fit per method."""
+    return fit_derivative_trend(store, **dict(parameters))
+
+
+# --- Flight conditions, and the sheet of evidence of each -----------------------------------------
+
+conditions_router = make_router("/conditions", tag="conditions", route_class=JsonRoute)
+
+
+@conditions_router.get("")
+def list_conditions(store: TheStore, aircraft_id: Reference = None) -> Items[ConditionItem]:
+    """List flight conditions: maneuvers of one aircraft and axis at one airspeed and fuel."""
+    return Items(items=condition_sheet.list_conditions(store, aircraft_id))
+
+
+@conditions_router.get("/{condition_id}/sheet")
+def get_condition_sheet(store: TheStore, condition_id: Identity) -> ConditionSheet:
+    """Return the evidence for the model of a condition, from stored results.
+
+    The id of any maneuver of a condition names it; nothing is computed but comparisons.
+    """
+    return read_condition_sheet(store, condition_id)
+
+
+# --- Validation of identified models: cross-prediction of maneuvers, and cross-validation of runs
+
+validation_router = make_router(tag="validation")
 
 
 ThePredictionQuery = Annotated[CrossPredictionQuery, Depends(query_as(CrossPredictionQuery))]
@@ -34,7 +94,7 @@ TheAerodynamicsQuery = Annotated[AerodynamicsQuery, Depends(query_as(Aerodynamic
 ThePosteriorQuery = Annotated[PosteriorQuery, Depends(query_as(PosteriorQuery))]
 
 add_job_routes(
-    *(router, "/cross-predictions", CROSS_PREDICTION, "cross_predictions"),
+    *(validation_router, "/cross-predictions", CROSS_PREDICTION, "cross_predictions"),
     lambda store, query: count_noun(len(query.run_ids), "run"),
 )
 for _path, _kind, _name in (
@@ -42,16 +102,18 @@ for _path, _kind, _name in (
     ("/aerodynamics-comparisons", AERODYNAMICS, "aerodynamics_comparison"),
     ("/posterior-checks", POSTERIOR, "posterior_check"),
 ):
-    add_job_routes(router, _path, _kind, _name, lambda store, query: f"run {query.run_id}")
+    add_job_routes(
+        validation_router, _path, _kind, _name, lambda store, query: f"run {query.run_id}"
+    )
 
 
-@router.get("/cross-predictions", response_model=CrossPredictionMatrix)
+@validation_router.get("/cross-predictions", response_model=CrossPredictionMatrix)
 def get_cross_predictions(store: TheStore, query: ThePredictionQuery) -> Json:
     """Return the stored fit of the outputs of maneuvers, predicted by the models of runs."""
     return Json(get_result(store, CROSS_PREDICTION, query))
 
 
-@router.get("/cross-validations", response_model=CrossValidationSummary)
+@validation_router.get("/cross-validations", response_model=CrossValidationSummary)
 def get_cross_validation(store: TheStore, query: TheValidationQuery) -> Json:
     """Return the stored fit of held-out data of a run, predicted by refits to the others.
 
@@ -60,13 +122,13 @@ def get_cross_validation(store: TheStore, query: TheValidationQuery) -> Json:
     return Json(get_result(store, CROSS_VALIDATION, query).summary)
 
 
-@router.get("/aerodynamics-comparisons", response_model=AerodynamicsComparison)
+@validation_router.get("/aerodynamics-comparisons", response_model=AerodynamicsComparison)
 def get_aerodynamics_comparison(store: TheStore, query: TheAerodynamicsQuery) -> Json:
     """Return the stored verdict between quasi-steady and shaped derivatives for a run."""
     return Json(get_result(store, AERODYNAMICS, query))
 
 
-@router.get("/posterior-checks", response_model=PosteriorCheck)
+@validation_router.get("/posterior-checks", response_model=PosteriorCheck)
 def get_posterior_check(store: TheStore, query: ThePosteriorQuery) -> Json:
     """Return the stored posterior of an output-error run, against its standard errors."""
     return Json(get_result(store, POSTERIOR, query))

@@ -1,4 +1,4 @@
-"""Ground vibration tests: measured frequency responses, modal identification, orthogonality."""
+"""Tests on the ground: vibration tests, modal identification, orthogonality, mini-GVT records."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Annotated
 from fastapi import Depends, Query, status
 from pydantic import Field
 
-from flexsid.api.analyst import TheAnalyst
+from flexsid.api.authorization import TheAnalyst
 from flexsid.api.context import TheContext, TheStore
 from flexsid.api.models.requests import Id, Request, Title
 from flexsid.api.models.responses import MeasuredFunction
 from flexsid.api.parameters import query_as
+from flexsid.api.responses import add_job_routes, submit_job
 from flexsid.api.router import make_router
 from flexsid.api.serialization import Identity, Json, JsonRoute, Reference, UploadId, drop_none
-from flexsid.api.submission import add_job_routes, submit_job
 from flexsid.errors import UnknownRecord
 from flexsid.importers.responses import AveragingOptions, ResponseOptions, extract_responses
 from flexsid.jobs.kind import get_result
@@ -25,16 +25,37 @@ from flexsid.records.modal_data import (
     ModalTable,
     Orthogonality,
 )
+from flexsid.records.quality import GroundTest
 from flexsid.records.run import RunState
 from flexsid.request_models import body_of
 from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.job_list import JobItem
-from flexsid.storage.paging import Page
+from flexsid.storage.list_query import Items, Page
 from flexsid.workflow.importing.uploads import find_folder, open_upload
 from flexsid.workflow.modal_data import ground_vibration_test, orthogonality
-from flexsid.workflow.modal_data.response_estimation import ResponseEstimation, check_estimation
+from flexsid.workflow.modal_data.ground_vibration_test import ResponseEstimation, check_estimation
+from flexsid.workflow.quality import ground_records
 
-router = make_router(tag="vibration-tests", route_class=JsonRoute)
+# --- Ground tests: mini-GVT records before and after each flight ----------------------------------
+
+ground_tests_router = make_router("/ground-tests", tag="flights", route_class=JsonRoute)
+
+
+@ground_tests_router.get("")
+def list_ground_tests(store: TheStore, aircraft_id: Reference = None) -> Items[GroundTest]:
+    """Compare the mini-GVT records before and after every flight that has both."""
+    return Items(items=ground_records.compare_all_ground_records(store, aircraft_id))
+
+
+@ground_tests_router.get("/{flight_id}")
+def get_ground_test(store: TheStore, flight_id: Identity) -> GroundTest:
+    """Compare the mini-GVT records before and after one flight."""
+    return ground_records.compare_ground_records(store, flight_id)
+
+
+# --- Ground vibration tests: measured frequency responses, modal identification, orthogonality
+
+vibration_tests_router = make_router(tag="vibration-tests", route_class=JsonRoute)
 
 _Metre = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 _Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
@@ -82,7 +103,7 @@ TheModeSearch = Annotated[
 ]
 
 
-@router.post("/uploads/{upload_id}/responses", status_code=201)
+@vibration_tests_router.post("/uploads/{upload_id}/responses", status_code=201)
 def import_responses(
     store: TheStore, upload_id: UploadId, body: ResponsesRequest
 ) -> MeasuredResponses:
@@ -92,7 +113,7 @@ def import_responses(
     return ground_vibration_test.store_responses(store, aircraft, raw)
 
 
-@router.post(
+@vibration_tests_router.post(
     "/uploads/{upload_id}/response-estimates",
     response_model=JobItem,
     status_code=status.HTTP_202_ACCEPTED,
@@ -115,7 +136,9 @@ def estimate_responses(
         return submit_job(context, RESPONSES, request, analyst, request.options.name)
 
 
-@router.get("/measured-responses/{responses_id}/function", response_model=MeasuredFunction)
+@vibration_tests_router.get(
+    "/measured-responses/{responses_id}/function", response_model=MeasuredFunction
+)
 def get_response_function(
     store: TheStore, responses_id: Identity, response_dof: DofName, reference_dof: DofName
 ) -> Json:
@@ -125,7 +148,7 @@ def get_response_function(
     )
 
 
-@router.get("/measured-responses")
+@vibration_tests_router.get("/measured-responses")
 def list_measured_responses(
     store: TheStore, aircraft_id: Reference = None
 ) -> Page[MeasuredResponses]:
@@ -133,26 +156,26 @@ def list_measured_responses(
     return Page(items=store.measured_responses.find(**drop_none(aircraft_id=aircraft_id)))
 
 
-@router.get("/measured-responses/{responses_id}")
+@vibration_tests_router.get("/measured-responses/{responses_id}")
 def get_measured_responses(store: TheStore, responses_id: Identity) -> MeasuredResponses:
     """Return one set of measured frequency responses."""
     return store.measured_responses.get(responses_id)
 
 
 add_job_routes(
-    *(router, "/measured-responses/{responses_id}/modes", MODES, "modes"),
+    *(vibration_tests_router, "/measured-responses/{responses_id}/modes", MODES, "modes"),
     lambda store, search: store.measured_responses.get(search.responses_id).name,
     "responses_id",
 )
 
 
-@router.get("/measured-responses/{responses_id}/modes")
+@vibration_tests_router.get("/measured-responses/{responses_id}/modes")
 def get_identified_modes(store: TheStore, search: TheModeSearch) -> FoundModes:
     """Return the stored modes identified from responses, with standard deviations."""
     return get_result(store, MODES, search).found
 
 
-@router.post("/measured-responses/{responses_id}/modes", status_code=201)
+@vibration_tests_router.post("/measured-responses/{responses_id}/modes", status_code=201)
 def save_identified_modes(
     store: TheStore, responses_id: Identity, body: IdentifiedModesRequest
 ) -> ModalTable:
@@ -167,7 +190,7 @@ def save_identified_modes(
     )
 
 
-@router.post(
+@vibration_tests_router.post(
     "/uploads/{upload_id}/orthogonality",
     response_model=JobItem,
     status_code=status.HTTP_202_ACCEPTED,
@@ -186,7 +209,7 @@ def request_orthogonality(
         return submit_job(context, ORTHOGONALITY, request, analyst, title)
 
 
-@router.get("/orthogonality/{job_id}")
+@vibration_tests_router.get("/orthogonality/{job_id}")
 def get_orthogonality(store: TheStore, job_id: Identity) -> Orthogonality:
     """Return the orthogonality that a job has computed."""
     job = store.jobs.get(job_id)

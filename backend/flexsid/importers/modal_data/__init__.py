@@ -7,7 +7,7 @@ system of units is not unit in another, and generalised force coefficients depen
 
 from flexsid.importers.modal_data.extraction import RawModalData, extract_modal_data
 from flexsid.importers.modal_data.inspection import ModalFiles, inspect_modal_data
-from flexsid.importers.modal_data.mass_properties import MassOptions, extract_mass_table
+from flexsid.importers.modal_data.nodes import MassOptions, extract_mass_table
 from flexsid.importers.modal_data.options import ModalDataOptions
 
 __all__ = [

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.importers.modal_data.analysis_selection import select_analyses
-from flexsid.importers.modal_data.fuel_states import join_modes, read_masses
+from flexsid.importers.modal_data.fuel_states import (
+    join_modes,
+    read_masses,
+    resolve_units,
+    select_analyses,
+)
 from flexsid.importers.modal_data.inspection import list_unused_content
 from flexsid.importers.modal_data.nodes import collect_lines
 from flexsid.importers.modal_data.options import TO_BODY, ModalDataOptions, parse_axes
-from flexsid.importers.modal_data.units import resolve_units
 from flexsid.importers.modal_files import convert_csv_modes
-from flexsid.importers.nastran.solutions import BUCKLING, FLUTTER
+from flexsid.importers.nastran.modal_cases import BUCKLING, FLUTTER
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.modal_data import ModalKind
 

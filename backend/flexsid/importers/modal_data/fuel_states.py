@@ -1,19 +1,108 @@
-"""Modes at one fuel weight, merged from the files that hold them."""
+"""Modes at one fuel weight, merged from files: one analysis and the units of each."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexsid import units
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data.nodes import check_finite, join_frames
 from flexsid.importers.modal_data.options import ModalDataOptions
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.modal_data import ModalKind
 from flexsid.sysid.modes.assurance import rotate_complex_shapes
+
+# --- Selection of one modal analysis of a file with several: subcases, boundary conditions --------
+
+_LABELS = "case/label"
+_GROUPS = ("shape/", "mode/")
+
+
+@dataclass(frozen=True, slots=True)
+class ModalAnalysis:
+    """One modal analysis of a file: subcase with its label, number of modes and frequencies."""
+
+    label: str
+    n_modes: int
+    lowest_hz: float
+    highest_hz: float
+    has_damping: bool
+
+
+def list_analyses(source: SourceFile) -> tuple[ModalAnalysis, ...]:
+    """List the modal analyses of a file that has several; empty for others."""
+    listed = []
+    for place, label in enumerate(map(str, source.arrays.get(_LABELS, ()))):
+        prefix = f"case/{place}/" if place else ""
+        hertz = source.arrays[f"{prefix}shape/radians"] / (2.0 * np.pi)
+        has_damping = f"{prefix}shape/damping" in source.arrays
+        listed.append(
+            ModalAnalysis(label, hertz.size, float(hertz.min()), float(hertz.max()), has_damping)
+        )
+    return tuple(listed)
+
+
+def select_analyses(sources: Sources, labels: Mapping[str, str]) -> Sources:
+    """Select one modal analysis of each file, by default the first, and note the others.
+
+    Parameters
+    ----------
+    sources
+        Files.
+    labels
+        Label of the analysis by file.
+
+    Raises
+    ------
+    BadInput
+        If a file is not among the sources or has no such analysis.
+    """
+    unknown = set(labels) - {source.name for source in sources.items}
+    if unknown:
+        raise BadInput(
+            f"an analysis is selected of '{sorted(unknown)[0]}', which is not among the files",
+            code="unknown-file",
+        )
+    return Sources(tuple(_select(one, labels.get(one.name)) for one in sources.items))
+
+
+def _select(source: SourceFile, label: str | None) -> SourceFile:
+    analyses = list_analyses(source)
+    known = [analysis.label for analysis in analyses]
+    if label is not None and label not in known:
+        raise BadInput(
+            f"{source.name} has no analysis '{label}'; expected "
+            + (" or ".join(f"'{one}'" for one in known) or "none, as the file has one only"),
+            code="unknown-analysis",
+            file=source.name,
+        )
+    if not known:
+        return source
+    place = 0 if label is None else known.index(label)
+    others = [
+        f"it also holds {other.n_modes} mode shapes of {other.label}; those of {known[place]} "
+        "are read"
+        for other in analyses
+        if other.label != known[place]
+    ]
+    own = {path: values for path, values in source.arrays.items() if not path.startswith("case/")}
+    if place:
+        own = {path: values for path, values in own.items() if not path.startswith(_GROUPS)}
+        prefix = f"case/{place}/"
+        own |= {
+            path.removeprefix(prefix): values
+            for path, values in source.arrays.items()
+            if path.startswith(prefix)
+        }
+    refused = [*map(str, source.arrays.get("refused", ())), *others]
+    return replace(source, arrays={**own, "refused": np.array(refused, dtype=np.str_)})
+
+
+# --- Modes at one fuel weight, merged from the files that hold them -------------------------------
 
 RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05  # rad/s: modes below it are rigid-body modes
 _COLLINEAR = 0.9
@@ -251,3 +340,91 @@ def _read_by_mode(source: SourceFile, path: str) -> dict[int, float]:
     """Return the values of a field by the numbers of the modes."""
     numbers = source.arrays[f"{path.partition('/')[0]}/number"]
     return dict(zip(numbers.tolist(), source.arrays[path].tolist(), strict=True))
+
+
+# --- Units of the files: as given by the options, else as stated by a file ------------------------
+
+LENGTHS = ("m", "mm", "in", "ft")
+_SAME_UNIT = 1e-6  # relative
+MASSES = ("kg", "t", "lb", "slug", "slinch")
+
+
+def resolve_units(sources: Sources, options: ModalDataOptions) -> tuple[float, float, list[str]]:
+    """Return metres and kilograms per unit of the files, and notes on their source."""
+    stating = sources.list_holders("unit/length")
+    _check_one_system(stating)
+    stated = stating[0].arrays if stating else None
+    notes: list[str] = []
+    if stating and options.length_unit is None:
+        notes += [
+            f"{s.name} states no units; the units of {stating[0].name} are used."
+            for s in sources.items
+            if s not in stating and {"grid/id", "shape/values"} & set(s.arrays)
+        ]
+    if stated is not None and options.length_unit is None:
+        length, force = (float(stated[f"unit/{name}"][0]) for name in ("length", "force"))
+        notes.append(
+            f"The file states its unit of length as {length:g} m, of force as {force:g} N."
+        )
+        return length, force / length, notes
+    length = resolve_length_unit(sources, options.length_unit)
+    notes.append(f"Lengths are in {options.length_unit}.")
+    if stated is not None:
+        own = float(stated["unit/length"][0])
+        if not np.isclose(own, length, rtol=_SAME_UNIT):
+            notes.append(
+                f"{stating[0].name} states a unit of length of {own:g} m, which is not used."
+            )
+    has_mass = any(read_masses(source) is not None for source in sources.items)
+    if options.generalized_mass is None and not has_mass:
+        raise BadInput(
+            "the scaling of the shapes is not given; expected generalised mass unit or unknown",
+            code="mass-needed",
+            field="generalized_mass",
+        )
+    if options.generalized_mass == "unknown":
+        notes.append("Generalised masses are not known.")
+        return length, 1.0, notes
+    if options.mass_unit is None:
+        raise BadInput(
+            f"the unit of mass of generalised masses is not given; expected {', '.join(MASSES)}",
+            code="unit-needed",
+            field="mass_unit",
+        )
+    scaled = "are all one" if options.generalized_mass == "unit" else "are those of the file"
+    notes.append(
+        f"Generalised masses {scaled}, in {options.mass_unit} times {options.length_unit} squared."
+    )
+    return length, units.factor(options.mass_unit, "mass"), notes
+
+
+def _check_one_system(stating: list[SourceFile]) -> None:
+    """Reject files that state different units of length or force."""
+    for other in stating[1:]:
+        for name in ("length", "force"):
+            one, two = (float(s.arrays[f"unit/{name}"][0]) for s in (stating[0], other))
+            if not np.isclose(one, two, rtol=_SAME_UNIT):
+                raise BadInput(
+                    f"{stating[0].name} states its unit of {name} as {one:g} in SI, {other.name} "
+                    f"as {two:g}; export them in one system of units",
+                    code="other-unit",
+                )
+
+
+def resolve_length_unit(sources: Sources, unit: str | None) -> float:
+    """Return metres per unit of length, from the option or else from a file.
+
+    Raises
+    ------
+    BadInput
+        If neither gives it.
+    """
+    if unit is not None:
+        return units.factor(unit, "length")
+    for source in sources.list_holders("unit/length"):
+        return float(source.arrays["unit/length"][0])
+    raise BadInput(
+        f"the unit of coordinates and displacements is not given; expected {', '.join(LENGTHS)}",
+        code="unit-needed",
+        field="length_unit",
+    )

@@ -8,12 +8,15 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from flexsid.errors import FlexsidError
-from flexsid.importers.matrices import describe_matrix, list_matrices
-from flexsid.importers.modal_data.analysis_selection import ModalAnalysis, list_analyses
-from flexsid.importers.modal_data.fuel_states import read_masses
-from flexsid.importers.modal_data.units import LENGTHS, MASSES
+from flexsid.importers.matrices import convert_node_table, describe_matrix, list_matrices
+from flexsid.importers.modal_data.fuel_states import (
+    LENGTHS,
+    MASSES,
+    ModalAnalysis,
+    list_analyses,
+    read_masses,
+)
 from flexsid.importers.modal_files import convert_csv_modes
-from flexsid.importers.node_table import convert_node_table
 from flexsid.importers.response_functions import FREQUENCY_UNITS, PHASE_UNITS, find_functions
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.importers.vibration_records import FORCE_UNITS, TIME_UNITS, find_record

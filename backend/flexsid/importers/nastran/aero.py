@@ -13,7 +13,7 @@ import numpy as np
 
 from flexsid.errors import BadInput, UnreadableFile
 from flexsid.importers.nastran.bulk import list_entries
-from flexsid.importers.numbers import read_real
+from flexsid.importers.source import read_real
 from flexsid.sysid.aerodynamics.boxes import Panel
 
 _MOST_NUMBERS = 100_000  # boxes or nodes of a list

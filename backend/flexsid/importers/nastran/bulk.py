@@ -1,4 +1,4 @@
-"""Nastran bulk data (.bdf, .nas, .fem, .dat, .pch): nodes, systems, edges, matrices (DMIG).
+"""Nastran bulk data (.bdf, .nas, .fem, .dat, .pch): nodes, systems, edges, matrices.
 
 Fields may be in small, large and free format.
 
@@ -10,20 +10,291 @@ entry may be in another file of the deck.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+from jaxtyping import Float, Int
 
-from flexsid.errors import UnreadableFile
-from flexsid.importers.nastran.edges import CORNERS, list_edges
-from flexsid.importers.nastran.frames import Point, list_geometry
-from flexsid.importers.nastran.matrix_entries import MatrixEntries, build_matrix, take_entry
-from flexsid.importers.nastran.solutions import find_solution
-from flexsid.importers.numbers import read_integer, read_real
-from flexsid.importers.source import Field
+from flexsid.errors import BadInput, UnreadableFile
+from flexsid.importers.matrices import MatrixTerms
+from flexsid.importers.nastran.modal_cases import find_solution
+from flexsid.importers.source import Field, read_integer, read_real
+
+# --- Coordinate systems of a deck: transformation of nodes and shapes to the basic system ---------
+
+Point = tuple[float, ...]
+Grids = Mapping[int, tuple[int, Point, int]]
+"""Coordinate system, coordinates and displacement system of each node."""
+
+DefinedFrames = Mapping[int, tuple[int, int, Point]]
+"""Kind, reference system and three points of each coordinate system."""
+
+RECTANGULAR, CYLINDRICAL, SPHERICAL = 1, 2, 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoordinateSystem:
+    """One coordinate system: rows of ``axes`` are its unit vectors in the basic one."""
+
+    kind: int
+    origin: Float[np.ndarray, "3"]
+    axes: Float[np.ndarray, "3 3"]
+
+    def to_basic(self, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+        """Return the basic coordinates of a point given in this frame (angles in degrees)."""
+        a, b, c = place
+        if self.kind == CYLINDRICAL:
+            angle = np.radians(b)
+            place = np.array([a * np.cos(angle), a * np.sin(angle), c])
+        elif self.kind == SPHERICAL:
+            theta, phi = np.radians(b), np.radians(c)
+            place = a * np.array(
+                [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
+            )
+        return self.origin + place @ self.axes
+
+    def directions(self, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+        """Return the displacement unit vectors at a basic location, as rows."""
+        if self.kind == RECTANGULAR:
+            return self.axes
+        x, y, z = self.axes @ (place - self.origin)
+        around = np.arctan2(y, x)
+        out, along = np.hypot(x, y), z
+        c, s = np.cos(around), np.sin(around)
+        if self.kind == CYLINDRICAL:
+            local = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        else:
+            down = np.arctan2(out, along)
+            ct, st = np.cos(down), np.sin(down)
+            local = np.array([[st * c, st * s, ct], [ct * c, ct * s, -st], [-s, c, 0.0]])
+        return local @ self.axes
+
+
+def list_geometry(grids: Grids, frames: DefinedFrames) -> Iterator[Field]:
+    """Yield the fields of nodes and coordinate systems, in the order of their numbers."""
+    for group, known, names in (
+        ("grid", grids, ("cp", "xyz", "cd")),
+        ("frame", frames, ("kind", "reference", "points")),
+    ):
+        if known:
+            numbers = sorted(known)
+            yield Field(f"{group}/id", np.array(numbers))
+            for column, name in enumerate(names):
+                yield Field(f"{group}/{name}", np.array([known[n][column] for n in numbers]))
+
+
+BASIC = CoordinateSystem(RECTANGULAR, np.zeros(3), np.eye(3))
+
+
+class Frames:
+    """All coordinate systems of a deck, and its nodes."""
+
+    def __init__(self, grids: Mapping[str, np.ndarray], frames: Mapping[str, np.ndarray]) -> None:
+        self._row = {int(node): row for row, node in enumerate(grids["id"])}
+        self._grids = grids
+        self._defined: dict[int, tuple[int, int, np.ndarray]] = {}
+        self._by_grid: dict[int, tuple[int, tuple[int, ...]]] = {}
+        for row, number in enumerate(frames.get("id", ())):
+            self._defined[int(number)] = (
+                int(frames["kind"][row]),
+                int(frames["reference"][row]),
+                np.asarray(frames["points"][row], dtype=float).reshape(3, 3),
+            )
+        for number, kind, *nodes in frames.get("by_grid", ()):
+            self._by_grid[int(number)] = (int(kind), tuple(int(node) for node in nodes))
+        self._known: dict[int, CoordinateSystem] = {0: BASIC}
+        self._open: set[object] = set()
+
+    def places(self) -> Float[np.ndarray, "n_nodes 3"]:
+        """Return the basic coordinates of all nodes, in the unit of length of the deck."""
+        return np.array([self._place(int(node)) for node in self._grids["id"]]).reshape(-1, 3)
+
+    def place_of(self, system: int, place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+        """Return the basic coordinates of a point given in a coordinate system of the deck."""
+        return self._frame(system).to_basic(np.asarray(place, dtype=float))
+
+    def turn(
+        self,
+        nodes: Int[np.ndarray, " n_nodes"],
+        values: Float[np.ndarray, "n_modes n_nodes 6"],
+        *,
+        to_basic: bool = True,
+    ) -> Float[np.ndarray, "n_modes n_nodes 6"]:
+        """Transform shapes from the displacement systems of nodes to the basic one, or back."""
+        turned = values.copy()
+        for column, node in enumerate(nodes):
+            row = self._row.get(int(node))
+            number = 0 if row is None else int(self._grids["cd"][row])
+            if number <= 0:  # -1 denotes fluid points
+                continue
+            axes = self._frame(number).directions(self._place(int(node)))
+            axes = axes if to_basic else axes.T
+            turned[:, column, :3] = values[:, column, :3] @ axes
+            turned[:, column, 3:] = values[:, column, 3:] @ axes
+        return turned
+
+    def _place(self, node: int) -> Float[np.ndarray, "3"]:
+        if node not in self._row:
+            raise BadInput(
+                f"a coordinate system is defined by node {node}, which is in none of the files",
+                code="missing-node",
+                node=node,
+            )
+        row = self._row[node]
+        return self.place_of(int(self._grids["cp"][row]), self._grids["xyz"][row])
+
+    def _frame(self, number: int) -> CoordinateSystem:
+        if number in self._known:
+            return self._known[number]
+        if number in self._open:
+            raise BadInput(f"coordinate system {number} refers to itself", code="circular-frame")
+        self._open.add(number)
+        if number in self._defined:
+            kind, reference, points = self._defined[number]
+            base = self._frame(reference)
+            a, b, c = (base.to_basic(point) for point in points)
+        elif number in self._by_grid:
+            kind, nodes = self._by_grid[number]
+            a, b, c = (self._place(node) for node in nodes)
+        else:
+            raise BadInput(
+                f"coordinate system {number} is used but not defined in the files; import the "
+                "deck with all files that it includes",
+                code="missing-frame",
+                frame=number,
+            )
+        z = b - a
+        y = np.cross(z, c - a)
+        if np.linalg.norm(z) == 0 or np.linalg.norm(y) == 0:
+            raise BadInput(
+                f"the three points of coordinate system {number} lie on one line",
+                code="degenerate-frame",
+                frame=number,
+            )
+        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+        self._known[number] = CoordinateSystem(kind, a, np.array([np.cross(y, z), y, z]))
+        self._open.discard(number)
+        return self._known[number]
+
+
+# --- Edges of elements for drawing, from the entries of a deck or of an output file ---------------
+
+_SHELL4, _SHELL3, _BEAM = slice(2, 6), slice(2, 5), slice(2, 4)
+CORNERS = {
+    "CQUAD4": _SHELL4, "CQUADR": _SHELL4, "CQUAD8": _SHELL4, "CSHEAR": _SHELL4,
+    "CTRIA3": _SHELL3, "CTRIAR": _SHELL3, "CTRIA6": _SHELL3,
+    "CBAR": _BEAM, "CBEAM": _BEAM, "CROD": _BEAM, "CTUBE": _BEAM,
+    "CONROD": slice(1, 3), "PLOTEL": slice(0, 7), "RBE2": slice(1, None),
+}  # fmt: skip
+"""Fields of an entry, after its name, with the nodes at its corners; midside nodes are omitted."""
+
+
+def list_edges(name: str, fields: Sequence[str]) -> Iterator[tuple[int, int]]:
+    """Yield the edges of an entry as pairs of nodes, the lower number first.
+
+    Raises
+    ------
+    ValueError
+        If a node is not a number.
+    """
+    nodes = fields[CORNERS[name]]
+    if name == "RBE2":  # independent node, components, dependent nodes, thermal expansion
+        pairs = [(int(nodes[0]), int(node)) for node in nodes[2:] if node and "." not in node]
+    elif name == "PLOTEL":  # one or two
+        pairs = [(int(fields[k]), int(fields[k + 1])) for k in (1, 5) if fields[k - 1]]
+    else:
+        corners = [int(node) for node in nodes]
+        pairs = list(pairwise(corners if len(corners) == 2 else [*corners, corners[0]]))
+    yield from ((min(pair), max(pair)) for pair in pairs if pair[0] != pair[1])
+
+
+# --- DMIG entries of decks and punch files: matrices by node and component ------------------------
+
+_SQUARE, _SYMMETRIC = 1, 6
+_FORMS = {2: "rectangular", 9: "rectangular"}
+_COMPLEX = (3, 4)
+
+Dof = tuple[int, int]
+
+
+@dataclass(slots=True)
+class MatrixEntries:
+    """A matrix of DMIG entries while it is read."""
+
+    name: str
+    form: int | None = None
+    is_complex: bool = False
+    is_polar: bool = False
+    terms: dict[tuple[Dof, Dof], complex] = field(default_factory=dict)
+
+
+def take_entry(known: dict[str, MatrixEntries], fields: Sequence[str]) -> None:
+    """Add a DMIG entry: the header of a matrix, or terms of one of its columns.
+
+    Raises
+    ------
+    ValueError
+        If a field is no number, or a term has two values.
+    """
+    name = fields[0].upper()
+    matrix = known.setdefault(name, MatrixEntries(name))
+    if fields[1] == "0":  # a column begins with a node, which is not zero
+        matrix.form = int(fields[2] or 0)
+        matrix.is_complex = int(fields[3] or 1) in _COMPLEX
+        matrix.is_polar = fields[5] not in ("", "0")
+        return
+    column = (int(fields[1]), int(fields[2] or 0))
+    for begin in range(4, len(fields) - 3, 4):
+        node, component, first, second = fields[begin : begin + 4]
+        if not node:
+            continue
+        row = (int(node), int(component or 0))
+        value: complex = read_real(first)
+        if matrix.is_complex:
+            other = read_real(second)
+            value = (
+                value * np.exp(1j * np.radians(other)) if matrix.is_polar else complex(value, other)
+            )
+        if matrix.terms.setdefault((row, column), value) != value:
+            raise ValueError(f"the term {row}, {column} of matrix {name} has two values")
+
+
+def build_matrix(matrix: MatrixEntries) -> tuple[MatrixTerms | None, str]:
+    """Return the terms of a matrix, or None and the reason why it is not used.
+
+    Of a symmetric matrix one half is given, and completed.
+    """
+    if matrix.form is None:
+        return None, f"matrix {matrix.name} has no header (DMIG,{matrix.name},0,...)"
+    if matrix.form not in (_SQUARE, _SYMMETRIC):
+        kind = _FORMS.get(matrix.form, f"of form {matrix.form}")
+        return None, f"matrix {matrix.name} is {kind}; square and symmetric ones are read"
+    if not matrix.terms:
+        return None, f"matrix {matrix.name} has no terms"
+    terms = dict(matrix.terms)
+    if matrix.form == _SYMMETRIC:
+        for (row, column), value in matrix.terms.items():
+            if terms.setdefault((column, row), value) != value:
+                return None, (
+                    f"matrix {matrix.name} is symmetric by its header, and the terms {row}, "
+                    f"{column} and their transposes differ"
+                )
+    dofs = sorted({dof for pair in terms for dof in pair})
+    place = {dof: index for index, dof in enumerate(dofs)}
+    return MatrixTerms(
+        size=(len(dofs), len(dofs)),
+        rows=np.array([place[row] for row, _ in terms]),
+        columns=np.array([place[column] for _, column in terms]),
+        values=np.array(list(terms.values())),
+        dofs=np.array(dofs),
+    ), ""
+
+
+# --- Nastran bulk data (.bdf, .nas, .fem, .dat, .pch): nodes, systems, edges, matrices (DMIG) -----
 
 _CARD = re.compile(
     rb"^(INIT |SOL |CEND|BEGIN |GRID|DMIG|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,12}\d+ |\$"

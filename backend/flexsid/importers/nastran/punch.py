@@ -11,10 +11,14 @@ import numpy as np
 
 from flexsid.errors import UnreadableFile
 from flexsid.importers.nastran import bulk
-from flexsid.importers.nastran.modal_cases import NastranCase, list_cases, list_notes
-from flexsid.importers.nastran.vectors import Vectors, VectorsByNode
-from flexsid.importers.numbers import read_integer, read_real
-from flexsid.importers.source import Field
+from flexsid.importers.nastran.modal_cases import (
+    NastranCase,
+    Vectors,
+    VectorsByNode,
+    list_cases,
+    list_notes,
+)
+from flexsid.importers.source import Field, read_integer, read_real
 
 _MODE = re.compile(r"\$EIGENVALUE\s*=\s*(\S+)\s+MODE\s*=\s*(\d+)", re.IGNORECASE)
 _COMPLEX_MODE = re.compile(

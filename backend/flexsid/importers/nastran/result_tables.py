@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.nastran.frames import list_geometry
-from flexsid.importers.nastran.modal_cases import EigenvalueTable, list_cases, list_notes
-from flexsid.importers.nastran.vectors import Vectors
+from flexsid.importers.nastran.bulk import list_geometry
+from flexsid.importers.nastran.modal_cases import EigenvalueTable, Vectors, list_cases, list_notes
 from flexsid.importers.source import Field
 
 _INPUT, _RESULT = "NASTRAN.INPUT.", "NASTRAN.RESULT."

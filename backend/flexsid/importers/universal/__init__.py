@@ -14,8 +14,7 @@ from pathlib import Path
 from flexsid.errors import UnreadableFile
 from flexsid.importers.source import Field
 from flexsid.importers.universal.blocks import UnusableDataSet, iterate_data_sets
-from flexsid.importers.universal.fields import list_fields
-from flexsid.importers.universal.kinds import READERS, Contradiction, FoundKind
+from flexsid.importers.universal.kinds import READERS, Contradiction, FoundKind, list_fields
 
 
 def recognises(head: bytes) -> bool:

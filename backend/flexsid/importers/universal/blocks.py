@@ -11,8 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.numbers import read_integer, split_reals
-from flexsid.importers.source import LARGEST_CONTENT
+from flexsid.importers.source import LARGEST_CONTENT, read_integer, split_reals
 
 _BINARY = re.compile(r"\s*58b\s+(\d+)\s+(\d+)\s+(\d+)\s+(\d+)")
 _Value = TypeVar("_Value")

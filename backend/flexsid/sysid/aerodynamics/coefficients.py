@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from flexsid.errors import BadInput
 from flexsid.sysid.aerodynamics.boxes import Boxes
-from flexsid.sysid.aerodynamics.influence import Symmetry, compute_influence
-from flexsid.sysid.aerodynamics.normal_washes import (
+from flexsid.sysid.aerodynamics.doublet_lattice import Symmetry, compute_influence
+from flexsid.sysid.aerodynamics.splines import (
     BoxShapes,
     ControlSurface,
     Reference,

@@ -1,4 +1,4 @@
-"""Doublet lattice: the part of the normal wash that oscillation adds to the steady one.
+"""Vortex and doublet lattice: normal wash, and influence matrices of half an aircraft.
 
 Notes
 -----
@@ -14,12 +14,71 @@ half model and 1 GB.
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexsid.errors import BadInput
 from flexsid.sysid.aerodynamics.boxes import Boxes
+
+# --- Vortex lattice: steady normal wash of horseshoe vortices -------------------------------------
+
+SINGULAR_DISTANCE = 1e-7  # of the span of a box: a point on a vortex line receives nothing of it
+
+
+def compute_steady_wash(
+    points: Float[np.ndarray, "n_receivers 3"],
+    normals: Float[np.ndarray, "n_receivers 3"],
+    senders: Boxes,
+    mach: float,
+) -> Float[np.ndarray, "n_receivers n_senders"]:
+    """Compute the steady part of the influence matrix A in A c_p = w/V.
+
+    Parameters
+    ----------
+    points, normals
+        Control points and unit normals of the receiving boxes.
+    senders
+        Boxes with one horseshoe vortex each, at 1/4 chord.
+    mach
+        Mach number, below 1.
+
+    Notes
+    -----
+    Biot-Savart for the bound vortex and both trailing vortices (Katz and Plotkin, Low-Speed
+    Aerodynamics, 2001, section 12.3), X stretched by 1/sqrt(1 - M^2) (Prandtl-Glauert); the
+    circulation is V c_p chord/2. A is the negative of the induced wash, as the wash of the motion
+    and of the vortices cancel. A point on a trailing vortex, where the wash is infinite, gets NaN:
+    ``compute_influence`` refuses it.
+    """
+    stretch = np.array([1.0 / np.sqrt(1.0 - mach**2), 1.0, 1.0])
+    one = (points[:, None] - senders.vortex_left) * stretch
+    two = (points[:, None] - senders.vortex_right) * stretch
+    bound = (senders.vortex_right - senders.vortex_left) * stretch
+    near = (SINGULAR_DISTANCE * senders.span) ** 2
+    size_1, size_2 = np.linalg.norm(one, axis=2), np.linalg.norm(two, axis=2)
+    cross = np.cross(one, two)
+    area = np.einsum("rsi,rsi->rs", cross, cross)
+    along = np.einsum("si,rsi->rs", bound, one) / size_1
+    along -= np.einsum("si,rsi->rs", bound, two) / size_2
+    wash = np.einsum("ri,rsi->rs", normals, cross) * _divide(along, area, near**2)
+    for leg, size, sign in ((one, size_1, -1.0), (two, size_2, 1.0)):
+        distance = leg[..., 1] ** 2 + leg[..., 2] ** 2
+        across = leg[..., 1] * normals[:, 2, None] - leg[..., 2] * normals[:, 1, None]
+        wash += sign * across * _divide(1.0 + leg[..., 0] / size, distance, near)
+        wash[(distance <= near) & (leg[..., 0] > 0.0)] = np.nan
+    return -wash * senders.chord / (8.0 * np.pi)
+
+
+def _divide(
+    above: Float[np.ndarray, "n m"], below: Float[np.ndarray, "n m"], near: Float[np.ndarray, " m"]
+) -> Float[np.ndarray, "n m"]:
+    return np.divide(above, below, out=np.zeros_like(above), where=below > near)
+
+
+# --- Doublet lattice: the part of the normal wash that oscillation adds to the steady one ---------
 
 LASCHKA = np.array(
     [
@@ -221,3 +280,82 @@ def _approximate(u: Pairs, k1: Pairs, nonplanar: bool) -> tuple[ComplexPairs, Co
     J0 = square_0 + u * sum_1 - 1j * k1 * (square_1 + u * sum_0)
     I2 = (2.0 + 1j * k1 * u) * rest - u / root**3 - 1j * k1 * I0 + k2 * J0
     return I1, I2 * turn / 3.0
+
+
+# --- Influence matrices of half an aircraft in symmetric or antisymmetric motion ------------------
+
+CHUNK_PAIRS = 30_000  # receivers x senders at a time: about 50 arrays, which fit the cache
+MAX_BOXES = 4000  # one matrix of 256 MB
+
+
+class Symmetry(Enum):
+    """Pressure of the other side relative to this one; ``NONE``: there is no other side."""
+
+    SYMMETRIC = 1.0
+    ANTISYMMETRIC = -1.0
+    NONE = 0.0
+
+    @property
+    def sides(self) -> float:
+        """Number of sides that contribute to a force or moment."""
+        return 1.0 if self is Symmetry.NONE else 2.0
+
+
+def compute_influence(
+    boxes: Boxes, mach: float, wave_number: float, symmetry: Symmetry
+) -> Complex[np.ndarray, "n n"]:
+    """Compute the influence matrix A in A c_p = w/V.
+
+    Parameters
+    ----------
+    boxes
+        Of the right half, or of the whole aircraft (``Symmetry.NONE``).
+    mach
+        Mach number, from 0 to below 1.
+    wave_number
+        omega/V [1/length].
+    symmetry
+        Of the motion.
+
+    Raises
+    ------
+    BadInput
+        If the Mach number is not subsonic, the frequency negative, the boxes are too many, or a
+        control point lies on a vortex of another strip.
+
+    Notes
+    -----
+    A_RR + A_RL for symmetric and A_RR - A_RL for antisymmetric motion, where the boxes of the left
+    side are mirror images with mirrored normals.
+    """
+    if not 0.0 <= mach < 1.0:
+        raise BadInput(f"the Mach number must be from 0 to below 1, not {mach}", code="bad-mach")
+    if not (np.isfinite(wave_number) and wave_number >= 0.0):
+        raise BadInput("the reduced frequency must not be negative", code="bad-frequency")
+    if len(boxes) > MAX_BOXES:
+        raise BadInput(
+            f"{len(boxes)} boxes are more than {MAX_BOXES}; divide the panels less finely",
+            code="too-many-boxes",
+        )
+    n = len(boxes)
+    A = np.empty((n, n), dtype=complex)
+    step = max(1, CHUNK_PAIRS // n)
+    sides = [(boxes, 1.0)]
+    if symmetry is not Symmetry.NONE:
+        sides.append((boxes.mirrored(), symmetry.value))
+    for first in range(0, n, step):
+        rows = slice(first, first + step)
+        points, normals = boxes.control[rows], boxes.normal[rows]
+        A[rows] = 0.0
+        for senders, sign in sides:
+            steady = compute_steady_wash(points, normals, senders, mach)
+            with np.errstate(divide="ignore", invalid="ignore"):  # refused below
+                wash = compute_oscillatory_wash(points, normals, senders, mach, wave_number)
+            A[rows] += sign * (steady + wash)
+    if not np.isfinite(A).all():
+        raise BadInput(
+            "a control point lies on a vortex line; let strips of all panels that are behind or "
+            "above one another have equal edges",
+            code="misaligned-strips",
+        )
+    return A

@@ -22,7 +22,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
-from flexsid.sysid.aerodynamics.normal_washes import Reference
+from flexsid.sysid.aerodynamics.splines import Reference
 from flexsid.sysid.model.rigid_body import FreeFlight
 
 MAX_ITERATIONS = 30

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.sysid.compatibility.flight_record import ALTITUDE, FlightRecord
+from flexsid.sysid.compatibility.kinematics import ALTITUDE, FlightRecord
 from flexsid.sysid.compatibility.likelihood import (
     FaultCandidate,
     FaultLikelihood,

@@ -10,8 +10,12 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.compatibility.flight_record import ALTITUDE, FlightRecord
-from flexsid.sysid.compatibility.kinematics import MeasurementErrors, form_equations
+from flexsid.sysid.compatibility.kinematics import (
+    ALTITUDE,
+    FlightRecord,
+    MeasurementErrors,
+    form_equations,
+)
 from flexsid.sysid.model.sensor_models import VANE
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.text import count_noun

@@ -1,15 +1,25 @@
-"""Agreement of several correlated estimates of one parameter."""
+"""Several estimates of the same parameters: agreement, fusion and trends."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 from scipy import special
 
-from flexsid.sysid.estimation.error_components import ErrorComponents, compute_shared_covariance
+from flexsid.sysid.estimation.estimate import (
+    ErrorComponents,
+    Estimate,
+    add_components,
+    compute_shared_covariance,
+    name_priors,
+)
+from flexsid.sysid.estimation.regression import invert_triangular
+
+# --- Agreement of several correlated estimates of one parameter -----------------------------------
 
 AGREEMENT_SIGMA = 2.0
 """Two estimates agree when they differ by at most this many standard errors of the difference."""
@@ -153,3 +163,210 @@ def find_correlated_pairs(
     found = np.nan_to_num(correlation[i, j])
     order = np.argsort(-np.abs(found), kind="stable")[:count]
     return [(int(i[k]), int(j[k]), float(found[k])) for k in order]
+
+
+# --- Fusion of several estimates of the same parameters -------------------------------------------
+
+
+def fuse_estimates(estimates: Sequence[Estimate], labels: Sequence[str]) -> Estimate:
+    """Combine independent estimates, weighted by their information.
+
+    Parameters
+    ----------
+    estimates
+        Of the same parameters, e.g. one per maneuver.
+    labels
+        Names of the estimates, for their spectra.
+
+    Notes
+    -----
+    Exact for linear regressions: equal to the regression over all maneuvers, each
+    weighted with its own residual variance.
+    """
+    if len(estimates) == 1:
+        return estimates[0]
+    scale = np.sqrt(np.mean([np.diag(e.corrected_covariance) for e in estimates], axis=0))
+    outer = np.outer(scale, scale)
+    every = np.eye(scale.size)
+    values, covariance = estimates[0].values / scale, estimates[0].corrected_covariance / outer
+    plain = estimates[0].covariance / outer
+    components = estimates[0].components
+    for other in estimates[1:]:
+        values, covariance, gain = _combine(
+            values, covariance, every, other.values / scale, other.corrected_covariance / outer
+        )
+        own, new = components, other.components
+        if own is not None and new is not None:
+            components = add_components(
+                own.transform(scale[:, None] * (every - gain) / scale),
+                new.transform(scale[:, None] * gain / scale),
+            )
+        plain = _combine(values, plain, every, values, other.covariance / outer)[1]
+    if components is not None:
+        # Every estimate has a share of the priors' information: all have the same error.
+        components = replace(components, prior=components.prior / np.sqrt(len(estimates)))
+    lines = tuple(
+        replace(block, name=f"{label} {block.name}")
+        for estimate, label in zip(estimates, labels, strict=True)
+        for block in estimate.lines
+    )
+    worst = next((one for one in estimates if not one.outcome.is_optimum), estimates[0])
+    return replace(
+        estimates[0],
+        outcome=worst.outcome,
+        message=worst.message,
+        values=values * scale,
+        covariance=plain * outer,
+        corrected_covariance=covariance * outer,
+        components=components,
+        lines=lines,
+    )
+
+
+def apply_priors(estimate: Estimate, priors: Mapping[str, tuple[float, float]]) -> Estimate:
+    """Combine a linear estimate with prior values and standard deviations by name."""
+    if not priors:
+        return estimate
+    scale = np.sqrt(np.diag(estimate.corrected_covariance))
+    outer = np.outer(scale, scale)
+    own = [k for k, name in enumerate(estimate.names) if name in priors]
+    seen = np.eye(scale.size)[own]
+    mean, std = np.array([priors[estimate.names[k]] for k in own]).T / scale[own]
+    values, covariance, gain = _combine(
+        estimate.values / scale,
+        estimate.corrected_covariance / outer,
+        seen,
+        mean,
+        np.diag(std**2),
+    )
+    plain = _combine(values, estimate.covariance / outer, seen, mean, np.diag(std**2))[1]
+    components = estimate.components
+    if components is not None:
+        left = np.eye(scale.size) - gain @ seen
+        components = components.transform(scale[:, None] * left / scale).append_priors(
+            name_priors(estimate.names, priors), scale[:, None] * gain * std
+        )
+    return replace(
+        estimate,
+        values=values * scale,
+        covariance=plain * outer,
+        corrected_covariance=covariance * outer,
+        components=components,
+    )
+
+
+def _combine(
+    values: Float[np.ndarray, " n"],
+    covariance: Float[np.ndarray, "n n"],
+    seen: Float[np.ndarray, "n_seen n"],
+    others: Float[np.ndarray, " n_seen"],
+    their: Float[np.ndarray, "n_seen n_seen"],
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"], Float[np.ndarray, "n n_seen"]]:
+    """Compute the mean of ``values`` and ``others = seen @ values``, weighted by information.
+
+    The third result is the weight of ``others`` in it.
+
+    Notes
+    -----
+    The form with covariances avoids the inverse of an ill-conditioned covariance. The
+    symmetric (Joseph) form of the result stays positive definite.
+    Source: R. S. Bucy and P. D. Joseph, Filtering for Stochastic Processes (1968).
+    """
+    cross = seen @ covariance
+    gain = np.linalg.lstsq(cross @ seen.T + their, cross, rcond=None)[0].T
+    left = np.eye(values.size) - gain @ seen
+    total = left @ covariance @ left.T + gain @ their @ gain.T
+    return values + gain @ (others - seen @ values), 0.5 * (total + total.T), gain
+
+
+# --- Trends: weighted polynomials through estimates, with a chi-square test of their scatter ------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trend:
+    """A polynomial in (x - centre) / span, lowest power first.
+
+    ``probability`` is the p-value of ``chi_square`` for independent estimates with the given
+    standard errors; None without degrees of freedom.
+    """
+
+    centre: float
+    span: float
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    chi_square: float
+    freedom: int
+    probability: float | None
+
+    @property
+    def inflation(self) -> float:
+        """Birge ratio: factor on the standard errors due to the scatter; at least one."""
+        return max(1.0, float(np.sqrt(self.chi_square / self.freedom))) if self.freedom else 1.0
+
+    def at(self, x: Float[np.ndarray, " n"]) -> tuple[np.ndarray, np.ndarray]:
+        """Compute value and standard error at x, the error inflated by the Birge ratio."""
+        powers = self._powers(x)
+        spread = np.einsum("ij,jk,ik->i", powers, self.covariance, powers)
+        return powers @ self.coefficients, self.inflation * np.sqrt(spread)
+
+    @property
+    def slope(self) -> tuple[float, float]:
+        """Derivative at the centre and its standard error; zero for a constant."""
+        if self.coefficients.size < 2:
+            return 0.0, 0.0
+        error = self.inflation * float(np.sqrt(self.covariance[1, 1]))
+        return float(self.coefficients[1]) / self.span, error / self.span
+
+    def _powers(self, x: np.ndarray) -> np.ndarray:
+        scaled = (np.asarray(x, dtype=float) - self.centre) / self.span
+        return np.vander(scaled, self.coefficients.size, increasing=True)
+
+
+def fit_trend(
+    x: Float[np.ndarray, " n"],
+    values: Float[np.ndarray, " n"],
+    std_errors: Float[np.ndarray, " n"],
+    degree: int,
+) -> Trend:
+    """Fit a polynomial to estimates, each weighted by its standard error.
+
+    Parameters
+    ----------
+    x
+        Condition of each estimate, e.g. dynamic pressure. [any]
+    values
+        Estimates. [any]
+    std_errors
+        Their standard errors, all positive. [as ``values``]
+    degree
+        0 for a constant (the weighted mean), 1 for a straight line, and so on.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer distinct x than coefficients.
+
+    Notes
+    -----
+    Weighted least squares with known variances; the sum of squares left over is
+    chi-square distributed with n - degree - 1 degrees of freedom if the errors are
+    independent with the given standard errors. Where it is larger, errors are inflated by
+    its square root over the degrees of freedom (the Birge ratio).
+    Source: R. T. Birge, Phys. Rev. 40, 207 (1932).
+    """
+    x = np.asarray(x, dtype=float)
+    if np.unique(x).size <= degree:
+        raise ValueError(
+            f"{degree + 1} coefficients need {degree + 1} distinct x; found {np.unique(x).size}"
+        )
+    centre = float(np.average(x, weights=std_errors**-2.0))
+    span = float(np.ptp(x)) or 1.0
+    powers = np.vander((x - centre) / span, degree + 1, increasing=True) / std_errors[:, None]
+    whitened = values / std_errors
+    q, r = np.linalg.qr(powers)
+    inverse = invert_triangular(r)
+    coefficients = inverse @ (q.T @ whitened)
+    chi_square = float(np.sum((whitened - powers @ coefficients) ** 2))
+    freedom = x.size - degree - 1
+    probability = float(special.chdtrc(freedom, chi_square)) if freedom else None
+    return Trend(centre, span, coefficients, inverse @ inverse.T, chi_square, freedom, probability)

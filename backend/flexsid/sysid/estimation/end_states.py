@@ -16,11 +16,10 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.parameters import Extra, Parameters
+from flexsid.sysid.estimation.experiment import Experiment, Extra, Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.sensors import ACCELERATION, RATE
+from flexsid.sysid.model.rigid_body import ACCELERATION, RATE
 
 STATE = "state"
 """Kind of these parameters: ``output`` is the number of the end, ``mode`` that of the state."""

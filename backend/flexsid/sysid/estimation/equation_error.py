@@ -8,10 +8,9 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.estimation.error_components import ErrorComponents
-from flexsid.sysid.estimation.estimate import Estimate, FittedSpectra, Outcome
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.process_noise import (
+from flexsid.sysid.estimation.estimate import ErrorComponents, Estimate, FittedSpectra, Outcome
+from flexsid.sysid.estimation.experiment import Parameters
+from flexsid.sysid.estimation.flight_noise import (
     AssignedCommands,
     ProcessNoise,
     estimate_process_noise,

@@ -15,15 +15,13 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.estimate import IterationStep
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters
+from flexsid.sysid.estimation.flight_noise import LEAST_SHARE, compute_rms
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
-from flexsid.sysid.estimation.joint_noise import LEAST_SHARE, compute_rms
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import FitSettings, build_prior, count_effective_parameters
-from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.steps import compute_bounds
+from flexsid.sysid.estimation.linear_algebra import compute_bounds
+from flexsid.sysid.estimation.noise import NoiseSpectrum, SpectralMatrix
 
 ADDED_NOISE = (100.0, 10.0, 1.0, 0.1, 0.0)
 """Independent noise of the fits in sequence that is added to the estimated one, relative to the

@@ -16,11 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flexsid.sysid.estimation.elimination import Elimination
 from flexsid.sysid.estimation.end_states import STATE, FreeMotion, compute_free_motion
-from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.parameters import SHAPE_ERRORS, Parameters
-from flexsid.sysid.estimation.shape_errors import ShapeErrors
+from flexsid.sysid.estimation.experiment import SHAPE_ERRORS, Experiment, Parameters
+from flexsid.sysid.estimation.linear_algebra import Elimination
+from flexsid.sysid.estimation.noise import SpectralMatrix
+from flexsid.sysid.estimation.nuisance import ShapeErrors
+
+# --- Frequency-domain model: response and exact sensitivities at the frequencies of an experiment
 
 
 @dataclass(frozen=True, slots=True)
@@ -354,3 +356,38 @@ def expand_kept(
         s=model.s,
     )
     return expand_sensitivity(factored, replace(sensitivity, own=sensitivity.own[of_own]))
+
+
+# --- Motion estimated from the sensors during a fit, independent of the modelled forces -----------
+
+_PRIOR_POWER = 10.0  # prior variance of the motion's error over the power of its model
+
+
+def estimate_measured_motion(
+    response: ModelResponse,
+    residuals: Complex[np.ndarray, "n_omega n_y"],
+    weights: SpectralMatrix,
+) -> Complex[np.ndarray, "n_omega n_r"]:
+    """Estimate the motion by regularised least squares about that of the model.
+
+    Parameters
+    ----------
+    response
+        Of the model.
+    residuals
+        Measured less modelled outputs.
+    weights
+        Inverse noise covariance at each frequency.
+    """
+    P = response.sensors
+    if response.delayed is not None:
+        P = P * response.delayed[:, :, None]
+    left = weights.times(P).conj().transpose(0, 2, 1)
+    normal = left @ P
+    size = np.sqrt(np.maximum(np.real(np.einsum("kii->ki", normal)), 1e-300))
+    normal /= size[:, :, None] * size[:, None, :]
+    likely = _PRIOR_POWER * np.mean(np.abs(response.motion) ** 2, axis=0) * size**2
+    steps = np.arange(normal.shape[1])
+    normal[:, steps, steps] += 1.0 / np.maximum(likely, np.finfo(float).tiny)
+    gradient = (left @ residuals[:, :, None]) / size[:, :, None]
+    return response.motion + np.linalg.solve(normal, gradient)[:, :, 0] / size

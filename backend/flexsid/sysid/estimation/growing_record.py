@@ -10,17 +10,16 @@ from jaxtyping import Complex, Float
 
 from flexsid.sysid.estimation.end_states import add_end_states
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.feedback_noise import (
     ADDED_NOISE,
     has_feedback_noise,
     remove_feedback_noise,
 )
-from flexsid.sysid.estimation.free_motion import subtract_free_motion
-from flexsid.sysid.estimation.joint_noise import estimate_joint_noise_of_part
+from flexsid.sysid.estimation.flight_noise import estimate_joint_noise_of_part
+from flexsid.sysid.estimation.leakage import subtract_free_motion
 from flexsid.sysid.estimation.likelihood import FitSettings, maximize
-from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum
-from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.sysid.estimation.noise import NoiseSpectrum
 from flexsid.sysid.estimation.weighted_fit import weight_by_noise_spectrum, widen_by_change
 
 _APPROACH = 4  # iterations of maximum likelihood before the fit weighted with the noise spectrum

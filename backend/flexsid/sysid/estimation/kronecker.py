@@ -19,8 +19,8 @@ from flexsid.sysid.estimation.frequency_domain_model import (
     FrequencyDomainModel,
     Sensitivity,
 )
+from flexsid.sysid.estimation.linear_algebra import sum_products
 from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.real_products import sum_products
 
 
 class NormalForm:

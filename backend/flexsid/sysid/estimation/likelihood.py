@@ -16,29 +16,25 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput, Cancelled, NotIdentifiable
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.covariance import (
-    FinalSpectra,
-    compute_covariance,
-    invert_regular,
-)
-from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors
+from flexsid.sysid.estimation.covariance import FinalSpectra, compute_covariance, invert_regular
 from flexsid.sysid.estimation.estimate import (
+    ErrorComponents,
     Estimate,
     FittedSpectra,
     IterationStep,
     Outcome,
     count_iterations,
+    name_priors,
 )
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import (
     FrequencyDomainModel,
     ModelResponse,
     Sensitivity,
+    estimate_measured_motion,
 )
 from flexsid.sysid.estimation.kronecker import NormalForm
-from flexsid.sysid.estimation.measured_motion import estimate_measured_motion
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.steps import (
+from flexsid.sysid.estimation.linear_algebra import (
     compute_step_size,
     is_gradient_small,
     list_curvatures,

@@ -21,11 +21,16 @@ from flexsid.sysid.estimation.equation_error import (
     equation_error_rows,
     shape_regressors,
 )
-from flexsid.sysid.estimation.error_components import ErrorComponents, name_priors, scale_rows
-from flexsid.sysid.estimation.estimate import Estimate, Outcome
+from flexsid.sysid.estimation.estimate import (
+    ErrorComponents,
+    Estimate,
+    Outcome,
+    name_priors,
+    scale_rows,
+)
+from flexsid.sysid.estimation.experiment import Parameters
+from flexsid.sysid.estimation.linear_algebra import sum_products
 from flexsid.sysid.estimation.noise import SpectralMatrix, smooth_density
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.real_products import sum_products
 from flexsid.sysid.estimation.reconstruction import (
     ReconstructedMotion,
     SensorEquations,

@@ -10,7 +10,7 @@ from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
 from flexsid.sysid.estimation import noise
-from flexsid.sysid.estimation.error_components import scale_rows
+from flexsid.sysid.estimation.estimate import scale_rows
 
 _LARGEST_CONDITION = 1e10  # of the scaled regressors: collinear above
 _ITERATIONS = 20

@@ -13,14 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from flexsid.sysid.estimation.covariance import (
-    FinalSpectra,
-    compute_bound,
-    compute_covariance,
-)
+from flexsid.sysid.estimation.covariance import FinalSpectra, compute_bound, compute_covariance
 from flexsid.sysid.estimation.end_states import STATE
 from flexsid.sysid.estimation.estimate import Estimate, NoiseEstimate, Outcome
-from flexsid.sysid.estimation.experiment import Experiment
+from flexsid.sysid.estimation.experiment import Experiment, Parameters
 from flexsid.sysid.estimation.frequency_domain_model import FrequencyDomainModel
 from flexsid.sysid.estimation.kronecker import NormalForm
 from flexsid.sysid.estimation.likelihood import (
@@ -28,10 +24,8 @@ from flexsid.sysid.estimation.likelihood import (
     build_prior,
     count_effective_parameters,
 )
-from flexsid.sysid.estimation.noise import SpectralMatrix
-from flexsid.sysid.estimation.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.steps import compute_bounds
+from flexsid.sysid.estimation.linear_algebra import compute_bounds
+from flexsid.sysid.estimation.noise import NoiseSpectrum, SpectralMatrix, estimate_noise_spectrum
 
 _COVERED = 0.9  # share of the source's frequencies between the outermost ones that have a
 # response; less: inputs are omitted

@@ -9,8 +9,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.norms import HarmonicSpectrum
-from flexsid.sysid.excitation.peak_factor import lower_peak, schroeder_phases, start_at_zero
+from flexsid.sysid.excitation.peak_factor import (
+    HarmonicSpectrum,
+    lower_peak,
+    schroeder_phases,
+    start_at_zero,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,17 @@ from flexsid.sysid.model.derivatives import (
     list_derivative_names,
     variables,
 )
-from flexsid.sysid.model.frequency_shape import FrequencyShape
+from flexsid.sysid.model.frequency_shape import FrequencyShape, build_lagged_forces
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.model.rational_functions import build_lagged_forces
-from flexsid.sysid.model.rigid_body import Kinematics, RigidBody
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, SensorRows
+from flexsid.sysid.model.rigid_body import (
+    ACCELERATION,
+    INTEGRAL,
+    POSITION,
+    RATE,
+    Kinematics,
+    RigidBody,
+    SensorRows,
+)
 from flexsid.sysid.modes.shapes import StructuralModes
 
 if TYPE_CHECKING:

@@ -11,8 +11,17 @@ from jaxtyping import Float
 
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.model.rigid_body import PHUGOID, Kinematics, RigidBody, stack_factors
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
+from flexsid.sysid.model.rigid_body import (
+    ACCELERATION,
+    INTEGRAL,
+    PHUGOID,
+    POSITION,
+    RATE,
+    Kinematics,
+    Mounting,
+    RigidBody,
+    stack_factors,
+)
 
 ALPHA, Q, V = range(3)
 

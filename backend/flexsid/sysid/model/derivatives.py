@@ -1,4 +1,4 @@
-"""Derivatives: names and the table of coefficients.
+"""Derivatives: axes, names and the table of coefficients.
 
 A table has one row per coefficient (CZ and Cm, or CY, Cl and Cn; CQ of each mode) and one
 column per variable (motions of the rigid body, eta and etadot of each mode, inputs): for 0 to
@@ -11,14 +11,26 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from flexsid.errors import BadInput
-from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.model.airspeed import AIRSPEED
+from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
+
+# --- The axes that a model can describe, by name --------------------------------------------------
+
+RIGID_BODIES: dict[str, RigidBody] = {body.axis: body for body in (LONGITUDINAL, LATERAL, AIRSPEED)}
+
+ModelAxis = Literal["longitudinal", "lateral", "longitudinal-airspeed"]
+"""Axis of a model; a combined maneuver has a longitudinal and a lateral one."""
+
+
+# --- Derivatives: names and the table of coefficients ---------------------------------------------
 
 _RIGID_ROWS = tuple(name for body in RIGID_BODIES.values() for name in body.coefficients)
 GRAMMAR = rf"^({'|'.join(_RIGID_ROWS)}|CQ\d+)_(\w+)$"

@@ -11,8 +11,18 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
-from flexsid.sysid.model.rigid_body import SPIRAL, FreeFlight, Kinematics, RigidBody, stack_factors
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
+from flexsid.sysid.model.rigid_body import (
+    ACCELERATION,
+    INTEGRAL,
+    POSITION,
+    RATE,
+    SPIRAL,
+    FreeFlight,
+    Kinematics,
+    Mounting,
+    RigidBody,
+    stack_factors,
+)
 
 BETA, P, R = range(3)
 

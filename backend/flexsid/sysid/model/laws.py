@@ -11,9 +11,9 @@ from jaxtyping import Float
 from scipy import linalg
 
 from flexsid.errors import BadInput
-from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.instruments import Instrument
+from flexsid.sysid.model.sensor_models import Instrument
+from flexsid.sysid.signals import interpolate
 
 Polynomial = Sequence[float]
 _PADE = 3  # order of the approximation of a delay

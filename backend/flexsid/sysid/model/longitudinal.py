@@ -6,8 +6,17 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
-from flexsid.sysid.model.rigid_body import FreeFlight, Kinematics, RigidBody, stack_factors
-from flexsid.sysid.model.sensors import ACCELERATION, INTEGRAL, POSITION, RATE, Mounting
+from flexsid.sysid.model.rigid_body import (
+    ACCELERATION,
+    INTEGRAL,
+    POSITION,
+    RATE,
+    FreeFlight,
+    Kinematics,
+    Mounting,
+    RigidBody,
+    stack_factors,
+)
 
 
 def center_of_gravity_acceleration(

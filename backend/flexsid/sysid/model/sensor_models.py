@@ -1,4 +1,4 @@
-"""Sensor models: everything that distinguishes one type of sensor, in one value each.
+"""Sensor models, and the instrument between a quantity and its samples.
 
 A further type is one more value of ``_BUILT_IN``, or one that an installed package declares in
 the entry points ``flexsid.sensors``.
@@ -13,15 +13,16 @@ from functools import cache, partial
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from flexsid.errors import BadInput
 from flexsid.extensions import SENSORS, ExtensionFailed, load_extensions, report_errors
 from flexsid.sysid.model import airspeed, lateral, longitudinal
 from flexsid.sysid.model.condition import FlightCondition
-from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.sensors import Mounting, strain_row
+from flexsid.sysid.model.rigid_body import Mounting, RigidBody, strain_row
 from flexsid.units import dimension
+
+# --- Sensor models: everything that distinguishes one type of sensor, in one value each -----------
 
 Row = Callable[[Mounting, FlightCondition], Float[np.ndarray, "4 n_r"]]
 """Row of a sensor: coefficients of 1/s, 1, s and s2 for the motions of rigid body and modes."""
@@ -290,3 +291,65 @@ AIRSPEED_PROBE = SensorModel(
 )
 
 _BUILT_IN = (ACCELEROMETER, GYRO, ATTITUDE, VANE, STRAIN, AIRSPEED_PROBE)
+
+
+# --- Instrument: sensor dynamics, filters and delay between a quantity and its samples ------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondOrder:
+    """Sensor with unit static gain: wn^2 / (s^2 + 2 zeta wn s + wn^2)."""
+
+    natural_frequency: float
+    damping: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return numerator and denominator in s, highest power first."""
+        wn = self.natural_frequency
+        return np.array([wn**2]), np.array([1.0, 2.0 * self.damping * wn, wn**2])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstOrder:
+    """Lag with unit static gain: wc / (s + wc)."""
+
+    corner: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return numerator and denominator in s, highest power first."""
+        return np.array([self.corner]), np.array([1.0, self.corner])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Butterworth:
+    """Analog low-pass filter of given order and corner. [rad/s]"""
+
+    order: int
+    corner: float
+
+    def polynomials(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return numerator and denominator in s, highest power first."""
+        # Without scipy.signal, whose import takes seconds.
+        angles = np.pi * (2 * np.arange(self.order) + self.order + 1) / (2 * self.order)
+        denominator = np.poly(self.corner * np.exp(1j * angles)).real
+        return denominator[-1:], denominator
+
+
+Element = SecondOrder | FirstOrder | Butterworth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instrument:
+    """A chain of elements followed by a pure delay. [s]"""
+
+    elements: tuple[Element, ...] = ()
+    delay_s: float = 0.0
+
+    def response(self, omega: Float[np.ndarray, " n_omega"]) -> Complex[np.ndarray, " n_omega"]:
+        """Compute the response of the whole chain, delay included: measured over true. [1]"""
+        s = 1j * np.asarray(omega, dtype=float)
+        response = np.exp(-s * self.delay_s)
+        for element in self.elements:
+            numerator, denominator = element.polynomials()
+            response = response * np.polyval(numerator, s) / np.polyval(denominator, s)
+        return response

@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from scipy import linalg
 from scipy.spatial import cKDTree
 
-from flexsid.sysid.modes.symmetry import find_symmetry, has_one_side
+from flexsid.sysid.modes.shapes import find_symmetry, has_one_side
 
 _OUTBOARD = 0.45  # of the span from its middle: winglets lie further out
 _OFF_PLANE = 0.005  # of the span above or below the wing: nodes of a winglet

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import fft, ndimage
 
 from flexsid.errors import BadInput
-from flexsid.sysid.excitation.recognition import recognise_multisine
+from flexsid.sysid.excitation.checks import recognise_multisine
 
 _ACTIVE = 1e-3  # of the largest command, for a digital command that rests at one level exactly
 _AT_REST = 0.05  # of the samples at one value: the level at which a digital command rests

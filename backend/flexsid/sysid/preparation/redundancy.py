@@ -1,9 +1,16 @@
-"""Time skews and scale factors from the redundancy of the sensors.
+"""Time skews, scale factors and biases from redundancy, kinematics and the surfaces' effect.
 
 All sensors measure the same motion through known rows P(s): gyro and attitude by
 kinematics, accelerometers and strain gauges by the mode shapes. Residuals outside the span
 of the motion are therefore faults of single channels, among them a delay
 exp(-j omega tau) and a scale factor. Both follow by variable projection.
+
+Scale factors come from the redundancy of all sensors (``redundancy``); a bias
+follows from averages, which do not depend on the dynamics.
+
+Sensors have redundancy; surfaces have none. But the coefficients of the reconstructed motion
+are sums over motion and surfaces with real derivatives (Eq. 23). A surface that was recorded
+late by tau gives its rate a derivative of tau times its own, with one tau for all coefficients.
 """
 
 from __future__ import annotations
@@ -16,9 +23,17 @@ from jaxtyping import Complex, Float, Int
 from scipy import linalg
 
 from flexsid.errors import NotIdentifiable
-from flexsid.sysid.estimation.reconstruction import reconstruct_motion
+from flexsid.sysid.estimation.equation_error import (
+    MotionNoise,
+    build_regressors,
+    compute_aerodynamic_coefficients,
+)
+from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
+from flexsid.sysid.estimation.regression import ErrorsInVariables, regress
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.signals import FrequencyData
+
+# --- Time skews and scale factors from the redundancy of the sensors ------------------------------
 
 _ROUNDS = 4  # of new weights
 _START_NOISE = 0.05  # of the rms of each output, before its noise is estimated
@@ -390,3 +405,263 @@ def compute_sensor_coherence(
     power = np.sum(np.where(checked, np.abs(z) ** 2, 0.0), axis=0)
     power = power * np.sum(np.where(checked, np.abs(others) ** 2, 0.0), axis=0)
     return np.where(power > 0, cross / np.where(power > 0, power, 1.0), np.nan)
+
+
+# --- Biases of gyro and vane from kinematics: attitude integrates pitch rate, alpha is theta - gamm
+
+_PARTS = 8  # batches of a record, for standard errors of means
+_EDGE_S = 0.5  # at either end of a record: averaged, for one sample is noisy
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bias:
+    """Bias of a channel with its standard error; ``basis`` states the assumption."""
+
+    value: float
+    std: float
+    basis: str
+
+
+def estimate_gyro_bias(
+    rate: Float[np.ndarray, " n_samples"],
+    attitude: Float[np.ndarray, " n_samples"] | None,
+    rate_hz: float,
+    trim: slice,
+    scale: float = 1.0,
+    scale_std: float = 0.0,
+) -> Bias:
+    """Bias of a rate gyro.
+
+    Parameters
+    ----------
+    rate, attitude
+        Recorded angular rate [rad/s], and the angle that integrates it on the same clock; None
+        where none was recorded. [rad]
+    rate_hz
+        Samples per second. [Hz]
+    trim
+        Samples before the excitation, where the aircraft does not turn: used when there
+        is no attitude.
+    scale, scale_std
+        Recorded over true rate.
+
+    Notes
+    -----
+    The mean rate over a record is the turn from its beginning to its end; errors follow
+    from estimates of parts of the record.
+    """
+    if attitude is None:
+        value, std = estimate_mean(rate[trim])
+        return Bias(value=value, std=std, basis="no turn in trim before the excitation")
+    edge = max(1, min(rate.size // 8, round(_EDGE_S * rate_hz)))
+    parts = [
+        _average_rate(r, edge) - scale * _average_turn(a, edge, rate_hz)
+        for r, a in zip(np.array_split(rate, _PARTS), np.array_split(attitude, _PARTS), strict=True)
+        if r.size > 2 * edge
+    ]
+    turn = _average_turn(attitude, edge, rate_hz)
+    return Bias(
+        value=_average_rate(rate, edge) - scale * turn,
+        std=float(np.hypot(_estimate_std(parts), scale_std * turn)),
+        basis="the mean rate is the change of attitude",
+    )
+
+
+def estimate_vane_bias(
+    vane: Float[np.ndarray, " n_samples"],
+    attitude: Float[np.ndarray, " n_samples"],
+    climb: Bias,
+    trim: slice,
+    scale: float = 1.0,
+    scale_std: float = 0.0,
+) -> Bias:
+    """Bias of an angle-of-attack vane against attitude in trim.
+
+    Parameters
+    ----------
+    vane, attitude
+        Recorded angles on one clock. [rad]
+    climb
+        Flight path angle and its standard error. [rad]
+    trim
+        Samples of steady flight.
+    scale, scale_std
+        Recorded over true angle of attack.
+    """
+    value, std = estimate_mean(vane[trim] - scale * attitude[trim])
+    alpha = float(np.mean(attitude[trim])) - climb.value
+    return Bias(
+        value=value + scale * climb.value,
+        std=float(np.sqrt(std**2 + (scale * climb.std) ** 2 + (scale_std * alpha) ** 2)),
+        basis=f"in trim alpha is theta - gamma, {climb.basis}",
+    )
+
+
+def estimate_climb_angle(
+    altitude: Float[np.ndarray, " n_samples"], rate_hz: float, airspeed: float
+) -> Bias:
+    """Flight path angle [rad] from the altitude [m] of a whole record at true airspeed. [m/s]"""
+    slopes = [_fit_slope(part) * rate_hz for part in np.array_split(altitude, _PARTS)]
+    value = _fit_slope(altitude) * rate_hz / airspeed
+    std = _estimate_std(slopes) / airspeed
+    return Bias(value=value, std=std, basis="gamma from altitude")
+
+
+def estimate_mean(values: Float[np.ndarray, " n_samples"]) -> tuple[float, float]:
+    """Mean, and its standard error from batch means, which are robust to correlated samples."""
+    if values.size < 2 * _PARTS:
+        return float(np.mean(values)), float(np.std(values, ddof=min(1, values.size - 1)))
+    means = [part.mean() for part in np.array_split(values, _PARTS)]
+    return float(np.mean(values)), _estimate_std(means)
+
+
+def _average_turn(attitude: np.ndarray, edge: int, rate_hz: float) -> float:
+    """Mean rate of an angle from the middle of the first edge to the middle of the last."""
+    change = float(attitude[-edge:].mean() - attitude[:edge].mean())
+    return change * rate_hz / (attitude.size - edge)
+
+
+def _average_rate(rate: np.ndarray, edge: int) -> float:
+    """Mean of a rate weighted like the difference of averaged ends: a trapezoid."""
+    weight = np.convolve(np.ones(rate.size - edge), np.ones(edge))
+    return float(np.average(0.5 * (rate[:-1] + rate[1:]), weights=weight))
+
+
+def _estimate_std(parts: Sequence[float]) -> float:
+    """Standard error of the mean of a few parts, widened to the variance of Student's t."""
+    count = len(parts)
+    if count < 4:
+        return float("nan")
+    widened = np.sqrt((count - 1) / (count - 3))
+    return float(widened * np.std(parts, ddof=1) / np.sqrt(count))
+
+
+def _fit_slope(values: np.ndarray) -> float:
+    """Least-squares slope per sample."""
+    return float(np.polyfit(np.arange(values.size), values, 1)[0])
+
+
+# --- Time skews of the measured surfaces against the motion that they cause -----------------------
+
+_INPUT_STEPS = 8  # at most
+_SMALL_S = 2e-6  # smaller steps of a delay end the iteration [s]
+_LARGEST_INPUT_CONDITION = 1e10  # of the scaled information: above it, delays are not identifiable
+_IN_BAND = 1.3  # of the highest frequency: modes further above respond by their stiffness only
+
+
+@dataclass(frozen=True, slots=True)
+class InputSkews:
+    """Delay of every input beyond the reference of the motion, with standard errors. [s]"""
+
+    names: tuple[str, ...]
+    delay_s: Float[np.ndarray, " n_u"]
+    delay_std: Float[np.ndarray, " n_u"]
+
+
+def estimate_input_skews(
+    model: AeroelasticModel,
+    motion: ReconstructedMotion,
+    inputs: FrequencyData,
+    noise: Float[np.ndarray, "n_omega n_u"] | None = None,
+    near: InputSkews | None = None,
+) -> InputSkews:
+    """Estimate the delays on which the derivatives of all coefficients agree.
+
+    Parameters
+    ----------
+    motion
+        Reconstructed from sensors whose delays are undone.
+    inputs, noise
+        Surface deflections, known instruments undone [rad s], and the variance of their
+        spectra, none by default. [rad2 s2]
+    near
+        Skews to begin with; none by default.
+
+    Raises
+    ------
+    NotIdentifiable
+        If there are fewer frequencies than derivatives, or a surface has no effect.
+
+    Notes
+    -----
+    Errors of the motion are taken out of each regression as in equation error. Standard
+    errors grow where the coefficients disagree (Birge, Phys. Rev. 40, 1932,
+    doi:10.1103/PhysRev.40.207).
+    """
+    u = inputs.pick(model.inputs).values
+    n_u = u.shape[1]
+    if n_u == 0:
+        raise NotIdentifiable("no surface was recorded", code="no-input")
+    some = select_strong_frequencies(u)
+    seen = ReconstructedMotion(
+        motion.omega[some], motion.values[some], motion.covariance[some], motion.noise
+    )
+    top = _IN_BAND * seen.omega[-1]
+    first = model.n_rigid
+    rows = [*range(first), *(first + k for k, own in enumerate(model.modes.omega) if own < top)]
+    errors = _gather_errors(model, seen, rows, None if noise is None else noise[some])
+    coefficients = compute_aerodynamic_coefficients(model, seen)[:, rows]
+    delay = np.zeros(n_u) if near is None else near.delay_s
+    information, excess = np.eye(n_u), 1.0
+    for _ in range(_INPUT_STEPS):
+        turned = u[some] * np.exp(1j * seen.omega[:, None] * delay)
+        X = build_regressors(model, seen, FrequencyData(seen.omega, turned, model.inputs))
+        X = np.concatenate([X, 1j * seen.omega[:, None] * turned], axis=1)
+        step, information, excess = _solve_step(X, coefficients, errors, n_u)
+        delay = delay + step
+        if np.max(np.abs(step)) < _SMALL_S:
+            break
+    variance = np.diag(np.linalg.inv(information))
+    return InputSkews(model.inputs, delay, np.sqrt(max(1.0, excess) * variance))
+
+
+def _gather_errors(
+    model: AeroelasticModel,
+    motion: ReconstructedMotion,
+    rows: Sequence[int],
+    noise: Float[np.ndarray, "n_omega n_u"] | None,
+) -> list[ErrorsInVariables]:
+    """Errors of the regressors of every row: motion, inputs, and rates of the inputs."""
+    motion_noise, n_u = MotionNoise(model, motion), len(model.inputs)
+    p = len(model.variables)
+    of_inputs = np.zeros((motion.omega.size, p + n_u))
+    if noise is not None:
+        of_inputs[:, p - n_u : p] = noise
+        of_inputs[:, p:] = noise * motion.omega[:, None] ** 2
+    errors = []
+    for row in rows:
+        known = motion_noise.compute_row_errors(row, np.zeros(p), np.arange(p))
+        spread = of_inputs[:, :, None] * np.eye(p + n_u)
+        spread[:, :p, :p] += known.regressors
+        cross = np.zeros((motion.omega.size, p + n_u))
+        cross[:, :p] = known.cross
+        errors.append(ErrorsInVariables(spread, cross, known.dependent))
+    return errors
+
+
+def _solve_step(
+    X: Complex[np.ndarray, "n_omega p"],
+    C: Complex[np.ndarray, "n_omega n_rows"],
+    errors: Sequence[ErrorsInVariables],
+    n_u: int,
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Further delay, its information, and the scatter of the rows over their errors."""
+    labels = tuple(f"regressor {k + 1}" for k in range(X.shape[1]))
+    found = [regress(X, z, labels, error) for z, error in zip(C.T, errors, strict=True)]
+    theta = np.array([one.values[-2 * n_u : -n_u] for one in found])
+    rate = np.array([one.values[-n_u:] for one in found])
+    weight = np.array([np.linalg.inv(one.covariance[-n_u:, -n_u:]) for one in found])
+    information = np.einsum("ru,ruv,rv->uv", theta, weight, theta)
+    size = np.sqrt(np.diag(information))
+    if (
+        not np.all(size > 0)
+        or np.linalg.cond(information / np.outer(size, size)) > _LARGEST_INPUT_CONDITION
+    ):
+        raise NotIdentifiable(
+            "the delays of the surfaces are not identifiable from the coefficients",
+            code="no-redundancy",
+        )
+    step = np.linalg.solve(information, np.einsum("ru,ruv,rv->u", theta, weight, rate))
+    apart = rate - theta * step
+    chi_square = float(np.einsum("ru,ruv,rv->", apart, weight, apart))
+    return step, information, chi_square / ((len(found) - 1) * n_u)

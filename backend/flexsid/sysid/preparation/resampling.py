@@ -1,15 +1,24 @@
-"""Resampling of channels to one clock, with the response of instruments and delays inverted."""
+"""Resampling of channels to one clock, held samples, and symmetric parts of sensors (Eq. 3).
+
+In a symmetric motion both sides heave, surge and twist alike, and move sideways, roll and
+yaw with opposite signs. So the symmetric part of a pair is half the sum, but half the
+difference for what a mirror turns round: lateral accelerations, roll and yaw
+(``SensorModel.mirror_sign``).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 from scipy import fft
 
 from flexsid.errors import BadInput
+
+# --- Resampling of channels to one clock, with the response of instruments and delays inverted
 
 _LARGEST_GAIN = 3.0  # a larger gain of an inverted filter would amplify noise
 _TAPER_SHARE = 0.2  # of the band: width of the cosine taper of the pass band
@@ -134,3 +143,96 @@ def _pass_band(
         place = np.clip(2.0 * frequency_hz / bottom_hz - 1.0, 0.0, 1.0)
         passed *= 0.5 * (1.0 - np.cos(np.pi * place))
     return passed
+
+
+# --- Symmetric and antisymmetric parts of left and right sensors (Eq. 3) --------------------------
+
+Part = Literal["symmetric", "antisymmetric"]
+
+_SUFFIX = {"symmetric": "s", "antisymmetric": "a"}
+
+
+def find_pairs(names: Iterable[str]) -> tuple[tuple[str, str, str], ...]:
+    """Left and right names that differ only in the side, and the common name.
+
+    A side is the last letter of a part between underscores: ``az_ofl`` and ``az_ofr`` make
+    ``az_of{}``, ``s_ros1l_m45`` and ``s_ros1r_m45`` make ``s_ros1{}_m45``.
+    """
+    known = list(names)
+    found = []
+    for name in known:
+        parts = name.split("_")
+        for index, part in enumerate(parts):
+            if len(part) < 2 or not part.endswith("l"):
+                continue
+            stem = part[:-1]
+            other = "_".join([*parts[:index], f"{stem}r", *parts[index + 1 :]])
+            if other in known:
+                both = "_".join([*parts[:index], f"{stem}{{}}", *parts[index + 1 :]])
+                found.append((name, other, both))
+    return tuple(found)
+
+
+def combine_pair(
+    left: str, right: str, both: str, sign: float, part: Part
+) -> tuple[str, tuple[tuple[str, float], ...]]:
+    """Name and weights of one part of a pair; the antisymmetric one is right less left.
+
+    The names are those of ``find_pairs``, the sign is that of ``SensorModel.mirror_sign``.
+    """
+    name = both.format(_SUFFIX[part])
+    if part == "symmetric":
+        return name, ((left, 0.5), (right, 0.5 * sign))
+    return name, ((left, -0.5 * sign), (right, 0.5))
+
+
+def parity(weights: Iterable[tuple[float, float]]) -> Part | None:
+    """Which part of the motion a combination of two sensors reads; None for any other.
+
+    ``weights`` are those of left and right sensor, each with what a symmetric motion makes of
+    it: mirror sign for the right, one for the left.
+    """
+    seen = [weight * sign for weight, sign in weights]
+    if len(seen) != 2 or abs(abs(seen[0]) - abs(seen[1])) > 1e-9 * abs(seen[0]):
+        return None
+    return "symmetric" if seen[0] * seen[1] > 0 else "antisymmetric"
+
+
+# --- Channels that repeat each sample until the next one of a slower clock ------------------------
+
+_LEAST_CHANGES = 12  # fewer new samples may be those of a signal that rests
+_LEAST_REPEATED = 1.5  # samples between new ones
+_LARGEST_SPREAD = 0.6  # samples: two clocks without a common divisor alternate by one
+_REGULAR = 0.9  # of the intervals
+
+
+def find_new_samples(samples: Float[np.ndarray, " n"]) -> Int[np.ndarray, " n_new"] | None:
+    """Find the samples with a new value in a held channel; None if it is not held.
+
+    Notes
+    -----
+    New values at equal intervals of two or more samples are those of a slower clock. A signal that
+    rests or is rounded repeats values at irregular intervals; intervals that are multiples of the
+    usual one are of a signal that rests for a few of the slower samples.
+    """
+    x = np.asarray(samples, dtype=float)
+    changes = np.flatnonzero(np.diff(x)) + 1
+    if changes.size < _LEAST_CHANGES:
+        return None
+    gaps = np.diff(changes)
+    usual = float(np.median(gaps))
+    near = gaps[np.abs(gaps - usual) <= 1.0]
+    step = float(near.mean())
+    if step < _LEAST_REPEATED or near.std() > _LARGEST_SPREAD or gaps.min() < usual - 1.0:
+        return None
+    whole = np.maximum(np.rint(gaps / step), 1.0)
+    if np.mean(np.abs(gaps / whole - step) < 0.5) < _REGULAR:
+        return None
+    # Where the signal rests, new samples repeat the last value.
+    between = [
+        int(first) + np.rint(step * np.arange(int(count))).astype(int)
+        for first, count in zip(changes[:-1], whole, strict=True)
+    ]
+    before = changes[0] - np.rint(step * np.arange(int(changes[0] // step), 0, -1)).astype(int)
+    after = np.arange(changes[-1], x.size, step).astype(int)
+    return np.unique(np.concatenate([before, *between, after]))

@@ -11,14 +11,14 @@ from jaxtyping import Bool, Float
 from flexsid.errors import BadInput
 from flexsid.sysid.excitation.checks import ActuatorLimits
 from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.instruments import Instrument, SecondOrder
 from flexsid.sysid.model.laws import (
     build_instrument_chain,
     discretise,
     find_loop_channels,
     series,
 )
-from flexsid.sysid.simulation.limited_actuators import (
+from flexsid.sysid.model.sensor_models import Instrument, SecondOrder
+from flexsid.sysid.simulation.closed_loop import (
     SUBSTEPS,
     LimitedActuator,
     build_limited_actuator,

@@ -1,15 +1,36 @@
-"""Loop closed by a controller: poles, and stability margins of each surface's loop."""
+"""Loop closed by a controller: poles, margins, measured loops, and sweeps over airspeed.
+
+At the harmonics of one input no other input is excited, so that its deflection over its
+recorded excitation is A / (1 + L): its own loop closed around the actuator A, all other
+loops closed as they fly.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import brentq
 
 from flexsid.errors import BadInput
-from flexsid.sysid.model.aeroelastic import StateSpace
-from flexsid.sysid.model.laws import find_loop_channels
+from flexsid.sysid.model.aeroelastic import AeroelasticModel, StateSpace
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.laws import (
+    build_delays,
+    build_instrument_chain,
+    find_loop_channels,
+    series,
+)
+from flexsid.sysid.model.sensor_models import Instrument
+from flexsid.sysid.signals import FrequencyData
+from flexsid.sysid.spectra.residual_spectrum import estimate_noise_about_responses
+from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
+
+# --- Loop closed by a controller: poles, and stability margins of each surface's loop -------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,3 +145,264 @@ def _find_axis_crossings(L: Complex[np.ndarray, " n_omega"]) -> Float[np.ndarray
     share = imag[at] / (imag[at] - imag[at + 1])
     size = -(real[at] + share * (real[at + 1] - real[at]))
     return size[size > 0.0]
+
+
+# --- Measured loops: gain and margins of each surface's loop from one closed-loop maneuver --------
+
+_MONTE_CARLO_SAMPLES = 200  # standard errors of margins scatter by 5 %
+_FINE = 1500  # frequencies between which margins are interpolated
+_LEAST_HARMONICS = 8  # of an input, for a cubic interpolation of its loop gain
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredLoop:
+    """Gain of one loop, broken in front of its actuator, at its own harmonics.
+
+    ``std`` is the standard deviation of the complex error; the margins' are from draws.
+    """
+
+    surface: str
+    omega: Float[np.ndarray, " n_omega"]
+    gain: Complex[np.ndarray, " n_omega"]
+    std: Float[np.ndarray, " n_omega"]
+    margins: Margins
+    phase_std: float
+    disk_std: float
+
+
+def estimate_loop_gains(
+    deflections: FrequencyData,
+    commands: FrequencyData,
+    actuators: Complex[np.ndarray, "n_omega n_u"],
+    assigned_input: np.ndarray,
+) -> tuple[MeasuredLoop, ...]:
+    """Estimate loop gains L_i = A e_i / delta_i - 1 with their margins.
+
+    Parameters
+    ----------
+    deflections
+        True deflections at all harmonics. [rad s]
+    commands
+        Recorded excitation, added to the command in front of the actuator. [rad s]
+    actuators
+        Deflection over command of every input. [1]
+    assigned_input
+        Index of the input that each harmonic is assigned to.
+
+    Raises
+    ------
+    BadInput
+        If an input has fewer than eight harmonics.
+    """
+    noise = estimate_noise_about_responses(
+        deflections.omega,
+        assigned_input,
+        deflections.values,
+        commands.values[np.arange(assigned_input.size), assigned_input],
+    )
+    rng = np.random.default_rng(0)
+    loops = []
+    for index, name in enumerate(deflections.names):
+        own = np.flatnonzero(assigned_input == index)
+        if own.size < _LEAST_HARMONICS:
+            raise BadInput(
+                f"input '{name}' has {own.size} harmonics; its loop needs {_LEAST_HARMONICS}",
+                code="too-few-frequencies",
+                input=name,
+            )
+        delta = deflections.values[own, index]
+        returned = actuators[own, index] * commands.values[own, index] / delta
+        level = np.zeros(own.size) if noise is None else noise[own, index]
+        std = np.abs(returned) * level / np.abs(delta)
+        omega, gain = deflections.omega[own], returned - 1.0
+        fine = np.linspace(omega[0], omega[-1], _FINE)
+        matrix = make_interp_spline(omega, np.eye(own.size), k=3)(fine)
+        scatter = rng.normal(size=(_MONTE_CARLO_SAMPLES, own.size)) + 1j * rng.normal(
+            size=(_MONTE_CARLO_SAMPLES, own.size)
+        )
+        drawn = matrix @ (gain + std * scatter / np.sqrt(2.0)).T
+        phases = compute_phase_margins(drawn)
+        finite = phases[np.isfinite(phases)]
+        loops.append(
+            MeasuredLoop(
+                surface=name,
+                omega=omega,
+                gain=gain,
+                std=std,
+                margins=compute_margins(matrix @ gain),
+                phase_std=float(finite.std()) if finite.size else float("nan"),
+                disk_std=float(compute_disk_margins(drawn).std()),
+            )
+        )
+    return tuple(loops)
+
+
+# --- Closed loop over airspeed, with uncertainty --------------------------------------------------
+
+_FINE_SWEEP = 400  # frequencies between which margins are interpolated
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """Control law, actuators and delay between outputs and deflections of an aircraft.
+
+    ``law`` is u = K y; ``actuators`` belong to its outputs in order; ``delay_s`` is
+    from measurement to command.
+    """
+
+    law: StateSpace
+    actuators: tuple[Instrument, ...]
+    delay_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class LoopPoint:
+    """The closed loop at one airspeed.
+
+    ``growth`` is the largest real part of its roots [rad/s]; margins mean something only
+    where that is negative. The ``_std`` of margins follow the order of ``margins``.
+    """
+
+    airspeed: float
+    roots: Complex[np.ndarray, " n_roots"]
+    growth: float
+    growth_std: float
+    margins: tuple[Margins, ...]
+    gain_std: Float[np.ndarray, " n_driven"]
+    phase_std: Float[np.ndarray, " n_driven"]
+    disk_std: Float[np.ndarray, " n_driven"]
+
+    @property
+    def stable(self) -> bool:
+        """Whether all roots are stable."""
+        return self.growth < STATIC_ROOT_RAD_S
+
+    def widen(self, others: Sequence[LoopPoint]) -> LoopPoint:
+        """Widen the errors by the differences to stable points of other model structures."""
+        alike = [_tabulate_margins(other.margins) for other in others if other.stable]
+        if not alike:
+            return self
+        apart = np.ma.masked_invalid(alike) - np.ma.masked_invalid(_tabulate_margins(self.margins))
+        bias = np.ma.filled((apart**2).mean(axis=0), 0.0)
+        std = np.sqrt(np.stack([self.gain_std, self.phase_std, self.disk_std]) ** 2 + bias)
+        return replace(self, gain_std=std[0], phase_std=std[1], disk_std=std[2])
+
+
+def evaluate_loop_point(
+    model: AeroelasticModel,
+    table: DerivativeTable,
+    samples: Sequence[DerivativeTable],
+    loop: Loop,
+    band: tuple[float, float],
+) -> LoopPoint:
+    """Compute roots and margins at the condition of a model.
+
+    Parameters
+    ----------
+    table, samples
+        Derivatives, and tables drawn from their covariance.
+    band
+        Frequencies between which margins are looked for. [rad/s]
+
+    Raises
+    ------
+    BadInput
+        If the law reads outputs or drives inputs that the model does not have.
+
+    Notes
+    -----
+    Margins are read from frequency responses with exact delays, roots from third-order
+    Pade delays. Gain margins scatter as factors, standard deviation of their logarithm.
+    """
+    roots = _compute_roots(model, table, loop)
+    growths = np.array([compute_largest_growth(model, one, loop) for one in samples])
+    omega = np.geomspace(band[0], band[1], _FINE_SWEEP)
+    lead = _law_response(loop, omega)
+    margins = _compute_margins(model, table, loop, omega, lead)
+    drawn = [_tabulate_margins(_compute_margins(model, one, loop, omega, lead)) for one in samples]
+    std = np.zeros((3, len(margins)))
+    if drawn:
+        std = np.ma.filled(np.ma.masked_invalid(drawn).std(axis=0), 0.0)
+    return LoopPoint(
+        airspeed=model.condition.airspeed,
+        roots=roots,
+        growth=float(np.real(roots).max()),
+        growth_std=float(growths.std()) if growths.size else 0.0,
+        margins=margins,
+        gain_std=std[0],
+        phase_std=std[1],
+        disk_std=std[2],
+    )
+
+
+def compute_largest_growth(model: AeroelasticModel, table: DerivativeTable, loop: Loop) -> float:
+    """Largest real part of the closed loop's roots. [rad/s]"""
+    return float(np.real(_compute_roots(model, table, loop)).max())
+
+
+def find_stability_limit(
+    points: Sequence[LoopPoint],
+    growth_at: Callable[[float], float],
+    growths_at: Callable[[float], Float[np.ndarray, " n_resamplings"]],
+) -> tuple[float | None, tuple[float, float] | None]:
+    """Find the lowest airspeed at which stability is lost, and its 95 % interval from samples.
+
+    The airspeeds of the points are rising; ``growth_at`` and ``growths_at`` give the largest real
+    part at any airspeed, of the best estimate and of every sample.
+
+    Notes
+    -----
+    The crossings of samples are extrapolated from two airspeeds at the crossing.
+    """
+    for stable, unstable in pairwise(points):
+        if stable.stable and not unstable.stable:
+            break
+    else:
+        return None, None
+    low, high = stable.airspeed, unstable.airspeed
+    lost = float(brentq(lambda v: growth_at(v) - STATIC_ROOT_RAD_S, low, high, xtol=1e-4 * low))
+    beyond = 1.01 * lost
+    here, there = growths_at(lost) - STATIC_ROOT_RAD_S, growths_at(beyond) - STATIC_ROOT_RAD_S
+    if here.size == 0:
+        return lost, None
+    slope = np.maximum(there - here, 1e-9)
+    crossings = np.sort(lost - here / slope * (beyond - lost))
+    low, high = np.percentile(crossings, [2.5, 97.5])
+    return lost, (max(0.0, float(low)), float(high))
+
+
+def _compute_roots(
+    model: AeroelasticModel, table: DerivativeTable, loop: Loop
+) -> Complex[np.ndarray, " n_roots"]:
+    driven = loop.law.outputs
+    law = series(loop.law, build_delays([loop.delay_s] * len(driven), driven))
+    law = series(law, build_delays([one.delay_s for one in loop.actuators], driven))
+    law = series(law, build_instrument_chain(loop.actuators, driven))
+    return np.linalg.eigvals(close_loop(model.state_space(table), law).A)
+
+
+def _law_response(
+    loop: Loop, omega: Float[np.ndarray, " n_omega"]
+) -> Complex[np.ndarray, "n_omega n_driven n_read"]:
+    """From outputs to deflections, actuators and delays included."""
+    acts = np.stack([one.response(omega) for one in loop.actuators], axis=1)
+    lead = acts * np.exp(-1j * omega * loop.delay_s)[:, None]
+    return lead[:, :, None] * frequency_response(loop.law, omega)
+
+
+def _compute_margins(
+    model: AeroelasticModel,
+    table: DerivativeTable,
+    loop: Loop,
+    omega: Float[np.ndarray, " n_omega"],
+    lead: Complex[np.ndarray, "n_omega n_driven n_read"],
+) -> tuple[Margins, ...]:
+    read = [model.outputs.index(name) for name in loop.law.inputs]
+    driven = [model.inputs.index(name) for name in loop.law.outputs]
+    G = model.response(table, omega)[:, read][:, :, driven]
+    return tuple(map(compute_margins, compute_broken_loops(lead @ G).T))
+
+
+def _tabulate_margins(margins: Sequence[Margins]) -> Float[np.ndarray, "3 n_driven"]:
+    """Logarithm of the gain, phase and disk margin of every loop; infinite where unlimited."""
+    return np.array([[np.log(one.gain_up), one.phase, one.disk] for one in margins]).T

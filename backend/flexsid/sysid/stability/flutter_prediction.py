@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
-from flexsid.sysid.stability.flight_evidence import (
+from flexsid.sysid.stability.flutter_extrapolation import (
     FlownInstability,
     FlownPoint,
     Standing,

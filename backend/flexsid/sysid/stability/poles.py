@@ -1,4 +1,4 @@
-"""Poles of the identified model, named by participation, with standard errors."""
+"""Poles of the identified model and their participation, and one aircraft at many airspeeds."""
 
 from __future__ import annotations
 
@@ -6,20 +6,232 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
+from scipy.optimize import linear_sum_assignment
 
-from flexsid.sysid.estimation.parameters import Parameters
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
+from flexsid.sysid.model.condition import GRAVITY, FlightCondition, Trim
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.rational_functions import build_lagged_forces
-from flexsid.sysid.stability.state_family import (
-    Modal,
-    StateFamily,
-    compute_eigenvalue_slopes,
-    compute_participation,
-    compute_polar_slopes,
-    decompose_states,
-    name_roots,
-)
+from flexsid.sysid.model.frequency_shape import FrequencyShape, build_lagged_forces
+from flexsid.sysid.modes.shapes import StructuralModes
+
+# --- One aircraft at many airspeeds: trim, state matrices, and their slopes in the derivatives
+
+
+@dataclass(frozen=True, slots=True)
+class Aeroelastic:
+    """Derivatives, structure and loading of an aircraft at any speed.
+
+    ``condition`` is one trimmed condition; others follow from it by constant weight. Without a
+    ``shape`` the air forces are quasi-steady.
+    """
+
+    condition: FlightCondition
+    modes: StructuralModes
+    derivatives: DerivativeTable
+    shape: FrequencyShape | None = None
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """Names of roots: those of the rigid body, and each mode by number."""
+        return (*self.derivatives.body.poles, *(str(number) for number in self.modes.numbers))
+
+
+@dataclass(frozen=True, slots=True)
+class StateFamily:
+    """State matrices at many speeds, and where each derivative enters them.
+
+    The states are the motions of the rigid body, the attitude if gravity acts by it, eta...,
+    etadot...: the pitch angle only integrates q in level flight. ``forced`` is the effect of
+    each row of the derivatives on the rates of the states, ``membership`` assigns states to
+    the motions that name roots.
+    """
+
+    A: Float[np.ndarray, "n_v n_x n_x"]
+    scale: Float[np.ndarray, "n_v n_rows n_columns"]
+    forced: Float[np.ndarray, "n_x n_rows"]
+    variable_states: np.ndarray
+    membership: Float[np.ndarray, "n_motions n_x"]
+
+
+def build_state_family(
+    aircraft: Aeroelastic,
+    airspeed: Float[np.ndarray, " n_v"],
+    density: float | None = None,
+) -> StateFamily:
+    """Build A at every airspeed, trimmed in level flight.
+
+    Parameters
+    ----------
+    aircraft
+        Derivatives, structure, and the condition they are known from.
+    airspeed, density
+        True airspeeds [m/s], and the air's density, that of the condition by default. [kg/m3]
+
+    Raises
+    ------
+    BadInput
+        If an airspeed, the density or a generalised mass is not positive.
+    NotIdentifiable
+        If a derivative is no number.
+
+    Notes
+    -----
+    Source: Eqs 5-14. Weight fixes the lift, so that alpha grows with 1/dynamic pressure;
+    thrust balances the drag, whose zero-lift part is that of the known condition.
+    """
+    V = np.asarray(airspeed, dtype=float)
+    if V.size == 0 or not (np.isfinite(V) & (V > 0.0)).all():
+        raise BadInput("airspeeds must be positive", code="bad-airspeed")
+    c, modes = aircraft.condition, aircraft.modes
+    air = c.density if density is None else density
+    if not 0.0 < air < np.inf:
+        raise BadInput(f"an air density of {air:g} kg/m3 is not positive", code="bad-density")
+    for number, mass in zip(modes.numbers, modes.mass.tolist(), strict=True):
+        if not 0.0 < mass < np.inf:
+            raise BadInput(
+                f"mode {number} has a generalised mass of {mass:g}; the modal table must give a"
+                " positive one",
+                code="bad-mass",
+                mode=number,
+            )
+    if not np.isfinite(aircraft.derivatives.values).all():
+        raise NotIdentifiable("the model has a derivative that is not finite; select other runs")
+    n = len(modes.numbers)
+    force = 0.5 * air * V**2 * c.area
+    weight = c.mass * GRAVITY * np.cos(c.gamma)
+    known = c.dynamic_pressure * c.area
+    clean = (c.thrust - c.induced_drag * weight**2 / known) / known
+    alpha = c.alpha * known / force
+    thrust = force * clean + c.induced_drag * weight**2 / force
+    body = aircraft.derivatives.body
+    trim = Trim(V, 0.5 * air * V**2, alpha, thrust)
+    columns = body.column_factors(c, n, 0, trim)
+    scale = body.row_factors(c, modes.mass, trim)[:, :, None] * columns[:, None, :]
+    known = body.kinematics(c, trim)
+    first = body.size
+    n_rigid = first + body.acts_by_gravity
+    eta, etadot = np.arange(n_rigid, n_rigid + n), np.arange(n_rigid + n, n_rigid + 2 * n)
+    variable_states = np.r_[:first, eta, etadot]
+    inverse = np.linalg.inv(known.inertia)
+    forced = np.zeros((n_rigid + 2 * n, first + n))
+    forced[:first, :first] = inverse
+    forced[etadot, first:] = np.eye(n)
+    A = np.zeros((V.size, n_rigid + 2 * n, n_rigid + 2 * n))
+    A[:, :, variable_states] = forced @ (
+        scale * aircraft.derivatives.values[:, : variable_states.size]
+    )
+    A[:, :first, :first] += inverse @ known.coupling
+    if body.acts_by_gravity:
+        A[:, :first, first] += known.gravity @ inverse.T
+        A[:, first, :first] = known.attitude_rate
+    A[:, eta, etadot] = 1.0
+    A[:, etadot, eta] -= modes.omega**2
+    A[:, etadot, etadot] -= 2.0 * modes.zeta * modes.omega
+    membership = body.compute_membership(n_rigid, n)
+    return StateFamily(A, scale, forced, variable_states, membership)
+
+
+@dataclass(frozen=True, slots=True)
+class Modal:
+    """Eigenvalues with left and right vectors, scaled so that left^H right = 1."""
+
+    values: Complex[np.ndarray, "n_v n_roots"]
+    left: Complex[np.ndarray, "n_v n_x n_roots"]
+    right: Complex[np.ndarray, "n_v n_x n_roots"]
+
+
+def decompose_states(A: Float[np.ndarray, "n_v n_x n_x"]) -> Modal:
+    """Compute eigenvalues and vectors of the state matrices of every speed."""
+    values, right = (part.astype(complex) for part in np.linalg.eig(A))
+    left = np.linalg.inv(right).conj().transpose(0, 2, 1)
+    return Modal(values, left, right)
+
+
+def compute_eigenvalue_slopes(
+    family: StateFamily,
+    modal: Modal,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    left_of: np.ndarray | None = None,
+    right_of: np.ndarray | None = None,
+) -> Complex[np.ndarray, "n_v n_roots n_theta"]:
+    """Compute the change of every eigenvalue with the derivatives at (rows, columns).
+
+    Parameters
+    ----------
+    left_of, right_of
+        Eigenvalues at every speed (n_v, n_roots) whose left and right vectors to take; all
+        by default. For two different ones it is their coupling.
+
+    Notes
+    -----
+    d lambda = w^H dA v for vectors with w^H v = 1. Derivatives of the inputs change nothing.
+    """
+    acts = columns < family.variable_states.size
+    at = np.where(acts, columns, 0)
+    pull = (_select_roots(modal.left, left_of) @ family.forced)[:, :, rows].conj()
+    moved = _select_roots(modal.right, right_of)[:, :, family.variable_states[at]]
+    weight = np.where(acts, family.scale[:, rows, at], 0.0)
+    return pull * moved * weight[:, None, :]
+
+
+def _select_roots(
+    vectors: Complex[np.ndarray, "n_v n_x n_x"], roots: np.ndarray | None
+) -> Complex[np.ndarray, "n_v n_roots n_x"]:
+    """Eigenvectors of the roots, one in each row."""
+    beside = vectors if roots is None else np.take_along_axis(vectors, roots[:, None, :], axis=2)
+    return beside.transpose(0, 2, 1)
+
+
+def compute_polar_slopes(
+    roots: Complex[np.ndarray, "*roots"], slopes: Complex[np.ndarray, "*roots n_theta"]
+) -> tuple[Float[np.ndarray, "*roots n_theta"], Float[np.ndarray, "*roots n_theta"]]:
+    """Compute the change of the modulus of roots [rad/s] and of their damping ratio [1]."""
+    size = np.maximum(np.abs(roots), 1e-12)[..., None]
+    modulus = np.real(np.conj(roots)[..., None] * slopes) / size
+    return modulus, -np.real(slopes) / size + np.real(roots)[..., None] / size**2 * modulus
+
+
+def compute_participation(
+    modal: Modal, at: int, membership: Float[np.ndarray, "n_motions n_x"]
+) -> Float[np.ndarray, "n_motions n_roots"]:
+    """Compute the share of every motion in every root.
+
+    Left times right eigenvector, summed over the states of a motion.
+    """
+    share = membership @ np.abs(modal.left[at] * modal.right[at])
+    return share / share.sum(axis=0)
+
+
+def name_roots(
+    participation: Float[np.ndarray, "n_motions n_roots"], motions: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Name roots by their motion of largest participation, each motion taken once if possible."""
+    leading = np.argmax(participation, axis=0)
+    motion, root = linear_sum_assignment(-participation)
+    leading[root] = motion
+    return tuple(motions[k] for k in leading)
+
+
+def compute_named_roots(aircraft: Aeroelastic) -> dict[str, complex]:
+    """Compute the roots of an aircraft at its own condition by motion. [rad/s]
+
+    Of a pair it is the root above the real axis. A motion that leads several roots has the one
+    that oscillates fastest.
+    """
+    condition = aircraft.condition
+    family = build_state_family(aircraft, np.array([condition.airspeed]), condition.density)
+    modal = decompose_states(family.A)
+    upper = np.flatnonzero(np.imag(modal.values[0]) >= 0.0)
+    participation = compute_participation(modal, 0, family.membership)[:, upper]
+    names = name_roots(participation, aircraft.motions)
+    found = zip(names, modal.values[0, upper].tolist(), strict=True)
+    return dict(sorted(found, key=lambda pair: pair[1].imag))
+
+
+# --- Poles of the identified model, named by participation, with standard errors ------------------
 
 _FASTEST_ROOT = 2.0  # of the highest k of a frequency shape: poles of motion with lags are slower
 

@@ -9,13 +9,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import linear_sum_assignment
 
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus
-from flexsid.sysid.stability.shaped_roots import (
-    ShapedRoots,
-    build_shaped_system,
-    compute_shaped_slopes,
-)
-from flexsid.sysid.stability.state_family import (
+from flexsid.sysid.stability.poles import (
     Aeroelastic,
     Modal,
     StateFamily,
@@ -23,6 +17,12 @@ from flexsid.sysid.stability.state_family import (
     compute_eigenvalue_slopes,
     compute_polar_slopes,
     decompose_states,
+)
+from flexsid.sysid.stability.root_tracking import FlutterCrossing, RootLocus
+from flexsid.sysid.stability.shaped_roots import (
+    ShapedRoots,
+    build_shaped_system,
+    compute_shaped_slopes,
 )
 
 _SECOND_ORDER_RATIO = 0.35  # over first order: above it, standard errors are wrong by a tenth

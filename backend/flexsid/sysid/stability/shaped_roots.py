@@ -11,11 +11,11 @@ from scipy.linalg import block_diag
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.aerodynamics.coefficients import UnsteadyCoefficients
-from flexsid.sysid.aerodynamics.normal_washes import Reference
 from flexsid.sysid.aerodynamics.pk_flutter import ModalSystem, build_free_system
+from flexsid.sysid.aerodynamics.splines import Reference
 from flexsid.sysid.model.derivatives import coefficients, variables
 from flexsid.sysid.model.rigid_body import FreeFlight
-from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.sysid.stability.poles import Aeroelastic
 
 _STEP = 1e-5  # of k and airspeed, in central differences
 

@@ -14,7 +14,7 @@ from scipy import linalg, optimize
 
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.sysid.estimation.noise import smooth_density
-from flexsid.sysid.stability.state_family import compute_polar_slopes
+from flexsid.sysid.stability.poles import compute_polar_slopes
 
 MOST_ORDER = 6
 """Highest order of numerator and denominator: roots of higher ones are ill-conditioned."""

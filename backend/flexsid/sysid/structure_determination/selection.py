@@ -1,15 +1,18 @@
-"""Selection: terms selected one by one, with the criteria after every step, and its stability."""
+"""Selection of terms one by one, with the criteria after every step, and its stability."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from flexsid.errors import BadInput
+from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.structure_determination.evidence import Evidence, pool_evidence
+
+# --- Selection: terms selected one by one, with the criteria after every step, and its stability
 
 _MOST_DROPS = 2  # of one term, so that a search ends
 
@@ -210,3 +213,33 @@ def compute_selection_frequency(
             drawn.append(one.resample(counts.astype(float)))
         hits += [term.selected for term in search(drawn).terms]
     return hits / n_resamplings if n_resamplings else np.full(hits.size, np.nan)
+
+
+# --- Models with some of the candidate terms ------------------------------------------------------
+
+
+def select_candidates(
+    candidates: Parameters,
+    selected: Bool[np.ndarray, " n_theta"],
+    theta: Float[np.ndarray, " n_theta"],
+) -> Parameters:
+    """Select the parameters of a model with some of the candidates, started at theta."""
+    n = candidates.rows.size
+    table = candidates.table(np.where(selected, theta, 0.0))
+    inside = np.flatnonzero(selected)
+    return replace(
+        candidates,
+        names=tuple(candidates.names[i] for i in inside),
+        start=theta[inside],
+        base=table,
+        rows=candidates.rows[selected[:n]],
+        columns=candidates.columns[selected[:n]],
+        extras=tuple(e for e, k in zip(candidates.extras, selected[n:], strict=True) if k),
+    )
+
+
+def expand_values(
+    candidates: Parameters, values: Mapping[str, float]
+) -> Float[np.ndarray, " n_theta"]:
+    """Return the values of all candidates, zero for those that are not in a model."""
+    return np.array([values.get(name, 0.0) for name in candidates.names])

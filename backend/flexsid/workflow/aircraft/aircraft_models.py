@@ -10,15 +10,14 @@ from jaxtyping import Float
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import Condition
-from flexsid.records.model_structure import Structure
-from flexsid.sysid.model import sensors as rows
+from flexsid.sysid.model import rigid_body as rows
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.condition import FlightCondition
-from flexsid.sysid.model.instruments import Instrument
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.sensor_models import ACCELEROMETER, SensorModel
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, Instrument, SensorModel
 from flexsid.sysid.modes import StructuralModes
 from flexsid.workflow.aircraft.axes import (
     classify_part,

@@ -18,11 +18,11 @@ from flexsid.records.aircraft import (
     list_surface_parts,
 )
 from flexsid.records.maneuver import COMBINED, GROUND, Excitation, Maneuver
-from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.model.derivatives import RIGID_BODIES
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.preparation.symmetry import Part, parity
+from flexsid.sysid.preparation.resampling import Part, parity
 
 _OFF_PLANE_M = 1e-3
 """Distance from the plane of symmetry beyond which a sensor measures both motions."""

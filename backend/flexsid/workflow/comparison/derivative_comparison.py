@@ -1,4 +1,4 @@
-"""Compare derivatives of runs and predictions (Fig. 17)."""
+"""Compare derivatives of runs and predictions (Fig. 17), with joint errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from scipy import special
 from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import DerivativePrediction
-from flexsid.records.comparison import (
+from flexsid.records.maneuver import Maneuver
+from flexsid.records.run import EstimationRun, RunResult
+from flexsid.records.validation import (
     PREDICTED,
     AgreementCount,
     ComparedSource,
@@ -25,16 +27,66 @@ from flexsid.records.comparison import (
     Setup,
     SourceValue,
 )
-from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import EstimationRun, RunResult
 from flexsid.storage.content import find_changes
-from flexsid.storage.reading import read_once
+from flexsid.storage.repository import read_once
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.agreement import compute_difference_variance, compute_limit
-from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.estimation.agreement import (
+    compute_difference_variance,
+    compute_joint_covariance,
+    compute_limit,
+)
+from flexsid.sysid.estimation.estimate import ErrorComponents
+from flexsid.sysid.model.derivatives import RIGID_BODIES
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
-from flexsid.workflow.comparison.joint_errors import compute_covariances
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
+
+# --- Joint errors of runs: the covariance between their estimates of every derivative -------------
+
+
+def compute_covariances(
+    store: Store, finished: Sequence[tuple[EstimationRun, RunResult]], names: Sequence[str]
+) -> Mapping[str, Float[np.ndarray, "n_runs n_runs"]]:
+    """Compute the covariance between runs by derivative; NaN without a standard error.
+
+    Runs of one maneuver share its noise, those with the same prior means their errors, and all
+    runs the errors of modal table, mass, airspeed and density. Runs of earlier releases share the
+    latter only.
+    """
+    place = {name: k for k, name in enumerate(names)}
+    held = np.zeros((len(names), len(finished)))
+    std_errors, components, maneuvers = [], [], []
+    for number, (_, result) in enumerate(finished):
+        at = [place[parameter.name] for parameter in result.parameters]
+        total = np.full(len(names), np.nan)
+        total[at] = [p.std_error or np.nan for p in result.parameters]
+        held[at, number] = [p.held_std for p in result.parameters]
+        std_errors.append(np.sqrt(np.maximum(total**2 - held[:, number] ** 2, 0.0)))
+        found = None if result.error_causes is None else _load_components(store, result)
+        if found is not None:
+            from_names = np.zeros((len(names), len(at)))
+            from_names[at, np.arange(len(at))] = 1.0
+            found = found.transform(from_names)
+        components.append(found)
+        causes = result.error_causes
+        maneuvers.append(() if causes is None else causes.maneuver_ids)
+    covariance = compute_joint_covariance(std_errors, components, maneuvers)
+    covariance += held[:, :, None] * held[:, None, :]
+    return dict(zip(names, covariance, strict=True))
+
+
+def _load_components(store: Store, result: RunResult) -> ErrorComponents | None:
+    """Load the error components of a run, by the order of its parameters."""
+    causes = result.error_causes
+    if causes is None:
+        return None
+    arrays = store.arrays.get_many([causes.omega, causes.components])
+    ends = np.cumsum(causes.n_frequencies)
+    *noise, prior = np.split(arrays[causes.components].astype(float), ends, axis=1)
+    omega = np.split(arrays[causes.omega], ends[:-1])
+    return ErrorComponents(tuple(omega), tuple(noise), causes.priors, prior)
+
+
+# --- Compare derivatives of runs and predictions (Fig. 17) ----------------------------------------
 
 _SINGULAR = 1e-8  # of the largest singular value: estimates that are numerically the same
 _COEFFICIENTS = [name for body in RIGID_BODIES.values() for name in body.coefficients]

@@ -8,13 +8,13 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.nomenclature import describe
-from flexsid.records.comparison import Against, DerivativeTrend, TrendLine, TrendPoint
 from flexsid.records.maneuver import Maneuver
 from flexsid.records.run import sort_methods
+from flexsid.records.validation import Against, DerivativeTrend, TrendLine, TrendPoint
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.trend import fit_trend
+from flexsid.sysid.estimation.agreement import fit_trend
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 
 _POINTS = 60
 

@@ -11,14 +11,13 @@ from flexsid.errors import BadInput
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.amplitude_optimisation import (
+from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
+from flexsid.sysid.estimation.input_optimisation import (
     optimise_amplitudes_d_optimal,
     optimise_amplitudes_minimax,
 )
-from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
-from flexsid.workflow.excitation.amplitude_levels import AmplitudeLevel, propose_levels
+from flexsid.workflow.excitation.classic_inputs import AmplitudeLevel, find_peaks, propose_levels
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
-from flexsid.workflow.excitation.excitation_peaks import find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
     Deflection,
     DesignQuery,
@@ -27,7 +26,7 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     Rate,
     load_prediction_model,
 )
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 
 _SIGNIFICANT = 4.0  # standard errors from zero, from which a relative error is meaningful
 

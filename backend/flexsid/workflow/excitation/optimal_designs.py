@@ -17,7 +17,7 @@ from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.fisher_information import LOAD_FACTOR, FisherInformation
-from flexsid.sysid.estimation.power_optimisation import (
+from flexsid.sysid.estimation.input_optimisation import (
     Candidate,
     Criterion,
     build_discrimination_criterion,
@@ -26,11 +26,11 @@ from flexsid.sysid.estimation.power_optimisation import (
 )
 from flexsid.sysid.excitation import designer
 from flexsid.sysid.excitation.multisine import Multisine
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import compute_crossing_slopes, compute_damping_slopes
 from flexsid.sysid.stability.root_tracking import track_roots
-from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.workflow.excitation.classic_inputs import ExcitationPeaks, find_peaks
 from flexsid.workflow.excitation.excitation_designs import build_multisine, check_amplitudes
-from flexsid.workflow.excitation.excitation_peaks import ExcitationPeaks, find_peaks
 from flexsid.workflow.excitation.predicted_accuracy import (
     Deflection,
     DesignQuery,
@@ -40,8 +40,8 @@ from flexsid.workflow.excitation.predicted_accuracy import (
     identify_design_query,
     load_prediction_model,
 )
-from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.identified_models import build_identified_model, read_covariance
+from flexsid.workflow.model_structures.model_structures import get_result
+from flexsid.workflow.runs.exports import build_identified_model, read_covariance
 from flexsid.workflow.runs.run_identity import list_run_contents
 
 _AIRSPEEDS = np.linspace(0.35, 2.0, 120)

@@ -13,16 +13,10 @@ from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.excitation import DEFAULT_LEVEL, ExcitationDesign, ExpectedError
-from flexsid.records.run import (
-    AdequacyState,
-    EstimationRun,
-    Method,
-    Pole,
-    Progress,
-    ReportProgress,
-)
+from flexsid.records.run import AdequacyState, EstimationRun, Method, Pole, Progress, ReportProgress
 from flexsid.records.views import ExpectedMode, ExpectedResponse
 from flexsid.storage.store import Store
+from flexsid.sysid.estimation.experiment import Parameters, select_parameters
 from flexsid.sysid.estimation.fisher_information import (
     LOAD_FACTOR,
     FisherInformation,
@@ -37,7 +31,6 @@ from flexsid.sysid.estimation.flight_noise import (
     compute_command_responses,
     split_residuals,
 )
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
 from flexsid.sysid.excitation.catalogue import is_throttle
 from flexsid.sysid.excitation.multisine import Multisine
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
@@ -52,9 +45,9 @@ from flexsid.workflow.excitation.excitation_designs import (
     check_evaluation,
 )
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.identified_models import build_identified_model
+from flexsid.workflow.runs.exports import build_identified_model
 from flexsid.workflow.runs.run_identity import list_run_contents
 
 _LEAST_HARMONICS = 5  # about a mode's frequency, for its signal-to-noise ratio

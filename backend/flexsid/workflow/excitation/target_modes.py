@@ -11,25 +11,26 @@ from flexsid.allowed import Allowed, Altitude, Fuel, Id
 from flexsid.records.aircraft import Aircraft
 from flexsid.records.excitation import ExcitationDesign
 from flexsid.records.views import TargetMode, TargetModes
-from flexsid.storage.quality_list import list_fuel_rates
+from flexsid.storage.campaign_rows import list_fuel_rates
 from flexsid.storage.store import Store
-from flexsid.sysid.excitation.catalogue import CATALOGUE, ELASTIC_GROUPS, FlightTestAid
-from flexsid.sysid.excitation.designer import DesignSpecification
-from flexsid.sysid.excitation.targets import (
+from flexsid.sysid.excitation.catalogue import (
+    CATALOGUE,
+    ELASTIC_GROUPS,
     HARMONICS_PER_SURFACE,
     PHUGOID,
+    FlightTestAid,
     Target,
     build_rigid_target,
     build_structural_target,
     count_harmonics,
     find_least_duration,
 )
-from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.excitation.designer import DesignSpecification
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
-from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.derivatives import RIGID_BODIES, DerivativeTable
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.modes.symmetry import may_be
-from flexsid.sysid.stability.state_family import Aeroelastic, compute_named_roots
+from flexsid.sysid.modes.shapes import may_be
+from flexsid.sysid.stability.poles import Aeroelastic, compute_named_roots
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_values,

@@ -1,27 +1,73 @@
-"""Computation of a run from its task, without a database, in any process."""
+"""Estimators, one entry of a table for each method, and the computation of a run in any process.
+
+A further one is a member of ``Method`` and an entry here, or a value that an installed package
+declares in the entry points ``flexsid.estimators``, under the name of the method.
+"""
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
 
-from flexsid.extensions import report_errors
-from flexsid.records.run import ModelAdequacy, Provenance, ReportProgress, VarianceShares
+import numpy as np
+
+from flexsid.errors import BadInput
+from flexsid.extensions import ESTIMATORS, ExtensionFailed, load_extensions, report_errors
+from flexsid.records.run import (
+    AdequacyState,
+    Method,
+    ModelAdequacy,
+    Progress,
+    Provenance,
+    ReportProgress,
+    VarianceShares,
+)
+from flexsid.sysid.estimation.agreement import apply_priors
+from flexsid.sysid.estimation.covariance import compute_input_noise_errors
+from flexsid.sysid.estimation.end_states import (
+    add_end_states,
+    drop_end_states,
+    has_end_states,
+)
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.limits import find_parameters_at_limits
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
+from flexsid.sysid.estimation.weighted_fit import (
+    compute_weighting_change,
+    describe_common_noise,
+    weight_by_noise_spectrum,
+    widen_by_change,
+)
 from flexsid.sysid.stability.poles import NamedPole
+from flexsid.workflow.fits.equation_error_fit import collect_starting_points, fit_equation_error
 from flexsid.workflow.fits.estimation_task import (
+    ComputedRetainedModes,
     EstimationTask,
+    build_experiments,
+    build_fit_settings,
     compute_poles,
+    get_first_start,
+    marginalise,
+    read_versions,
+    refit_until_consistent,
+    select_free_parameters,
     select_moved_poles,
 )
-from flexsid.workflow.fits.estimators import find_estimator
-from flexsid.workflow.fits.nuisance_parameters import (
-    ComputedRetainedModes,
-    marginalise,
+from flexsid.workflow.fits.likelihood_fit import (
+    PROGRESS_BEFORE_WEIGHTING,
+    CorrectedFit,
+    compute_interpolation_bias,
+    fit_without_feedback_noise,
+    maximize_from_starts,
+    refit_with_interpolation_correction,
+    refit_with_leakage_correction,
+    refit_with_spread,
 )
+from flexsid.workflow.fits.model_adequacy import assess_model_adequacy
 from flexsid.workflow.fits.run_warnings import (
     list_result_warnings,
+    warn_of_interpolation,
     warn_of_lag,
     warn_of_limits,
     warn_of_moved_poles,
@@ -29,8 +75,284 @@ from flexsid.workflow.fits.run_warnings import (
     warn_of_priors,
     warn_of_reversed_surfaces,
 )
-from flexsid.workflow.fits.software_versions import read_versions
 from flexsid.workflow.fits.variance_budget import compute_variance_budget
+
+# --- Estimators: one entry of a table for each method ---------------------------------------------
+
+_INPUT_NOISE_SHARE = 0.1  # of the variance of the median parameter, that raises a warning
+_MOST_CHANGE = 1.8  # by the weights, in standard errors; in Monte Carlo of still air up to 1.1
+_BIASED = (
+    "The fit weighted with the noise spectrum of the record {change}, so that values can be "
+    "biased: {cause}. The standard errors include the change by the weights. {remedy}"
+)
+_TURBULENCE = {
+    "cause": "feedback in turbulence correlates the inputs with the noise",
+    "remedy": "Repeat the maneuver in still air or at a lower airspeed, or with a larger "
+    "amplitude.",
+}
+_MODEL_ERROR = {
+    "cause": "the residuals contain the model error that the tests of the run show, or feedback in "
+    "turbulence correlates the inputs with the noise",
+    "remedy": "Correct first what the tests indicate.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class EstimatorFit:
+    """Estimate of all parameters by one estimator.
+
+    Attributes
+    ----------
+    parameters, estimate
+        Free parameters of the model, and their estimate.
+    spread
+        Spread of the nuisance prior.
+    start
+        Description of the starting values.
+    warnings
+        Warnings for the analyst.
+    adequacy, symmetry
+        Tests for remaining model error and for asymmetry.
+    """
+
+    parameters: Parameters
+    estimate: Estimate
+    spread: float
+    start: str
+    warnings: tuple[str, ...]
+    adequacy: ModelAdequacy
+    symmetry: ModelAdequacy | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimator:
+    """An estimator: its title, and the function that fits a task and reports progress.
+
+    ``package`` is the package that adds it; empty for those of flexsid.
+    """
+
+    title: str
+    fit: Callable[[EstimationTask, ReportProgress], EstimatorFit]
+    package: str = ""
+
+
+def find_estimator(method: Method) -> Estimator:
+    """Find the estimator of a method.
+
+    Raises
+    ------
+    BadInput
+        If the package that adds it is not installed.
+    ExtensionFailed
+        If the package cannot be imported.
+    """
+    estimators = load_estimators()
+    if method not in estimators:
+        raise BadInput(
+            f"there is no estimator '{method}'; estimators are {', '.join(estimators)}",
+            code="unknown-method",
+        )
+    return estimators[method]
+
+
+def get_title(method: Method) -> str:
+    """Return the title of a method; its name if its package is no longer installed."""
+    known = load_estimators().get(method)
+    return method.value if known is None else known.title
+
+
+@cache
+def load_estimators() -> Mapping[str, Estimator]:
+    """Load all estimators by method, first those of flexsid.
+
+    Raises
+    ------
+    ExtensionFailed
+        If a package cannot be imported, or its method exists already.
+    """
+    estimators = _BUILT_IN.copy()
+    for name, package, added in load_extensions(ESTIMATORS, Estimator):
+        if name in estimators:
+            raise ExtensionFailed(
+                f"the package {package} adds the method '{name}', which "
+                f"{estimators[name].package or 'flexsid'} has already; rename it",
+                package=package,
+            )
+        estimators[name] = replace(added, package=package)
+    return estimators
+
+
+def fit_regressions(task: EstimationTask, report: ReportProgress) -> EstimatorFit:
+    """Estimate by equation error."""
+    report(Progress(message="Reconstructing motion from the sensors"))
+    parameters = select_free_parameters(task, get_first_start(task), task.extras)
+    fit = fit_equation_error(task, parameters, task.spread)
+
+    def refit(estimate: Estimate, spread: float) -> Estimate:
+        nonlocal fit
+        message = f"Reconstructing motion with a prior spread of {spread:.2g}"
+        report(Progress(message=message))
+        fit = fit_equation_error(task, replace(parameters, start=estimate.values), spread)
+        return replace(fit.estimate, start=parameters.start)
+
+    spread, estimate = refit_until_consistent(task, fit.estimate, refit)
+    start = "none needed"
+    if fit.out_of_band:
+        start += f"; modes {', '.join(map(str, fit.out_of_band))} reconstructed in addition"
+    estimate = apply_priors(estimate, task.priors)
+    adequacy, symmetry = assess_model_adequacy(task, (), parameters, estimate, spread)
+    return EstimatorFit(parameters, estimate, spread, start, fit.warnings, adequacy, symmetry)
+
+
+def fit_likelihood(
+    task: EstimationTask, report: ReportProgress, candidates: Mapping[str, Parameters] | None = None
+) -> EstimatorFit:
+    """Estimate by output error or frequency-response error.
+
+    ``candidates`` are the start parameters by name, by default those of the task.
+    """
+    if candidates is None:
+        candidates = collect_starting_points(task, report)
+    fit = fit_without_feedback_noise(task, report, candidates)
+    if fit is not None:
+        return _complete_corrected_fit(fit)
+    experiments = build_experiments(task)
+    candidates = {name: _add_ends(one, experiments) for name, one in candidates.items()}
+    parameters, start, estimate = maximize_from_starts(
+        task, experiments, report, candidates=candidates
+    )
+    return complete_likelihood_fit(task, experiments, parameters, estimate, start, report)
+
+
+def _add_ends(parameters: Parameters, experiments: list[Experiment]) -> Parameters:
+    """Free the states at the ends of records, where nothing else was assumed of them."""
+    free = [one for one in experiments if one.free_ends]
+    return add_end_states(parameters, free) if has_end_states(parameters, free) else parameters
+
+
+def _complete_corrected_fit(fit: CorrectedFit) -> EstimatorFit:
+    task, parameters, estimate, spread = fit.task, fit.parameters, fit.estimate, fit.spread
+    warnings = _list_method_warnings(task, fit.experiments, parameters, estimate, spread)
+    adequacy, symmetry = assess_model_adequacy(task, fit.experiments, parameters, estimate, spread)
+    if estimate.noise is not None and not estimate.noise.converged:
+        reason = _BIASED.format(change="did not converge", **_TURBULENCE)
+        warnings = (*warnings, reason)
+        if adequacy.state is not AdequacyState.SUSPECT:
+            adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
+    return EstimatorFit(parameters, estimate, spread, fit.start, warnings, adequacy, symmetry)
+
+
+def complete_likelihood_fit(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    start: str,
+    report: ReportProgress,
+) -> EstimatorFit:
+    """Complete a fit of output error or frequency-response error from its optimum.
+
+    The spread of the nuisance prior, leakage, weights from the noise spectrum, and the tests for
+    remaining model error.
+    """
+
+    def refit(estimate: Estimate, spread: float) -> Estimate:
+        return refit_with_spread(task, experiments, parameters, estimate, spread, report)
+
+    spread, estimate = refit_until_consistent(task, estimate, refit)
+    correct = refit_with_leakage_correction
+    if task.method is Method.FRE:
+        correct = refit_with_interpolation_correction
+    corrected, estimate = correct(task, experiments, parameters, estimate, report, spread)
+    warnings = _list_method_warnings(task, corrected, parameters, estimate, spread)
+    settings = build_fit_settings(task, spread)
+    n_iterations = estimate.steps[-1].iteration
+
+    def report_noise_spectrum(number: int) -> None:
+        message = f"Weighting with noise spectrum {number}"
+        report(
+            Progress(iteration=n_iterations, fraction=PROGRESS_BEFORE_WEIGHTING, message=message)
+        )
+
+    weighted = weight_by_noise_spectrum(
+        corrected, parameters, estimate, settings, report_noise_spectrum
+    )
+    adequacy, symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+    noise, values = weighted.noise, weighted.values
+    change = compute_weighting_change(estimate, weighted) if values is not estimate.values else 0.0
+    is_suspect = adequacy.state is AdequacyState.SUSPECT
+    if is_suspect and values is not estimate.values:
+        # Residuals that are model error are no noise: weighted with them, a fit follows the
+        # frequencies and outputs where the model is least wrong.
+        weighted = replace(estimate, noise=describe_common_noise(corrected, settings))
+        again, of_symmetry = assess_model_adequacy(task, corrected, parameters, weighted, spread)
+        if again.state is AdequacyState.SUSPECT:  # the sizes stated are about these values
+            adequacy, symmetry = again, of_symmetry
+    converged = noise is None or noise.converged
+    if change > _MOST_CHANGE or not converged:
+        found = f"moved the results by {change:.2g} standard errors"
+        found = found if converged else f"did not converge and {found}"
+        reason = _BIASED.format(change=found, **(_MODEL_ERROR if is_suspect else _TURBULENCE))
+        weighted = widen_by_change(weighted, values - estimate.values)
+        warnings = (*warnings, reason)
+        if not is_suspect:
+            adequacy = replace(adequacy, state=AdequacyState.SUSPECT, reason=reason)
+    parameters = drop_end_states(parameters)
+    weighted = weighted.select(parameters.names)
+    return EstimatorFit(parameters, weighted, spread, start, warnings, adequacy, symmetry)
+
+
+def _list_method_warnings(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    spread: float,
+) -> tuple[str, ...]:
+    """List the warnings of output error or frequency-response error alone."""
+    if task.method is Method.OE:
+        priors = task.list_priors(spread)
+        return tuple(_warn_of_input_noise(task, experiments, parameters, estimate, priors))
+    if task.method is not Method.FRE:
+        return ()
+    measured = task.maneuvers[0].measured
+    return warn_of_interpolation(
+        compute_interpolation_bias(task, experiments, parameters, estimate.values),
+        compute_poles(task, parameters, estimate),
+        measured.omega,
+        measured.assigned_input,
+    )
+
+
+def _warn_of_input_noise(
+    task: EstimationTask,
+    experiments: list[Experiment],
+    parameters: Parameters,
+    estimate: Estimate,
+    priors: Mapping[str, tuple[float, float]],
+) -> list[str]:
+    noise = task.maneuvers[0].measured.input_noise
+    if noise is None or len(experiments) > 1:
+        return []
+    errors = compute_input_noise_errors(experiments[0], parameters, estimate, noise, priors)
+    reported = [name not in estimate.nuisance for name in estimate.names]
+    share = float(np.median((errors / estimate.std_errors)[reported] ** 2))
+    if not share >= _INPUT_NOISE_SHARE:  # or no number, where there are no standard errors
+        return []
+    return [
+        f"Noise on the measured surfaces contributes {min(share, 1.0):.0%} of the variance of the "
+        "median parameter; the standard errors include it."
+    ]
+
+
+_BUILT_IN: dict[str, Estimator] = {
+    Method.OE: Estimator(title="Output error", fit=fit_likelihood),
+    Method.FRE: Estimator(title="Frequency-response error", fit=fit_likelihood),
+    Method.EE: Estimator(title="Equation error", fit=fit_regressions),
+}
+
+
+# --- Computation of a run from its task, without a database, in any process -----------------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Equation-error estimate of a task: reconstructed motion, and one regression per maneuver."""
+"""Equation-error estimate of a task, also as starting values of the iterative fits."""
 
 from __future__ import annotations
 
@@ -7,22 +7,32 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.errors import NotIdentifiable
-from flexsid.records.run import Method
+from flexsid.errors import BadInput, NotIdentifiable
+from flexsid.records.run import Method, Progress, ReportProgress
+from flexsid.sysid.estimation.agreement import fuse_estimates
 from flexsid.sysid.estimation.equation_error import equation_error
 from flexsid.sysid.estimation.estimate import Estimate, Outcome
-from flexsid.sysid.estimation.free_motion import add_errors, fit_free_motion
-from flexsid.sysid.estimation.fusion import fuse_estimates
+from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S, Parameters
+from flexsid.sysid.estimation.flight_noise import AssignedCommands
+from flexsid.sysid.estimation.leakage import add_errors, fit_free_motion
 from flexsid.sysid.estimation.marginal_equation_error import marginal_equation_error
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.process_noise import AssignedCommands
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
-from flexsid.sysid.estimation.regression_start import regress_parts
+from flexsid.sysid.estimation.starting_values import estimate_delays, regress_parts
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
-from flexsid.workflow.fits.experiments import build_experiments, build_fit_settings
+from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.workflow.fits.estimation_task import (
+    EstimationTask,
+    ManeuverData,
+    build_experiments,
+    build_fit_settings,
+    get_first_start,
+    regularise_start,
+    select_free_parameters,
+)
 from flexsid.workflow.measurements.recording import MeasuredSpectra
+
+# --- Equation-error estimate of a task: reconstructed motion, and one regression per maneuver -----
 
 _MAX_SCALE_STD = 0.005  # standard deviation of the sensors' scale factors that raises a warning
 
@@ -205,3 +215,77 @@ def warn_of_sensor_noise(data: ManeuverData, motion: ReconstructedMotion) -> lis
             "include it. Check their calibration and delays, and whether a mode is missing."
         )
     return warnings
+
+
+# --- Starting values of the iterative fits: equation error, and delays from the sensors -----------
+
+EQUATION_ERROR = "equation error"
+
+
+def collect_starting_points(task: EstimationTask, report: ReportProgress) -> dict[str, Parameters]:
+    """Collect the start parameters by name.
+
+    Raises
+    ------
+    BadInput
+        If there are none.
+    """
+    tables = dict(task.starts)
+    if task.try_equation_error:
+        report(Progress(message="Estimating starting values by equation error"))
+        parameters = select_free_parameters(task, get_first_start(task), ())
+        try:
+            values = estimate_starting_values(task, parameters)
+            name, table = _regularise_start(task, parameters, values)
+            tables = {name: table, **tables}
+        except NotIdentifiable:
+            if not tables:
+                raise
+    if not tables:
+        raise BadInput(
+            "no starting values: the aircraft has no prediction for these derivatives; import "
+            "one, or start from equation error or another run",
+            code="no-start",
+        )
+    candidates = {
+        name: select_free_parameters(task, table, task.extras) for name, table in tables.items()
+    }
+    delayed = [k for k, e in enumerate(next(iter(candidates.values())).extras) if e.kind == "delay"]
+    if delayed:
+        report(Progress(message="Estimating delays from the redundancy of the sensors"))
+        candidates = _insert_start_delays(task, candidates, delayed)
+    return candidates
+
+
+def _regularise_start(
+    task: EstimationTask, parameters: Parameters, values: np.ndarray
+) -> tuple[str, DerivativeTable]:
+    """Return name and table of the start by equation error, out-of-band modes regularised."""
+    if not task.out_of_band:
+        return EQUATION_ERROR, parameters.table(values)
+    names = ", ".join(task.mode_names[k] for k in task.out_of_band)
+    source = "in vacuo" if task.predicted is None else "predicted"
+    table = regularise_start(parameters, values, task.out_of_band, task.predicted)
+    return f"{EQUATION_ERROR}, {names} as {source}", table
+
+
+def _insert_start_delays(
+    task: EstimationTask, candidates: dict[str, Parameters], delayed: list[int]
+) -> dict[str, Parameters]:
+    """Start the free delays at values estimated from the redundancy of the sensors."""
+    first = task.maneuvers[0]
+    spectra = first.measured
+    unknown = {f"{name}, delays from zero": one for name, one in candidates.items()}
+    try:
+        delays = estimate_delays(first.model, spectra.inputs, spectra.outputs, spectra.instruments)
+    except NotIdentifiable:
+        return unknown
+    if np.max(np.abs(delays)) > LONGEST_DELAY_S:
+        return unknown  # too few sensors to resolve delays from motion
+    result = {}
+    for name, parameters in candidates.items():
+        start = parameters.start.copy()
+        for k in delayed:
+            start[parameters.rows.size + k] = delays[parameters.extras[k].output]
+        result[name] = replace(parameters, start=start)
+    return result

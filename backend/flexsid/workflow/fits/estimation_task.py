@@ -1,23 +1,116 @@
-"""Task of an estimation: its maneuvers, models, starts and priors, without a database."""
+"""Task of an estimation: maneuvers, models, starts, priors and experiments, without a database.
+
+The data contain little more of such a mode than its quasi-static response. Equation error
+then gives values that are mostly noise, and a fit that starts there may move the mode into
+the band, where it fits noise common to all sensors: a higher likelihood, and a biased model.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
+from jaxtyping import Float
 
-from flexsid.records.model_structure import Structure
-from flexsid.records.run import Method, Provenance, RunSettings
+from flexsid import __version__
+from flexsid.records.decision import Structure
+from flexsid.records.run import Method, Provenance, RunSettings, VarianceShares
+from flexsid.sysid.estimation.end_states import number_ends
 from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, NuisancePrior
-from flexsid.sysid.estimation.parameters import Parameters, select_parameters
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, select_parameters
+from flexsid.sysid.estimation.frequency_response_error import frequency_response_error
+from flexsid.sysid.estimation.likelihood import FitSettings
+from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD, NuisancePrior, estimate_spread
+from flexsid.sysid.estimation.output_error import output_error
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
-from flexsid.workflow.fits.out_of_band_modes import find_moved_poles
 from flexsid.workflow.measurements.recording import ManeuverMeasurement, MeasuredSpectra
+
+# --- Versions of the software that computes a result ----------------------------------------------
+
+METHODS = "9"
+"""Version of the numerical methods: raised with every change that changes results.
+
+Equal requests have equal results only by the same methods: it is part of the identity of runs
+and of all other requests. Results of earlier versions stay stored under their own hashes.
+"""
+
+
+def read_versions() -> dict[str, str]:
+    """Return the versions of the software of this process."""
+    return {
+        "flexsid": __version__,
+        "methods": METHODS,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+# --- Out-of-band modes: regularised start values, and poles that a fit moved into the band --------
+
+_MOVED = 0.6  # of the frequency in vacuo: lower than at any airspeed of the data
+
+
+def regularise_start(
+    parameters: Parameters,
+    values: Float[np.ndarray, " n_theta"],
+    out_of_band: Sequence[int],
+    predicted: DerivativeTable | None,
+) -> DerivativeTable:
+    """Replace the derivatives of out-of-band modes by predicted or in-vacuo values.
+
+    Parameters
+    ----------
+    parameters
+        Derivatives only.
+    values
+        Their values from equation error.
+    out_of_band
+        Indices of the modes above the highest frequency.
+    predicted
+        Source of their derivatives; without it the modes have their frequency and damping
+        in vacuo.
+    """
+    n, first = len(parameters.base.modes), parameters.base.body.size
+    rows, columns = parameters.rows, parameters.columns
+    index = np.asarray(out_of_band, dtype=int)
+    own = np.isin(rows, first + index)
+    moved = np.isin(columns, np.r_[first + index, first + n + index])
+    elastic = (columns >= first) & (columns < first + 2 * n)
+    if predicted is None:
+        table = np.where(moved | (own & elastic), 0.0, values)
+    else:
+        table = np.where(own | moved, predicted.values[rows, columns], values)
+    return parameters.table(table)
+
+
+def find_moved_poles(
+    poles: Sequence[NamedPole],
+    out_of_band: Sequence[tuple[str, float]],
+    max_omega: float,
+) -> tuple[NamedPole, ...]:
+    """Find poles of out-of-band modes that a fit moved into the band.
+
+    Parameters
+    ----------
+    poles
+        Poles of the identified model.
+    out_of_band
+        Name and frequency in vacuo of the modes above the highest frequency. [rad/s]
+    max_omega
+        Highest frequency of the fit. [rad/s]
+    """
+    limits = {name: min(max_omega, _MOVED * omega) for name, omega in out_of_band}
+    return tuple(p for p in poles if p.frequency < limits.get(p.name, 0.0))
+
+
+# --- Task of an estimation: its maneuvers, models, starts and priors, without a database ----------
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,3 +292,123 @@ def select_moved_poles(task: EstimationTask, poles: tuple[NamedPole, ...]) -> tu
     """Select the poles of out-of-band modes that the fit moved into the band."""
     out_of_band = [(task.mode_names[k], float(task.model.modes.omega[k])) for k in task.out_of_band]
     return find_moved_poles(poles, out_of_band, task.max_omega)
+
+
+# --- Experiments of output error and frequency-response error of a task, and their settings -------
+
+
+def build_experiments(task: EstimationTask, method: Method | None = None) -> list[Experiment]:
+    """Build one OE or FRE experiment for each maneuver, by default of the method of the task."""
+    method = task.method if method is None else method
+    several = len(task.maneuvers) > 1
+    result = []
+    for data in task.maneuvers:
+        name = data.label if several else method.value
+        spectra = data.measured
+        if method is Method.OE:
+            result.append(
+                output_error(
+                    data.model,
+                    spectra.inputs,
+                    spectra.outputs,
+                    spectra.instruments,
+                    name,
+                    spectra.record_ends_s,
+                    spectra.window_s,
+                    free_ends=spectra.free_ends,
+                )
+            )
+        else:
+            through = np.ones_like(spectra.instruments)
+            source = output_error(
+                data.model,
+                spectra.inputs,
+                spectra.true_outputs(),
+                through,
+                name,
+                window_s=spectra.window_s,
+            )
+            experiment = frequency_response_error(data.model, spectra.responses(), name, source)
+            if several:
+                groups = tuple(f"{name} {group}" for group in experiment.group_names)
+                experiment = replace(experiment, group_names=groups)
+            result.append(experiment)
+    return number_ends(result)
+
+
+def build_fit_settings(task: EstimationTask, spread: float | None = None) -> FitSettings:
+    """Build the settings of the likelihood maximisation of a task, by default with its spread."""
+    settings = task.settings
+    return FitSettings(
+        max_iterations=settings.max_iterations,
+        noise=settings.noise,
+        priors=task.list_priors(task.spread if spread is None else spread),
+    )
+
+
+# --- Nuisance parameters of an estimation: the spread of their prior, and their marginalisation
+
+_SPREAD_ROUNDS = 3
+_SPREAD_CONVERGED = 0.1  # relative change of the spread of the nuisance prior
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedRetainedModes:
+    """Retained modes of an estimation: estimate of all parameters, their priors and its spread."""
+
+    modes: tuple[int, ...]
+    spread: float
+    estimate: Estimate
+    priors: dict[str, tuple[float, float]]
+    noise_share: dict[str, float]
+
+
+def refit_until_consistent(
+    task: EstimationTask, estimate: Estimate, refit: Callable[[Estimate, float], Estimate]
+) -> tuple[float, Estimate]:
+    """Estimate the spread of the nuisance prior and fit again, until it is consistent.
+
+    Parameters
+    ----------
+    task, estimate
+        Task, and its estimate with the spread that it starts with.
+    refit
+        Fits again, from an estimate, with a spread.
+
+    Returns
+    -------
+    spread, estimate
+        That of the task and the estimate unchanged where it has no nuisance parameters.
+    """
+    spread = task.spread
+    if task.nuisance is None:
+        return spread, estimate
+    for _ in range(_SPREAD_ROUNDS):
+        if not estimate.outcome.is_optimum:
+            break
+        passing = estimate.nuisance.difference(task.nuisance_names)  # states at ends of records
+        own = estimate.select([name for name in estimate.names if name not in passing])
+        spread, before = estimate_spread(own, task.nuisance), spread
+        if abs(np.log(spread / before)) < _SPREAD_CONVERGED:
+            break
+        estimate = refit(estimate, spread)
+    return spread, estimate
+
+
+def marginalise(
+    task: EstimationTask,
+    estimate: Estimate,
+    spread: float,
+    shares: Mapping[str, VarianceShares],
+) -> ComputedRetainedModes | None:
+    """Return the retained modes with the estimate of all parameters; None without them.
+
+    ``shares`` are those of the variances by their causes.
+    """
+    if task.nuisance is None:
+        return None
+    reported = [name for name in estimate.names if name not in estimate.nuisance]
+    priors = task.list_priors(spread)
+    share = {name: one.noise for name, one in shares.items()}
+    estimate = estimate.select([*reported, *task.nuisance_names])
+    return ComputedRetainedModes(task.retained, spread, estimate, priors, share)

@@ -16,24 +16,21 @@ from flexsid.records.run import (
     Method,
     ModelAdequacy,
 )
-from flexsid.sysid.estimation.equation_error import build_regressors
-from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.leakage import remove_leakage
-from flexsid.sysid.estimation.limits import find_parameters_at_limits
-from flexsid.sysid.estimation.model_tests import (
+from flexsid.sysid.adequacy.model_tests import (
     SYMMETRY_HYPOTHESES,
     Hypothesis,
     ModelTest,
     OpposedMotion,
     compute_model_tests,
 )
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.sensor_influence import SensorInfluence
+from flexsid.sysid.adequacy.sensor_influence import SensorInfluence
+from flexsid.sysid.estimation.equation_error import build_regressors
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Experiment, Parameters, find_parameters_at_limits
+from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.fits.equation_error_fit import reconstruct_with_out_of_band_modes
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData
-from flexsid.workflow.fits.experiments import build_experiments
+from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverData, build_experiments
 
 _MOST_REASONS = 2
 

@@ -9,20 +9,14 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, list_surface_parts
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.run import (
-    EstimationRun,
-    Method,
-    ModelAdequacy,
-    OutOfBandModes,
-    RunSettings,
-)
+from flexsid.records.run import EstimationRun, Method, ModelAdequacy, OutOfBandModes, RunSettings
+from flexsid.sysid.adequacy.model_tests import Hypothesis
 from flexsid.sysid.estimation.estimate import Estimate, Outcome, standard_errors
-from flexsid.sysid.estimation.limits import LONGEST_DELAY_S
-from flexsid.sysid.estimation.model_tests import Hypothesis
+from flexsid.sysid.estimation.experiment import LONGEST_DELAY_S
 from flexsid.sysid.estimation.nuisance import NuisancePrior
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, is_derivative
-from flexsid.sysid.modes.symmetry import may_be
+from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.stability.poles import NamedPole
 
 MAX_CORRELATION = 0.9

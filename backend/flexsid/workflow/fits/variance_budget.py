@@ -13,12 +13,11 @@ import numpy as np
 from jaxtyping import Float
 
 from flexsid.records.run import Method, VarianceShares
-from flexsid.sysid.estimation.assumed_values import compute_changes_by_assumptions
+from flexsid.sysid.adequacy.assumed_values import compute_changes_by_assumptions
 from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Parameters
 from flexsid.sysid.estimation.nuisance import compute_prior_shares
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.workflow.fits.estimation_task import EstimationTask
-from flexsid.workflow.fits.experiments import build_experiments
+from flexsid.workflow.fits.estimation_task import EstimationTask, build_experiments
 from flexsid.workflow.fits.model_adequacy import build_record_experiments, fits_some_inputs
 
 _CONDITION = ("airspeed", "density")

@@ -17,16 +17,16 @@ from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.instruments import Instrument
-from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
-from flexsid.sysid.stability.flutter_prediction import compute_structure_spread
-from flexsid.sysid.stability.loop_sweep import (
+from flexsid.sysid.model.sensor_models import Instrument
+from flexsid.sysid.stability.closed_loop import (
     Loop,
     LoopPoint,
     compute_largest_growth,
     evaluate_loop_point,
     find_stability_limit,
 )
+from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
+from flexsid.sysid.stability.flutter_prediction import compute_structure_spread
 from flexsid.sysid.stability.root_tracking import STATIC_ROOT_RAD_S
 from flexsid.workflow.aircraft.aircraft_models import build_model, define_outputs
 from flexsid.workflow.aircraft.flight_condition import complete_condition

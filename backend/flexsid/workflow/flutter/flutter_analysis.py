@@ -23,8 +23,8 @@ from flexsid.records.flutter import (
 from flexsid.records.job import Job
 from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
+from flexsid.sysid.model.condition import compute_standard_density
 from flexsid.sysid.model.lateral import LATERAL
-from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.flutter_extrapolation import (
     TestPoint,
     extrapolate_damping,
@@ -45,11 +45,12 @@ from flexsid.workflow.flutter.flutter_models import (
 )
 from flexsid.workflow.flutter.flutter_roots import (
     compute_equivalents,
+    describe_margin,
+    is_safe,
     trace_flutter_roots,
 )
 from flexsid.workflow.flutter.run_models import RunModel, UnmodelledModes
-from flexsid.workflow.flutter.test_point_margin import describe_margin, is_safe
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.derived_runs import DerivedResult, renumber, store_derived_fits
 
 __all__ = [

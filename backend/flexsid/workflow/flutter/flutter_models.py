@@ -16,21 +16,22 @@ from flexsid.records.run import DerivedRun, Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.estimate import Outcome
 from flexsid.sysid.global_model.selection import LEAST_RUNS
-from flexsid.sysid.model.standard_atmosphere import compute_standard_density
+from flexsid.sysid.model.condition import compute_standard_density
 from flexsid.sysid.stability.derivative_fusion import (
+    EnvelopeModel,
     IdentifiedModes,
+    fit_envelope,
     fuse_identified,
     fuse_with_trend,
 )
-from flexsid.sysid.stability.envelope_fusion import EnvelopeModel, fit_envelope
-from flexsid.sysid.stability.flight_evidence import FlownPoint
+from flexsid.sysid.stability.flutter_extrapolation import FlownPoint
 from flexsid.sysid.stability.flutter_prediction import (
     FlutterPrediction,
     compute_structure_spread,
     fuse_at_crossing,
     predict_flutter,
 )
-from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.flight_condition import complete_condition
 from flexsid.workflow.flutter.run_models import (
@@ -45,7 +46,7 @@ from flexsid.workflow.flutter.run_models import (
 )
 from flexsid.workflow.modal_data.modal_tables import AircraftModes
 from flexsid.workflow.model_structures.baselines import find_approved_global_model
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.derived_runs import DerivedFit, DerivedRuns
 from flexsid.workflow.runs.run_identity import list_run_contents
 

@@ -1,4 +1,4 @@
-"""Roots of identified models over airspeed, dynamic pressure or fuel, and equivalent modes."""
+"""Roots of identified models over airspeed, pressure or fuel, and where they become unstable."""
 
 from __future__ import annotations
 
@@ -12,24 +12,27 @@ from flexsid.records.flutter import (
     Along,
     EquivalentLine,
     EquivalentPoint,
+    FlutterPoint,
     FlutterRoots,
+    Instability,
     RootBranch,
     TestedRoot,
 )
 from flexsid.storage.store import Store
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes
-from flexsid.sysid.stability.equivalent import (
+from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
+from flexsid.sysid.stability.order import (
     EquivalentMode,
     compute_equivalent_modes,
     fit_in_vacuo_mode,
 )
+from flexsid.sysid.stability.poles import StateFamily, build_state_family
 from flexsid.sysid.stability.root_errors import RootBands, estimate_root_bands
 from flexsid.sysid.stability.root_tracking import (
     RootLocus,
     track_family_roots,
     track_shaped_loadings,
 )
-from flexsid.sysid.stability.state_family import StateFamily, build_state_family
 from flexsid.workflow.flutter.flutter_models import (
     NEXT,
     FlutterModels,
@@ -38,6 +41,8 @@ from flexsid.workflow.flutter.flutter_models import (
 )
 from flexsid.workflow.flutter.run_models import RunModel, scale_to_fuel
 from flexsid.workflow.modal_data.modal_tables import AircraftModes
+
+# --- Roots of identified models over airspeed, dynamic pressure or fuel, and equivalent modes -----
 
 _FUELS = 41
 _HZ = 1.0 / (2.0 * np.pi)
@@ -297,3 +302,217 @@ def _fit_equivalent_lines(
             )
         )
     return tuple(lines)
+
+
+# --- Speeds at which the roots of a flutter analysis become unstable ------------------------------
+
+NEUTRAL = 1e-4
+"""Structural damping g: below it a root is neutral, as an undamped mode in vacuo."""
+
+RIGID_BODY_OMEGA = 2.0 * np.pi * 0.05
+"""rad/s: a root closer to the origin is a rigid-body motion or round-off."""
+
+_RISING = 1e-3
+"""1/s: a root that grows more slowly (doubling in 700 s) is neutral."""
+
+_JUMP = 0.25
+"""Largest relative change in frequency of one root between rows."""
+
+_DENSITY_SWEEPS = ("PKNL", "PKNLS")
+_WITHOUT_ONSET = ("K",)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SweptRoot:
+    """One root of one analysis, in the order of its sweep; arrays (n,)."""
+
+    number: int
+    airspeed: np.ndarray
+    damping: np.ndarray
+    omega: np.ndarray
+    growth: np.ndarray
+    density: np.ndarray
+    mach: np.ndarray
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether the root stays undamped or within 0.05 Hz of the origin."""
+        size = np.hypot(self.growth, self.omega)
+        return bool((np.abs(self.damping) < NEUTRAL).all() or (size < RIGID_BODY_OMEGA).all())
+
+    def compute_excess(self, g: float) -> np.ndarray:
+        """Return the damping beyond a structural damping g, which does not hold static motions."""
+        return self.damping - np.where(self.omega < RIGID_BODY_OMEGA, 0.0, g)
+
+
+def select_roots(arrays: dict[str, np.ndarray], method: str) -> list[SweptRoot]:
+    """Return the roots of one analysis, each in the order of its sweep.
+
+    Rows are taken by rising airspeed; in sweeps of matched points (PKNL) in the order printed,
+    reversed where dynamic pressure falls, as their airspeeds need not rise.
+    """
+    return [_select_root(arrays, int(number), method) for number in np.unique(arrays["root"])]
+
+
+def find_instabilities(
+    arrays: dict[str, np.ndarray], title: str, method: str, g: float = 0.0
+) -> tuple[list[FlutterPoint], list[str]]:
+    """Find the speeds at which roots of one analysis become unstable; return points and notes.
+
+    Parameters
+    ----------
+    arrays
+        As stored in a FlutterSummary, of one analysis.
+    title, method
+        Description of the analysis, and its solution method.
+    g
+        Structural damping that the structure is assumed to have. [1]
+
+    Notes
+    -----
+    Damping is interpolated by a straight line between the rows on either side of ``g``, and of
+    zero for static motions.
+    """
+    if method in _WITHOUT_ONSET:
+        return [], [f"no speed is read, since method {method} does not follow its roots."]
+    points: list[FlutterPoint] = []
+    neutral: list[int] = []
+    notes: list[str] = []
+    for root in select_roots(arrays, method):
+        if root.is_neutral:
+            rising = float(root.growth.max())
+            if rising < _RISING or (root.damping < NEUTRAL).all():
+                neutral.append(root.number)
+            else:
+                notes.append(
+                    f"root {root.number} grows slowly, doubling in {np.log(2.0) / rising:.3g} s "
+                    "or longer (within 0.05 Hz of the origin, a motion of the free body): no "
+                    "speed is read from it."
+                )
+            continue
+        excess = root.compute_excess(g)
+        slow = np.hypot(root.growth, root.omega) < RIGID_BODY_OMEGA
+        state = np.where((np.abs(excess) < NEUTRAL) | slow, 0, np.sign(excess)).astype(int)
+        before = 0
+        for row in range(state.size):
+            if state[row] > 0 and before <= 0:
+                points.append(_interpolate_onset(root, excess, row, before, title, notes))
+            before = int(state[row]) or before
+    if neutral:
+        listed = ", ".join(map(str, neutral))
+        notes.append(f"roots {listed} stay neutral or slow: no speed is read from them.")
+    return points, notes
+
+
+def _interpolate_onset(
+    root: SweptRoot, excess: np.ndarray, row: int, before: int, title: str, notes: list[str]
+) -> FlutterPoint:
+    """Interpolate the speed at which a root becomes unstable between rows."""
+    first, share = row, 0.0
+    if before < 0:  # seen stable: the last row without growth lies on the other side of zero
+        first = int(np.flatnonzero(excess[:row] <= 0)[-1])
+        share = float(excess[first] / (excess[first] - excess[first + 1]))
+    after = first + 1 if before < 0 else row
+
+    def at(values: np.ndarray) -> float:
+        return float(values[first] + share * (values[after] - values[first]))
+
+    kind = Instability.DIVERGENCE if root.omega[after] < RIGID_BODY_OMEGA else Instability.FLUTTER
+    omega = at(root.omega)
+    if kind is Instability.DIVERGENCE:
+        omega = 0.0
+    elif root.omega[first] < RIGID_BODY_OMEGA:
+        omega = float(root.omega[after])
+    larger = float(max(root.omega[first], root.omega[after]))
+    if abs(float(root.omega[after] - root.omega[first])) > max(_JUMP * larger, RIGID_BODY_OMEGA):
+        notes.append(
+            f"root {root.number} changes from {root.omega[first] / (2.0 * np.pi):.3g} to "
+            f"{root.omega[after] / (2.0 * np.pi):.3g} Hz between {root.airspeed[first]:.4g} and "
+            f"{root.airspeed[after]:.4g} m/s, where it becomes unstable: roots may be exchanged "
+            "there; check with a finer sweep."
+        )
+    density, mach = at(root.density), at(root.mach)
+    return FlutterPoint(
+        root=root.number,
+        airspeed_m_s=at(root.airspeed),
+        omega_rad_s=omega,
+        kind=kind,
+        is_bound=before >= 0,
+        analysis=title,
+        mach=mach if np.isfinite(mach) else None,
+        density_ratio=density if np.isfinite(density) else None,
+    )
+
+
+def _select_root(arrays: dict[str, np.ndarray], number: int, method: str) -> SweptRoot:
+    rows = np.flatnonzero(arrays["root"] == number)
+    speed = arrays["airspeed"][rows]
+    if method in _DENSITY_SWEEPS:
+        pressure = arrays["density"][rows] * speed**2
+        order = rows if pressure[-1] >= pressure[0] else rows[::-1]
+    elif method == "KE":
+        order = rows if speed[-1] >= speed[0] else rows[::-1]
+    else:
+        order = rows[np.argsort(speed, kind="stable")]
+    return SweptRoot(
+        number,
+        *(arrays[name][order] for name in ("airspeed", "damping", "omega", "growth")),
+        *(arrays[name][order] for name in ("density", "mach")),
+    )
+
+
+# --- Flutter margin of the next test point with its confidence interval ---------------------------
+
+
+def describe_margin(models: FlutterModels, next_speed: float) -> str:
+    """Describe the margin of the next test point and its interval, or why there is none."""
+    best = models.best.prediction
+    at, crossing = f"Next point at {next_speed:.1f} m/s", best.crossing
+    if best.refusal:
+        return f"{at}: no margin, since no flutter speed can be predicted from these runs."
+    if crossing is None:
+        first, last = best.locus.airspeed[[0, -1]].tolist()
+        if _is_unstable_at(best, first):
+            return f"{at}: no margin, since the model is unstable already at {first:.1f} m/s."
+        others = [g.prediction.crossing.airspeed for g in models.groups if g.prediction.crossing]
+        if others:
+            return (
+                f"{at}: no margin, since another structure of the same runs becomes unstable"
+                f" at {min(others):.1f} m/s."
+            )
+        if next_speed > last:
+            return f"{at}: no margin, since the model was evaluated up to {last:.1f} m/s only."
+        return f"{at}: no instability is predicted up to {last:.1f} m/s."
+    margin = f"margin {crossing.airspeed / next_speed - 1.0:+.1%}"
+    if best.interval is None:
+        return f"{at}: {margin}, uncertainty unknown."
+    low, high = (edge / next_speed - 1.0 for edge in best.interval)
+    bounded = f"{margin}, between {low:+.1%} and {high:+.1%} with 95 % probability"
+    if low > 0.0 and _is_unstable_at(best, next_speed):
+        return (
+            f"{at}: {bounded}; but a root that becomes unstable at a lower speed is unstable there."
+        )
+    if low > 0.0:
+        return f"{at}: {bounded}."
+    if high < 0.0:
+        return f"{at} lies beyond flutter: {bounded}."
+    return f"{at} may be beyond flutter: {bounded}. Fly a slower point first."
+
+
+def is_safe(models: FlutterModels, next_speed: float) -> bool:
+    """Return whether the model predicts no instability up to the next point, with 95 %."""
+    best = models.best.prediction
+    if best.refusal:
+        return False
+    if best.crossing is None:
+        is_stable = not _is_unstable_at(best, best.locus.airspeed[0])
+        alike = all(group.prediction.crossing is None for group in models.groups)
+        return is_stable and alike and next_speed <= float(best.locus.airspeed[-1])
+    bounded = best.interval is not None and best.interval[0] > next_speed
+    return bounded and not _is_unstable_at(best, next_speed)
+
+
+def _is_unstable_at(prediction: FlutterPrediction, speed: float) -> bool:
+    locus = prediction.locus
+    near = int(np.argmin(np.abs(locus.airspeed - speed)))
+    return bool((np.real(locus.roots[near]) > 0.0).any())

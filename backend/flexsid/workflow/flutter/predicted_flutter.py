@@ -21,6 +21,7 @@ from flexsid.records.flutter import (
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
+from flexsid.sysid.model.condition import compute_standard_density
 from flexsid.sysid.model.derivatives import (
     DerivativeTable,
     coefficients,
@@ -31,12 +32,11 @@ from flexsid.sysid.model.frequency_shape import FrequencyShape
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.standard_atmosphere import compute_standard_density
 from flexsid.sysid.stability.derivative_fusion import IdentifiedModes, StiffnessError
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction, predict_flutter
-from flexsid.sysid.stability.rational_crossing import AGREEMENT, find_rational_crossing
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives, estimate_root_bands
-from flexsid.sysid.stability.state_family import Aeroelastic
+from flexsid.sysid.stability.root_tracking import AGREEMENT, find_rational_crossing
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_prediction,

@@ -13,33 +13,29 @@ from flexsid.records.run import EstimationRun, Progress, RetainedModes
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, coefficients, variables
-from flexsid.sysid.model.modal_errors import compute_modal_errors
+from flexsid.sysid.model.reduction import compute_modal_errors
 from flexsid.sysid.stability.derivative_fusion import (
     DerivativePrior,
     IdentifiedModes,
     StiffnessError,
 )
-from flexsid.sysid.stability.flight_evidence import FlownPoint
+from flexsid.sysid.stability.flutter_extrapolation import FlownPoint
+from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_errors import UncertainDerivatives
-from flexsid.sysid.stability.state_family import Aeroelastic
 from flexsid.workflow.aircraft.derivative_predictions import (
     interpolate_prediction,
     select_prediction,
 )
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
-from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.derived_runs import DerivedRuns
-from flexsid.workflow.runs.identified_models import (
-    IdentifiedModel,
-    load_identified_model,
-    read_covariance,
-)
-from flexsid.workflow.runs.out_of_band_refits import (
+from flexsid.workflow.model_structures.model_structures import get_result
+from flexsid.workflow.runs.derived_runs import (
+    DerivedRuns,
     coarsen_mesh,
     extend_with_predicted_modes,
     find_omitted_modes,
     remove_highest_mode,
 )
+from flexsid.workflow.runs.exports import IdentifiedModel, load_identified_model, read_covariance
 
 
 class UnmodelledModes(StrEnum):

@@ -24,13 +24,14 @@ from flexsid.records.global_model import (
 )
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.sysid.global_model.fit import RunEstimates
-from flexsid.sysid.global_model.next_condition import compute_variance_reductions
-from flexsid.sysid.global_model.outlying_runs import (
+from flexsid.sysid.global_model.selection import (
     OutlyingRun,
     ScaleFactor,
+    SelectedModel,
+    compute_variance_reductions,
     find_outlying_runs,
+    select_global_model,
 )
-from flexsid.sysid.global_model.selection import SelectedModel, select_global_model
 from flexsid.workflow.global_model.estimates import GlobalModelTask, interpolate_table
 
 _DRIFT_LEVEL = 0.05  # probability of a false drift in a campaign

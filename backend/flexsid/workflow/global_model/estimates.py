@@ -19,11 +19,11 @@ from flexsid.records.run import EstimationRun
 from flexsid.storage.store import Store
 from flexsid.sysid.global_model.fit import RunEstimates
 from flexsid.sysid.global_model.selection import LEAST_RUNS
-from flexsid.sysid.interpolation import interpolate
 from flexsid.sysid.model.derivatives import is_derivative
+from flexsid.sysid.signals import interpolate
 from flexsid.workflow.aircraft.derivative_predictions import select_by_id
 from flexsid.workflow.model_structures.baselines import read_quantities
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 
 _MOST_RUNS = 5000  # minutes, and a request of 30 kB
 _LEAST_ESTIMATES = 3  # of a derivative: fewer have no scatter

@@ -1,18 +1,23 @@
-"""Versions of global models: stored under a number, compared, and used where approved."""
+"""Versions of global models: stored under a number, sliced, and used as predictions."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict
+from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.decision import Decision, LimitedQuantity
 from flexsid.records.global_model import (
     DerivativeChange,
+    DerivativeSlice,
+    EnvelopeCoverage,
     GlobalModelResult,
     GlobalModelVersion,
+    SlicePoint,
     VersionDifferences,
     VersionedRun,
 )
@@ -21,13 +26,14 @@ from flexsid.storage.encoding import decode, encode
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow.aircraft.axes import find_body, list_axis_surfaces
-from flexsid.workflow.global_model.computation import predict_derivatives
+from flexsid.workflow.global_model.computation import predict_before_flight, predict_derivatives
 from flexsid.workflow.model_structures.baselines import (
     find_approved_global_model,
     read_quantities,
 )
-from flexsid.workflow.model_structures.model_structures import describe_derivative_state
-from flexsid.workflow.model_structures.run_results import hash_run
+from flexsid.workflow.model_structures.model_structures import describe_derivative_state, hash_run
+
+# --- Versions of global models: stored under a number, compared, and used where approved ----------
 
 
 def add_version(
@@ -200,3 +206,217 @@ def _predict_at(
         name: (float(value), float(error))
         for name, value, error in zip(result.model.names, values[0], std, strict=True)
     }
+
+
+# --- Slices and coverage of a global model, for its figures and tables ----------------------------
+
+_POINTS = 81  # of a slice
+_MARGIN = 0.1  # of the flown range, drawn on either side as extrapolation
+_CELLS = 41  # of the coverage, in each variable
+
+
+def slice_derivative(
+    result: GlobalModelResult,
+    name: str,
+    along: LimitedQuantity | None = None,
+    condition: Sequence[float] = (),
+) -> DerivativeSlice:
+    """Compute one derivative along one variable, with the estimates of the runs.
+
+    Parameters
+    ----------
+    result
+        The global model.
+    name
+        Derivative, e.g. ``Cm_alpha``.
+    along
+        Variable; the first one by default.
+    condition
+        Value of every variable where the others are held, in SI; the centre by default.
+
+    Notes
+    -----
+    Estimates were made at other values of the other variables: each is moved by the difference
+    of the model between its condition and that of the slice (partial residuals).
+
+    Raises
+    ------
+    BadInput
+        If the model does not have the derivative or the variable, or not so many variables.
+    """
+    model, summary = result.model, result.summary
+    variables = tuple(one.quantity for one in summary.variables)
+    if name not in model.names:
+        raise BadInput(
+            f"the global model does not have '{name}'; it has {', '.join(model.names)}",
+            code="unknown-derivative",
+            derivative=name,
+        )
+    along = variables[0] if along is None else along
+    if along not in variables:
+        raise BadInput(
+            f"{along.value} is not a variable of the global model; select one of "
+            f"{', '.join(variables)}",
+            code="unknown-variable",
+        )
+    if condition and len(condition) != len(variables):
+        raise BadInput(
+            f"{len(condition)} values are given; expected one for each of {', '.join(variables)}",
+            code="bad-condition",
+        )
+    k, axis = model.names.index(name), variables.index(along)
+    held = np.array(condition or summary.centre)
+    low, high = model.basis.lowest[axis], model.basis.highest[axis]
+    margin = _MARGIN * (high - low)
+    conditions = np.tile(held, (_POINTS, 1))
+    conditions[:, axis] = np.linspace(low - margin, high + margin, _POINTS)
+    if along is LimitedQuantity.FUEL:
+        conditions[:, axis] = np.linspace(max(0.0, low - margin), min(1.0, high + margin), _POINTS)
+    values, covariance = predict_derivatives(result, conditions)
+    std = np.sqrt(covariance[:, k, k] + result.modal_std[k] ** 2)
+    predicted = None
+    if result.prediction is not None:
+        own = predict_before_flight(result, conditions)[:, k]
+        predicted = own if np.isfinite(own).all() else None
+    return DerivativeSlice(
+        name=name,
+        along=along,
+        variables=variables,
+        condition=tuple(held.tolist()),
+        x=conditions[:, axis],
+        values=values[:, k],
+        std_errors=std,
+        scatter_std=np.hypot(std, model.scatter[k]),
+        is_extrapolated=model.basis.is_extrapolated(conditions),
+        predicted=predicted,
+        prediction_source=None if result.prediction is None else result.prediction.source,
+        points=_move_estimates(result, k, axis, held),
+    )
+
+
+def compute_coverage(result: GlobalModelResult) -> EnvelopeCoverage:
+    """Compute the standard error over the envelope relative to its smallest."""
+    basis, summary = result.model.basis, result.summary
+    held = np.array(summary.centre)
+    shown = range(min(2, held.size))
+    axes = [np.linspace(basis.lowest[k], basis.highest[k], _CELLS) for k in shown]
+    if len(axes) == 1:
+        axes.append(np.zeros(1))
+    x, y = np.meshgrid(*axes)
+    conditions = np.tile(held, (x.size, 1))
+    for k, values in zip(shown, (x, y), strict=False):
+        conditions[:, k] = values.ravel()
+    _, covariance = result.model.predict(conditions)
+    variance = np.diagonal(covariance, axis1=1, axis2=2)
+    relative = np.sqrt((variance / variance.min(axis=0)).mean(axis=1))
+    ratio = np.where(basis.is_extrapolated(conditions), np.nan, relative)
+    return EnvelopeCoverage(
+        variables=tuple(one.quantity for one in summary.variables),
+        x=axes[0],
+        y=axes[1],
+        ratio=ratio.reshape(x.shape),
+        runs=summary.runs,
+        next_condition=summary.next_condition,
+    )
+
+
+def _move_estimates(
+    result: GlobalModelResult, k: int, axis: int, held: np.ndarray
+) -> tuple[SlicePoint, ...]:
+    """Move the estimates of one derivative along the model to a slice."""
+    runs = result.summary.runs
+    flown = np.array([run.condition for run in runs])
+    moved = np.tile(held, (len(runs), 1))
+    moved[:, axis] = flown[:, axis]
+    change = (
+        predict_derivatives(result, moved)[0][:, k] - predict_derivatives(result, flown)[0][:, k]
+    )
+    return tuple(
+        SlicePoint(
+            run_id=run.run_id,
+            maneuver_id=run.maneuver_id,
+            label=f"{run.method} {run.run_id}, {run.label}",
+            kind=run.method,
+            x=float(moved[number, axis]),
+            value=float(result.values[number, k] + change[number]),
+            std_error=float(result.std_errors[number, k]),
+            is_outlying=run.is_outlying,
+        )
+        for number, run in enumerate(runs)
+        if np.isfinite(result.values[number, k])
+    )
+
+
+# --- A global model at one condition as a prediction: priors, pre-flight simulation, comparison
+
+_KIND = "flight"
+_FUELS = 9  # of the table; polynomials of the third degree need four
+
+
+def store_global_prediction(
+    store: Store, result: GlobalModelResult, source: str, condition: Sequence[float] = ()
+) -> DerivativePrediction:
+    """Store the derivatives of a global model as a prediction over the flown fuel weights.
+
+    Parameters
+    ----------
+    store
+        Database.
+    result
+        The global model.
+    source
+        Name of the prediction.
+    condition
+        Value of every variable, in SI; that of fuel is not used. The mean condition of the
+        runs by default.
+
+    Raises
+    ------
+    BadInput
+        If there are not so many variables, or the condition was not flown.
+    Conflict
+        If the aircraft has a prediction of that name.
+    """
+    summary, basis = result.summary, result.model.basis
+    variables = [one.quantity for one in summary.variables]
+    if condition and len(condition) != len(variables):
+        raise BadInput(
+            f"{len(condition)} values are given; expected one for each of {', '.join(variables)}",
+            code="bad-condition",
+        )
+    if store.predictions.find(aircraft_id=summary.aircraft_id, source=source):
+        raise Conflict(
+            f"Prediction '{source}' is there already; give this one another name.",
+            code="already-exists",
+        )
+    conditions = np.array([condition or summary.centre], dtype=float)
+    fuel = np.array([result.fuel])
+    if LimitedQuantity.FUEL in variables:
+        axis = variables.index(LimitedQuantity.FUEL)
+        fuel = np.linspace(basis.lowest[axis], basis.highest[axis], _FUELS)
+        conditions = np.repeat(conditions, _FUELS, axis=0)
+        conditions[:, axis] = fuel
+    is_flown = ~basis.is_extrapolated(conditions)
+    held = [one for one in variables if one is not LimitedQuantity.FUEL]
+    at = ", ".join(f"{one.value} = {conditions[0, variables.index(one)]:.6g}" for one in held)
+    if not is_flown.any():
+        raise BadInput(
+            f"the condition {at} lies outside the flown ones; select one inside",
+            code="not-flown",
+        )
+    fuel, conditions = fuel[is_flown], conditions[is_flown]
+    values, covariance = predict_derivatives(result, conditions)
+    std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2) + result.modal_std**2)
+    runs = ", ".join(str(run.run_id) for run in summary.runs if not run.is_outlying)
+    return store.predictions.add(
+        DerivativePrediction(
+            aircraft_id=summary.aircraft_id,
+            source=source,
+            kind=_KIND,
+            fuel=tuple(fuel.tolist()),
+            names=result.model.names,
+            values=store.arrays.put(values),
+            std_errors=store.arrays.put(std),
+            note=f"global model{' at ' + at if at else ''} of runs {runs}",
+        )
+    )

@@ -16,22 +16,20 @@ import numpy as np
 from flexsid.errors import BadInput, Conflict, FlexsidError, UnknownRecord
 from flexsid.importers import sandbox
 from flexsid.importers.aircraft import AircraftPart
-from flexsid.importers.channels import RawChannel
-from flexsid.importers.maneuver import RawManeuver
+from flexsid.importers.maneuver import RawChannel, RawManeuver
 from flexsid.importers.mapping import (
     ModalTableMapping,
     PredictionMapping,
     find_known_mapping,
     parse_mapping,
 )
-from flexsid.importers.modal_table import extract_modes
-from flexsid.importers.plausibility import (
+from flexsid.importers.modal_table import extract_derivatives, extract_modes
+from flexsid.importers.quantity import (
     OTHER_AXIS,
     UnitWarning,
     find_small_outputs,
     find_unit_warning,
 )
-from flexsid.importers.predictions import extract_derivatives
 from flexsid.importers.source import Sources
 from flexsid.records.aircraft import Aircraft, DerivativePrediction, list_surface_parts
 from flexsid.records.maneuver import (
@@ -55,8 +53,8 @@ from flexsid.workflow.aircraft.flight_condition import (
     complete_condition,
     complete_parked_condition,
     compute_airspeed_ratio,
+    set_thrust_table,
 )
-from flexsid.workflow.aircraft.thrust import set_thrust_table
 from flexsid.workflow.importing.parsed_files import (
     ParsedUpload,
     add_repairs,
@@ -64,7 +62,7 @@ from flexsid.workflow.importing.parsed_files import (
     parse_upload,
     refuse_guesses,
 )
-from flexsid.workflow.measurements.conditioning import add_shared_corrections
+from flexsid.workflow.measurements.maneuver_spectra import add_shared_corrections
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
 BYTES_AT_ONCE = 16 * 1024**2

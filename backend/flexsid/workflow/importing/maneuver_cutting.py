@@ -33,10 +33,13 @@ from flexsid.sysid.preparation.cutting import (
     find_marked_intervals,
 )
 from flexsid.units import si_unit, to_si
-from flexsid.workflow.aircraft.flight_condition import complete_condition, compute_airspeed_ratio
-from flexsid.workflow.aircraft.thrust import TOTAL_TEMPERATURE
+from flexsid.workflow.aircraft.flight_condition import (
+    TOTAL_TEMPERATURE,
+    complete_condition,
+    compute_airspeed_ratio,
+)
 from flexsid.workflow.importing.flight_import import build_excitation, correlate_inputs
-from flexsid.workflow.measurements.conditioning import add_shared_corrections
+from flexsid.workflow.measurements.maneuver_spectra import add_shared_corrections
 from flexsid.workflow.measurements.measured_axis import determine_axis
 
 TRIM_S = 2.0

@@ -14,7 +14,6 @@ from flexsid.errors import BadInput
 from flexsid.importers.column_names import Meaning
 from flexsid.importers.column_names import recognise_column as recognise_name
 from flexsid.importers.mapping import find_known_mapping, parse_mapping
-from flexsid.importers.plausibility import UnitWarning
 from flexsid.importers.proposal import (
     REMEMBERED,
     find_time,
@@ -22,6 +21,7 @@ from flexsid.importers.proposal import (
     mark_guessed,
     write_proposal,
 )
+from flexsid.importers.quantity import UnitWarning
 from flexsid.importers.source import Sources
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
@@ -34,8 +34,8 @@ from flexsid.workflow.importing.parsed_files import (
     describe_start,
     find_guesses,
     parse_upload,
+    read_remembered_columns,
 )
-from flexsid.workflow.importing.remembered_columns import read_remembered_columns
 
 MOST_FIELDS = 500
 MOST_DRAWN = 12

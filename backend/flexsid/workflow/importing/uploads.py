@@ -31,16 +31,26 @@ from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress, RunState
 from flexsid.storage import upload_files
-from flexsid.storage.access import Forbidden, get_access, using_access
+from flexsid.storage.access import (
+    GIGABYTE,
+    AccountUploadsFull,
+    Forbidden,
+    check_recorded_bytes,
+    get_access,
+    using_access,
+)
 from flexsid.storage.database import sqlite_file
 from flexsid.storage.files import make_private_folder
-from flexsid.storage.quotas import GIGABYTE, AccountUploadsFull, check_recorded_bytes
 from flexsid.storage.store import Store
 from flexsid.storage.tables import jobs
 from flexsid.text import LONGEST_TEXT
 from flexsid.workflow.importing.flight_import import AddBuiltinAircraft, store_upload
-from flexsid.workflow.importing.parsed_files import ParsedUpload, parse_upload, refuse_guesses
-from flexsid.workflow.importing.remembered_columns import IMPORT_KIND
+from flexsid.workflow.importing.parsed_files import (
+    IMPORT_KIND,
+    ParsedUpload,
+    parse_upload,
+    refuse_guesses,
+)
 
 RETENTION_DAYS = 7
 _UPLOADER = "account"

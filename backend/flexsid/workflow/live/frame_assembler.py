@@ -1,16 +1,28 @@
-"""Frames from samples with time stamps of their own, such as those of telemetry messages."""
+"""Frames: from samples with time stamps of their own, as packets, and from a stored maneuver.
+
+A packet is ``FXS1``, the number of the frame (unsigned 32-bit integer), the time of its first
+sample (64-bit float, s), and the samples of every group as 32-bit floats, sample by sample; all
+little-endian. Missing samples are NaN.
+"""
 
 from __future__ import annotations
 
 import math
+import struct
+import time
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexsid.errors import BadInput
 from flexsid.records.live import Frame, StreamHeader
-from flexsid.records.maneuver import Role
+from flexsid.records.maneuver import RecordedChannel, Role
+from flexsid.storage.recordings import read_channels
+from flexsid.storage.store import Store
+
+# --- Frames from samples with time stamps of their own, such as those of telemetry messages -------
 
 WAIT_S = 0.1
 """Time of the recorder for which a frame waits for the samples that follow it: the two next
@@ -176,3 +188,161 @@ def _hold(times: np.ndarray, values: np.ndarray, at_s: np.ndarray) -> np.ndarray
     last = np.searchsorted(times, at_s, side="right") - 1
     age_s = at_s - times[np.maximum(last, 0)]
     return np.where((last >= 0) & (age_s <= _HOLD_S), values[np.maximum(last, 0)], np.nan)
+
+
+# --- Packets: frames as bytes, for UDP and HTTP ---------------------------------------------------
+
+_MAGIC = b"FXS1"
+_START = struct.Struct("<4sId")
+
+
+def encode_frame(frame: Frame) -> bytes:
+    """Encode a frame as a packet."""
+    samples = b"".join(np.ascontiguousarray(x, dtype="<f4").tobytes() for x in frame.samples)
+    return _START.pack(_MAGIC, frame.number, frame.time_s) + samples
+
+
+def compute_packet_size(header: StreamHeader) -> int:
+    """Compute the number of bytes of a packet."""
+    return _START.size + 4 * sum(n * k for n, k in header.frame_shapes)
+
+
+def decode_frames(data: bytes, header: StreamHeader) -> list[Frame]:
+    """Decode one or several packets.
+
+    Raises
+    ------
+    BadInput
+        If the bytes are not whole packets of the stream.
+    """
+    size = compute_packet_size(header)
+    if not data or len(data) % size:
+        raise BadInput(
+            f"{len(data)} bytes are not whole packets of this stream, of {size} bytes each",
+            code="bad-packet",
+        )
+    return [_decode(data[k : k + size], header) for k in range(0, len(data), size)]
+
+
+def _decode(packet: bytes, header: StreamHeader) -> Frame:
+    magic, number, time_s = _START.unpack_from(packet)
+    if magic != _MAGIC or not np.isfinite(time_s):
+        raise BadInput(
+            "a packet begins with FXS1, the number of the frame and a finite time",
+            code="bad-packet",
+        )
+    values = np.frombuffer(packet, dtype="<f4", offset=_START.size).astype(float)
+    sizes = [n * k for n, k in header.frame_shapes]
+    parts = np.split(values, np.cumsum(sizes)[:-1])
+    samples = tuple(x.reshape(s) for x, s in zip(parts, header.frame_shapes, strict=True))
+    return Frame(number=number, time_s=time_s, samples=samples)
+
+
+# --- Replay: the stream of a stored maneuver, at any speed ----------------------------------------
+
+_ALIKE_S = 1e-6  # starts of channels that count as one clock [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """The frames of recorded channels, given by name with their samples in native units."""
+
+    header: StreamHeader
+    channels: Mapping[str, tuple[RecordedChannel, np.ndarray]]
+
+    def frames(self) -> Iterator[Frame]:
+        """Return all whole frames in order.
+
+        Raises
+        ------
+        BadInput
+            If the channels do not begin at one time.
+        """
+        groups, start_s = [], None
+        for group in self.header.groups:
+            columns = []
+            for one in group:
+                channel, samples = self.channels[one.name]
+                start_s = channel.start_s if start_s is None else start_s
+                if abs(channel.start_s - start_s) > _ALIKE_S:
+                    raise BadInput(
+                        f"channel '{one.name}' begins at {channel.start_s:g} s, others at "
+                        f"{start_s:g} s; a stream has one clock: resample the channel",
+                        code="different-clocks",
+                        channel=one.name,
+                    )
+                # In the precision of packets, so that a replay has the results of the flight.
+                columns.append(np.asarray(samples, dtype=np.float32).astype(float))
+            groups.append(np.stack(columns, axis=1))
+        shapes = self.header.frame_shapes
+        count = min(len(g) // n for g, (n, _) in zip(groups, shapes, strict=True))
+        for number in range(count):
+            parts = zip(groups, shapes, strict=True)
+            samples = tuple(g[number * n : (number + 1) * n] for g, (n, _) in parts)
+            at_s = (start_s or 0.0) + number * self.header.frame_s
+            yield Frame(number=number, time_s=at_s, samples=samples)
+
+
+def read_replay(store: Store, maneuver_id: int, header: StreamHeader) -> Replay:
+    """Read the replay of a stored maneuver as a stream of this header.
+
+    Raises
+    ------
+    BadInput
+        If the maneuver lacks a channel of the stream, or recorded it at another rate or in
+        another unit.
+    """
+    found = read_channels(store.database, store.maneuvers.get(maneuver_id).id or 0)
+    for one in header.channels:
+        if one.name not in found:
+            raise BadInput(
+                f"maneuver {maneuver_id} has no channel '{one.name}', which the stream needs; it "
+                f"has {', '.join(sorted(found))}",
+                code="unknown-channel",
+                channel=one.name,
+            )
+        channel, _ = found[one.name]
+        if (channel.rate_hz, channel.unit) != (one.rate_hz, one.unit):
+            raise BadInput(
+                f"channel '{one.name}' of maneuver {maneuver_id} has {channel.rate_hz:g} Hz in "
+                f"{channel.unit}; the stream has {one.rate_hz:g} Hz in {one.unit}",
+                code="different-channel",
+                channel=one.name,
+            )
+    return Replay(header, found)
+
+
+def pace(
+    frames: Iterable[Frame],
+    frame_s: float,
+    speed: float,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Iterator[Frame]:
+    """Yield frames when they are due: one second of the record in 1/speed seconds.
+
+    Parameters
+    ----------
+    frames
+        In order.
+    frame_s
+        Length of a frame. [s]
+    speed
+        Multiple of real time, above zero.
+    clock, sleep
+        Of this computer.
+
+    Raises
+    ------
+    BadInput
+        If the speed is not above zero.
+    """
+    if not 0.0 < speed < np.inf:
+        raise BadInput(f"a replay at {speed:g} times real time is not possible", code="bad-speed")
+    begun = clock()
+    for count, frame in enumerate(frames, start=1):
+        due = begun + count * frame_s / speed
+        wait = due - clock()
+        if wait > 0.0:
+            sleep(wait)
+        yield frame

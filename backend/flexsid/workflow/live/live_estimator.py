@@ -1,27 +1,130 @@
-"""Estimates of a stream: completes its updates by estimates, and raises alarms from them."""
+"""Estimates of a stream: alarms, frequency responses, and what was known when."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexsid.errors import FlexsidError
+from flexsid.errors import BadInput, FlexsidError
 from flexsid.records.live import (
+    Acknowledgement,
     AlarmKind,
     Frame,
     LiveAlarm,
     LiveEstimate,
+    LiveHistory,
     LiveMode,
     LiveResponses,
     LiveState,
+    LiveStream,
+    LiveTestPoint,
+    RecordedState,
 )
+from flexsid.records.views import Bode, Response
+from flexsid.storage.live_history import list_alarms, list_states
+from flexsid.storage.store import Store
+from flexsid.sysid.estimation.frequency_response_error import estimate_partial_responses
 from flexsid.sysid.spectra.growing_record import GrowingSpectra
-from flexsid.workflow.live.live_bode import compute_live_responses
-from flexsid.workflow.live.live_fit import LiveFit
-from flexsid.workflow.live.live_task import LiveTask
+from flexsid.sysid.spectra.response import WORST_RELATIVE_STD, relative_std
+from flexsid.units import si_unit
+from flexsid.workflow.live.live_fit import LiveFit, LiveTask
 from flexsid.workflow.live.stream_processor import EstimateRequest, StreamProcessor, StreamUpdate
+
+# --- Frequency responses while the aircraft flies, with those of the latest estimate --------------
+
+_GRID = 200  # points of the curve of the model
+
+
+def compute_live_responses(fit: LiveFit, time_s: float) -> LiveResponses | None:
+    """Compute the responses of all outputs to all inputs; None before the first estimate.
+
+    Parameters
+    ----------
+    fit
+        Fit of the record so far.
+    time_s
+        End of the record, by the recorder. [s]
+    """
+    result = fit.result
+    if result is None:
+        return None
+    experiment, derivatives, task = result.experiment, result.derivatives, result.task
+    measured = estimate_partial_responses(experiment, derivatives, result.n_free)
+    relative = relative_std(measured)
+    assert relative is not None
+    omega = np.geomspace(experiment.omega[0], experiment.omega[-1], _GRID)
+    curves = experiment.model.response(derivatives, omega)
+    units = {channel.name: si_unit(channel.unit) for channel in task.header.channels}
+    outputs = {output.name: units[output.terms[0][0].name] for output in task.outputs}
+    return LiveResponses(
+        time_s=time_s,
+        outputs=measured.outputs,
+        inputs=measured.inputs,
+        units={name: (units | outputs)[name] for name in (*measured.outputs, *measured.inputs)},
+        frequency_hz=measured.omega / (2.0 * np.pi),
+        measured=measured.values,
+        relative_std=relative,
+        model_frequency_hz=omega / (2.0 * np.pi),
+        model=curves,
+    )
+
+
+def build_live_bode(responses: LiveResponses, output: str, input_: str) -> Bode:
+    """Build the Bode plot of one output and input; unreliable points are omitted.
+
+    Raises
+    ------
+    BadInput
+        If there is no such output or input.
+    """
+    for name, known, kind in (
+        (output, responses.outputs, "output"),
+        (input_, responses.inputs, "input"),
+    ):
+        if name not in known:
+            raise BadInput(
+                f"the stream has no {kind} '{name}'; it has {', '.join(known)}",
+                code="unknown-channel",
+                channel=name,
+            )
+    place = (slice(None), responses.outputs.index(output), responses.inputs.index(input_))
+    output_unit, input_unit = responses.units[output], responses.units[input_]
+    curve = responses.model[place]
+    model = Response(
+        output=output,
+        input=input_,
+        output_unit=output_unit,
+        input_unit=input_unit,
+        frequency_hz=responses.model_frequency_hz,
+        magnitude=np.abs(curve),
+        phase_rad=np.unwrap(np.angle(curve)),
+        label=f"estimate at {responses.time_s:.0f} s",
+        is_model=True,
+    )
+    reliable = responses.relative_std[place] <= WORST_RELATIVE_STD
+    frequency_hz, values = responses.frequency_hz[reliable], responses.measured[place][reliable]
+    # Noise can move a phase by a turn: that nearest to the model is shown.
+    expected = np.interp(frequency_hz, model.frequency_hz, model.phase_rad)
+    turns = np.round((expected - np.angle(values)) / (2.0 * np.pi))
+    measured = Response(
+        output=output,
+        input=input_,
+        output_unit=output_unit,
+        input_unit=input_unit,
+        frequency_hz=frequency_hz,
+        magnitude=np.abs(values),
+        phase_rad=np.angle(values) + 2.0 * np.pi * turns,
+        # Half of the complex error lies along the response, half across it.
+        relative_std=responses.relative_std[place][reliable] / np.sqrt(2.0),
+    )
+    return Bode(
+        maneuver_id=0, inputs=responses.inputs, measured=(measured,), models=(model,), modes=()
+    )
+
+
+# --- Estimates of a stream: completes its updates by estimates, and raises alarms from them -------
 
 _WATCHED = 0.05  # damping ratio below which the recent motion is fitted too: it may change soon
 _UNSTABLE = 0.9  # probability of negative damping that raises an alarm
@@ -222,3 +325,73 @@ def combine_states(newest: LiveState, estimated: LiveState | None) -> LiveState:
 def join_alarms(*parts: tuple[LiveAlarm, ...]) -> tuple[LiveAlarm, ...]:
     """Return all alarms once, in the order of time."""
     return tuple(sorted(dict.fromkeys(a for part in parts for a in part), key=lambda a: a.time_s))
+
+
+# --- What was known of a stream when: estimates of its maneuvers, defects of the data, alarms -----
+
+_MOST_STATES = 100_000  # more than a day, of one per second
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlownStream:
+    """All that was recorded of a stream, in the order of time.
+
+    ``estimates`` are the states with an estimate of their own second.
+    """
+
+    stream: LiveStream
+    states: tuple[RecordedState, ...]
+    estimates: tuple[RecordedState, ...]
+    test_points: tuple[LiveTestPoint, ...]
+    alarms: tuple[LiveAlarm, ...]
+    acknowledgements: tuple[Acknowledgement, ...]
+
+
+def read_sortie(store: Store, stream_id: int) -> FlownStream:
+    """Read what was recorded of a stream.
+
+    Raises
+    ------
+    UnknownRecord
+        If there is no stream of this id.
+    """
+    stream = store.live_streams.get(stream_id)
+    states, _ = list_states(store, stream_id, None, _MOST_STATES)
+    points = store.live_test_points.find(stream_id=stream_id)
+    return FlownStream(
+        stream=stream,
+        states=tuple(states),
+        estimates=tuple(
+            one
+            for one in states
+            if one.state.estimate is not None and one.state.estimate.time_s == one.time_s
+        ),
+        test_points=tuple(sorted(points, key=lambda point: point.start_s)),
+        alarms=list_alarms(store, stream_id),
+        acknowledgements=tuple(store.live_acknowledgements.find(stream_id=stream_id)),
+    )
+
+
+def read_live_history(store: Store, stream_id: int) -> LiveHistory:
+    """Read the flutter speed and the damping of each mode as they were known; raises as above."""
+    sortie = read_sortie(store, stream_id)
+    found = [one.state.estimate for one in sortie.estimates if one.state.estimate is not None]
+    names = dict.fromkeys(mode.name for estimate in found for mode in estimate.modes)
+    by_name = [{mode.name: mode for mode in estimate.modes} for estimate in found]
+    return LiveHistory(
+        time_s=tuple(estimate.time_s for estimate in found),
+        airspeed_m_s=tuple(
+            None if estimate.condition is None else estimate.condition.airspeed_m_s
+            for estimate in found
+        ),
+        flutter_m_s=tuple(estimate.flutter_m_s for estimate in found),
+        flutter_std_m_s=tuple(estimate.flutter_std_m_s for estimate in found),
+        damping={
+            name: tuple(own[name].damping if name in own else None for own in by_name)
+            for name in names
+        },
+        damping_std={
+            name: tuple(own[name].damping_std if name in own else None for own in by_name)
+            for name in names
+        },
+    )

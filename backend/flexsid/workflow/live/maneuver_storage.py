@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexsid.errors import BadInput, FlexsidError
+from flexsid.records.decision import Structure
 from flexsid.records.live import Frame, LiveStream, LiveTestPoint, LiveTestPointStatus, StreamHeader
 from flexsid.records.maneuver import (
     ConditioningStep,
@@ -17,7 +18,6 @@ from flexsid.records.maneuver import (
     ManeuverProposal,
     StepKind,
 )
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import EstimationRun, RunSettings
 from flexsid.storage import batches
 from flexsid.storage.store import Store

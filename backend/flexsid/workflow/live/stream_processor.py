@@ -25,14 +25,14 @@ from flexsid.records.live import (
 )
 from flexsid.records.maneuver import Role
 from flexsid.sysid.estimation.leakage import compute_delays
-from flexsid.sysid.preparation.stream_checks import StreamChecks
+from flexsid.sysid.preparation.spikes_and_dropouts import StreamChecks
 from flexsid.sysid.spectra.growing_record import ChannelGroup, GrowingRecord, GrowingSpectra
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_correction,
     get_output_instrument,
 )
-from flexsid.workflow.live.live_task import LiveTask
+from flexsid.workflow.live.live_fit import LiveTask
 
 _PATIENCE = 5  # frames (0.25 s) that a missing one is waited for: more than the usual jitter
 _LONGEST_GAP = (

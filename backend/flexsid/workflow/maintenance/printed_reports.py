@@ -1,4 +1,4 @@
-"""Printed reports: PDF files of HTML documents by a local Chromium, as jobs.
+"""Printed reports by a local Chromium, and the check of a file that a site issued.
 
 A document is a report whose scripts of the figures and time are marks, so that the documents of
 equal reports are equal and small: their content names the request.
@@ -7,6 +7,7 @@ equal reports are equal and small: their content names the request.
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import os
 import shutil
 import signal
@@ -20,16 +21,23 @@ from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
+from typing import Any
 
 import numpy as np
+import orjson
 
-from flexsid.errors import Conflict, FlexsidError
+from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.job import Job
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.arrays import ArrayRow, describe_array
+from flexsid.storage.audit_recording import hash_value
+from flexsid.storage.signatures import read_signed
 from flexsid.storage.store import Store
+
+# --- Printed reports: PDF files of HTML documents by a local Chromium, as jobs --------------------
 
 # Text of a report is escaped, and cannot contain a mark.
 MADE_AT = "<!-- flexsid: time -->"
@@ -178,3 +186,61 @@ def _plotly() -> str:
     text = files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
     # A tag that closes the script would end it early.
     return text.replace("</script", "<\\/script")
+
+
+# --- Check of a file that a site issued: signature, decision chain, hashes of the data ------------
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedFile:
+    """A file that is as its site signed it; ``key`` is the public key in hexadecimal."""
+
+    key: str
+    n_bytes: int
+    n_events: int
+
+
+def check_signed_file(content: bytes, expected_key: str | None = None) -> CheckedFile:
+    """Check signature and decision chain of a file.
+
+    Parameters
+    ----------
+    content
+        The file, as it was received.
+    expected_key
+        Public key of the site, as it was received by another way.
+
+    Raises
+    ------
+    BadInput
+        If the file has no signature, was changed, is of another site, or has a decision whose
+        events are not the ones that were recorded.
+    """
+    signed = read_signed(content)
+    if expected_key is not None and signed.key != expected_key:
+        raise BadInput(
+            f"the file was signed with the key {signed.key}; expected {expected_key}",
+            code="wrong-site-key",
+        )
+    n_events = 0
+    if signed.content.startswith(b"{"):
+        for one in orjson.loads(signed.content).get("decisions", ()):
+            n_events += len(one["events"])
+            _check_chain(one["decision"]["id"], one["events"])
+    return CheckedFile(signed.key, len(signed.content), n_events)
+
+
+def _check_chain(decision_id: int, events: list[dict[str, Any]]) -> None:
+    """Refuse events of a decision that were changed or removed before the file was signed."""
+    links = [("", events[0]["previous_hash"])] if events else []
+    links += [(before["hash"], after["previous_hash"]) for before, after in pairwise(events)]
+    is_whole = all(before == after for before, after in links)
+    for event in events:
+        seal = hashlib.sha256(event["sealed"].encode()).hexdigest()
+        is_whole &= seal == event["hash"] and hash_value(event["data"]) == event["data_hash"]
+    if not is_whole:
+        raise BadInput(
+            f"the events of decision {decision_id} are not the ones that were recorded: one was "
+            "changed or removed; ask the site to check its database (flexsid check)",
+            code="broken-chain",
+        )

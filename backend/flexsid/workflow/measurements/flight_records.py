@@ -10,19 +10,12 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, Sensor
 from flexsid.records.maneuver import Channel, Maneuver, Role
-from flexsid.storage.channels import read_channels
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
-from flexsid.sysid.compatibility.flight_record import ALTITUDE, CompatibilitySensor, FlightRecord
-from flexsid.sysid.model.sensor_models import (
-    ACCELEROMETER,
-    AIRSPEED_PROBE,
-    ATTITUDE,
-    GYRO,
-    VANE,
-)
-from flexsid.sysid.model.sensors import body_axes
-from flexsid.sysid.preparation.held_samples import find_new_samples
-from flexsid.sysid.preparation.resampling import resample
+from flexsid.sysid.compatibility.kinematics import ALTITUDE, CompatibilitySensor, FlightRecord
+from flexsid.sysid.model.rigid_body import body_axes
+from flexsid.sysid.model.sensor_models import ACCELEROMETER, AIRSPEED_PROBE, ATTITUDE, GYRO, VANE
+from flexsid.sysid.preparation.resampling import find_new_samples, resample
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -30,7 +23,7 @@ from flexsid.workflow.aircraft.aircraft_models import (
     define_outputs,
     get_output_instrument,
 )
-from flexsid.workflow.measurements.conditioning import read_conditioning
+from flexsid.workflow.measurements.maneuver_spectra import read_conditioning
 from flexsid.workflow.measurements.recording import Conditioning
 
 _KINDS = (ACCELEROMETER.kind, GYRO.kind, ATTITUDE.kind, VANE.kind)

@@ -1,20 +1,29 @@
-"""Channels and spectra of one maneuver, read from the database."""
+"""Channels and spectra of one maneuver, with stored corrections, and the drift of its airspeed.
+
+Recorded samples are never changed: steps are stored separately, and an undone step has no
+effect but stays in the record.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
+from jaxtyping import Float
 
-from flexsid.errors import BadInput
+from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft, get_symmetry, list_surface_parts
-from flexsid.records.maneuver import Channel, Maneuver, Role
-from flexsid.storage.channels import read_channels
+from flexsid.records.maneuver import Channel, ConditioningStep, Correction, Maneuver, Role, StepKind
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensor_models import ATTITUDE
+from flexsid.sysid.preparation.spikes_and_dropouts import repair_samples
 from flexsid.sysid.signals import FrequencyData
 from flexsid.units import to_si
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -22,14 +31,175 @@ from flexsid.workflow.aircraft.aircraft_models import (
     compute_input_corrections,
     get_output_instrument,
 )
-from flexsid.workflow.measurements.conditioning import read_conditioning
 from flexsid.workflow.measurements.recording import (
+    Conditioning,
     ManeuverMeasurement,
     Recording,
     SpectrumFrequencies,
     list_command_names,
     select_frequencies,
 )
+
+# --- Conditioning: stored corrections of channels, applied wherever samples are read --------------
+
+_LONGEST_DELAY_S = 1.0
+_SCALES = (0.01, 100.0)
+
+
+def read_conditioning(store: Store, maneuver_id: int | None) -> dict[str, Conditioning]:
+    """Read the active corrections by channel; channels without any are omitted."""
+    found: dict[str, Conditioning] = {}
+    for step in store.conditioning.find(maneuver_id=maneuver_id, undone_at=None):
+        one, before = step.correction, found.get(step.channel, Conditioning())
+        if one.kind is StepKind.DELAY:
+            after = replace(before, delay_s=one.delay_s)
+        elif one.kind is StepKind.CALIBRATION:
+            after = replace(before, scale=one.scale, bias=one.bias)
+        else:
+            after = replace(before, stretches=(*before.stretches, *one.stretches))
+        found[step.channel] = after
+    return found
+
+
+def add_conditioning_steps(
+    store: Store, maneuver_id: int, corrections: Sequence[Correction], author: str = ""
+) -> list[ConditioningStep]:
+    """Store corrections, all or none; return those of the maneuver.
+
+    A shared correction is stored with every maneuver of the aircraft that has the channel.
+
+    Raises
+    ------
+    BadInput
+        If a channel is not recorded, or a correction is impossible.
+    Conflict
+        If a channel has a delay or calibration already: undo that first.
+    """
+    if not corrections:
+        raise BadInput("no correction was given", code="no-correction")
+    shared = [one for one in corrections if one.is_shared]
+    if any(one.kind is StepKind.REPAIR for one in shared):
+        raise BadInput("a repair is of the samples of one maneuver; it cannot be shared",
+                       code="repair-not-shared")  # fmt: skip
+    with store.transaction():
+        maneuver = store.maneuvers.get(maneuver_id)
+        steps = _add_to_maneuver(store, maneuver, corrections, author)
+        if shared:
+            for other in store.maneuvers.find(aircraft_id=maneuver.aircraft_id):
+                recorded = {c.name for c in store.channels.find(maneuver_id=other.id)}
+                own = [one for one in shared if one.channel in recorded]
+                if other.id != maneuver_id and own:
+                    _add_to_maneuver(store, other, own, author)
+    return steps
+
+
+def _add_to_maneuver(
+    store: Store, maneuver: Maneuver, corrections: Sequence[Correction], author: str
+) -> list[ConditioningStep]:
+    assert maneuver.id is not None
+    channels = read_channels(store.database, maneuver.id, [c.channel for c in corrections])
+    existing = {
+        (step.channel, step.correction.kind)
+        for step in store.conditioning.find(maneuver_id=maneuver.id, undone_at=None)
+        if step.correction.kind is not StepKind.REPAIR
+    }
+    steps = []
+    for one in corrections:
+        if one.channel not in channels:
+            raise BadInput(
+                f"the maneuver has no channel '{one.channel}'",
+                code="unknown-channel",
+                channel=one.channel,
+            )
+        if (one.channel, one.kind) in existing:
+            raise Conflict(
+                f"'{one.channel}' of {maneuver.label} has a {one.kind.value} already; undo that "
+                "first",
+                code="already-conditioned",
+                channel=one.channel,
+                maneuver_id=maneuver.id,
+            )
+        channel, samples = channels[one.channel]
+        _check(one, np.asarray(samples, dtype=float), channel.rate_hz)
+        if one.kind is not StepKind.REPAIR:
+            existing.add((one.channel, one.kind))
+        step = ConditioningStep(
+            maneuver_id=maneuver.id, correction=one, channel=one.channel, author=author
+        )
+        steps.append(store.conditioning.add(step))
+    return steps
+
+
+def add_shared_corrections(store: Store, maneuver: Maneuver) -> None:
+    """Store the shared corrections of the aircraft with a new maneuver, by their authors."""
+    recorded = {c.name for c in store.channels.find(maneuver_id=maneuver.id)}
+    known: dict[tuple[str, StepKind], ConditioningStep] = {}
+    for other in store.maneuvers.find(aircraft_id=maneuver.aircraft_id):
+        if other.id == maneuver.id:
+            continue
+        for step in store.conditioning.find(maneuver_id=other.id, undone_at=None):
+            if step.correction.is_shared and step.channel in recorded:
+                known[step.channel, step.correction.kind] = step
+    for step in known.values():
+        _add_to_maneuver(store, maneuver, [step.correction], step.author)
+
+
+def undo_step(store: Store, maneuver_id: int, step_id: int, author: str = "") -> ConditioningStep:
+    """Undo a step; it stays in the record with the author of the undo.
+
+    A shared correction is undone in all maneuvers of the aircraft.
+
+    Raises
+    ------
+    UnknownRecord
+        If the maneuver has no such step.
+    Conflict
+        If it is undone already.
+    """
+    with store.transaction():
+        step = store.conditioning.get(step_id)
+        if step.maneuver_id != maneuver_id:
+            raise UnknownRecord(f"maneuver {maneuver_id} has no conditioning step {step_id}")
+        if step.undone_at is not None:
+            raise Conflict("this step is undone already", code="already-undone")
+        now = datetime.now(UTC)
+        if step.correction.is_shared:
+            aircraft_id = store.maneuvers.get(maneuver_id).aircraft_id
+            for other in store.maneuvers.find(aircraft_id=aircraft_id):
+                for same in store.conditioning.find(maneuver_id=other.id, undone_at=None):
+                    if same.correction == step.correction and same.id != step.id:
+                        store.conditioning.replace(replace(same, undone_at=now, undone_by=author))
+        return store.conditioning.replace(replace(step, undone_at=now, undone_by=author))
+
+
+def _check(one: Correction, samples: np.ndarray, rate_hz: float) -> None:
+    name = one.channel
+    if one.kind is StepKind.DELAY:
+        if not abs(one.delay_s) <= _LONGEST_DELAY_S or one.delay_s == 0.0:
+            raise BadInput(
+                f"'{name}': a delay of {one.delay_s:g} s is not plausible; up to "
+                f"{_LONGEST_DELAY_S:g} s are expected, and not zero",
+                code="bad-delay",
+                channel=name,
+            )
+    elif one.kind is StepKind.CALIBRATION:
+        if not (_SCALES[0] <= abs(one.scale) <= _SCALES[1] and math.isfinite(one.bias)):
+            raise BadInput(
+                f"'{name}': scale factor {one.scale:g} with bias {one.bias:g} is not plausible; "
+                f"scale factors from {_SCALES[0]:g} to {_SCALES[1]:g} are expected, negative for a "
+                "wrong sign",
+                code="bad-calibration",
+                channel=name,
+            )
+    elif not one.stretches:
+        raise BadInput(
+            f"'{name}': a repair needs the samples to replace", code="no-stretch", channel=name
+        )
+    else:
+        repair_samples(samples, one.stretches, rate_hz)
+
+
+# --- Channels and spectra of one maneuver, read from the database ---------------------------------
 
 _LOW_OMEGA = 0.1  # far below the corner of any instrument: the phase is that of a lag [rad/s]
 
@@ -248,3 +418,39 @@ def _assign_inputs(
         [index[k] if k >= 0 else -1 for k in frequencies.assigned_input], dtype=int
     )
     return SpectrumFrequencies(frequencies.omega, assigned_input, inputs)
+
+
+# --- Drift of the airspeed over a maneuver, which models of one flight condition do not have ------
+
+MAX_AIRSPEED_DRIFT = 0.03
+"""Relative drift of airspeed; dynamic pressure drifts twice as much."""
+
+UNUSABLE_DRIFT = 3.0 * MAX_AIRSPEED_DRIFT
+"""Relative drift with which no derivative is that of one condition."""
+
+
+def compute_drift(values: Float[np.ndarray, " n"]) -> float:
+    """Compute the change over a record of the straight line through its samples."""
+    sample = np.arange(values.size) - 0.5 * (values.size - 1)
+    power = float(sample @ sample)
+    slope = float(sample @ values) / power if power > 0 else 0.0
+    return slope * (values.size - 1)
+
+
+def warn_of_airspeed_drift(store: Store, maneuver: Maneuver) -> tuple[str, ...]:
+    """Warn of a recorded airspeed that is not that of one condition."""
+    known = store.channels.find(maneuver_id=maneuver.id, role=Role.CONDITION)
+    if "airspeed" not in {channel.name for channel in known}:
+        return ()
+    ((_, values),) = load_channels(store, maneuver.id, ["airspeed"])
+    mean, drift = float(np.mean(values)), compute_drift(values)
+    if not abs(drift) > MAX_AIRSPEED_DRIFT * abs(mean):
+        return ()
+    what = "may be biased"
+    if abs(drift) > UNUSABLE_DRIFT * abs(mean):
+        what = "are those of no condition: use a shorter part of the record"
+    return (
+        f"{maneuver.label}: the airspeed {'rises' if drift > 0.0 else 'falls'} by "
+        f"{abs(drift):.1f} m/s over the record. The model has one airspeed, of {mean:.1f} m/s; "
+        f"derivatives {what}.",
+    )

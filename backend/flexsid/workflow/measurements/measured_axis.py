@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from flexsid.errors import BadInput
-from flexsid.importers.channels import RawChannel
+from flexsid.importers.maneuver import RawChannel
 from flexsid.records.aircraft import (
     Aircraft,
     Sensor,
@@ -18,7 +18,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.model.sensor_models import GYRO
-from flexsid.sysid.preparation.symmetry import find_pairs
+from flexsid.sysid.preparation.resampling import find_pairs
 from flexsid.units import dimension, to_si
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition
 from flexsid.workflow.aircraft.axes import (

@@ -17,7 +17,7 @@ from flexsid.records.views import ReconstructedTrace, Reconstruction
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, compute_observability
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.axes import ModelAxis
+from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.sysid.preparation.motion_filter import Deflections, FilteredMotion, filter_motion
 from flexsid.sysid.preparation.resampling import Response, resample
 from flexsid.workflow.aircraft.aircraft_models import (

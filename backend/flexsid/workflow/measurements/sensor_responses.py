@@ -15,8 +15,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.estimation.reconstruction import ReconstructedMotion, reconstruct_motion
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.sensors import SensorRows
+from flexsid.sysid.model.rigid_body import RigidBody, SensorRows
 from flexsid.sysid.preparation.redundancy import select_strong_frequencies
 from flexsid.sysid.signals import FrequencyData
 from flexsid.workflow.aircraft.aircraft_models import OutputDefinition, build_model, define_outputs

@@ -24,19 +24,21 @@ from flexsid.sysid.aerodynamics.coefficients import (
     compute_loadings,
     compute_pressures,
 )
-from flexsid.sysid.aerodynamics.influence import MAX_BOXES, Symmetry
-from flexsid.sysid.aerodynamics.normal_washes import (
+from flexsid.sysid.aerodynamics.doublet_lattice import MAX_BOXES, Symmetry
+from flexsid.sysid.aerodynamics.splines import (
     BoxShapes,
     ControlSurface,
     Reference,
+    SplinedSurface,
+    interpolate_shapes,
     place_surface,
+    select_nodes,
 )
-from flexsid.sysid.aerodynamics.splines import SplinedSurface, interpolate_shapes, select_nodes
 from flexsid.sysid.model.derivatives import list_derivative_names, variables
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
 from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.modes.symmetry import may_be
+from flexsid.sysid.modes.shapes import may_be
 from flexsid.text import LONGEST_TEXT
 from flexsid.units import factor
 from flexsid.workflow.aircraft.axes import get_symmetry, require_axis_inputs

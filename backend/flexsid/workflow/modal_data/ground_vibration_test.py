@@ -11,8 +11,16 @@ from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput
 from flexsid.importers.modal_data import RawModalData
 from flexsid.importers.modal_data.options import TO_BODY
-from flexsid.importers.responses import RawResponses
+from flexsid.importers.responses import (
+    AveragingOptions,
+    RawResponses,
+    ResponseOptions,
+    extract_responses,
+)
+from flexsid.importers.source import Sources
+from flexsid.importers.vibration_records import find_records
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.job import Job
 from flexsid.records.modal_data import (
     DiagramPole,
     FoundMode,
@@ -27,16 +35,18 @@ from flexsid.records.modal_data import (
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.assurance import rotate_complex_shapes
-from flexsid.sysid.modes.measured_modes import MeasuredModes, identify_modes
-from flexsid.sysid.modes.polyreference import (
+from flexsid.sysid.modes.measured_modes import (
+    MeasuredModes,
     PoleColumn,
     StabilizationPole,
     compute_mode_indicator,
     compute_stabilisation,
     find_columns,
+    identify_modes,
 )
-from flexsid.workflow.modal_data.modal_import import store_modal_data
-from flexsid.workflow.modal_data.mode_matching import match_modes
+from flexsid.workflow.modal_data.modal_import import match_modes, store_modal_data
+
+# --- Ground vibration tests: measured responses, identified modes, and their modal table ----------
 
 _SAME_POLE = 0.01  # relative difference in frequency of a pole and a mode
 _HANN_BANDWIDTH = 1.5  # equivalent noise bandwidth, times the length of the block
@@ -405,3 +415,58 @@ def _count_orders(poles: tuple[StabilizationPole, ...], omega: float) -> int:
     """Count the model orders with a stable pole at a frequency."""
     near = (pole for pole in poles if abs(pole.omega / omega - 1.0) < _SAME_POLE)
     return len({pole.order for pole in near if pole.stable})
+
+
+# --- Frequency responses of a ground vibration test estimated from uploaded time data -------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResponseEstimation:
+    """Upload of time data, the aircraft that was tested, units and averaging."""
+
+    upload_id: str
+    aircraft_id: int
+    options: ResponseOptions
+    averaging: AveragingOptions
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseTask:
+    """Contents of the files, units and averaging."""
+
+    sources: Sources
+    request: ResponseEstimation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredResponses:
+    """Measured responses that an estimation stored."""
+
+    responses_id: int
+
+
+def check_estimation(store: Store, sources: Sources, request: ResponseEstimation) -> None:
+    """Reject a request whose aircraft does not exist, or whose files hold no time data.
+
+    Raises
+    ------
+    BadInput, UnknownRecord
+    """
+    store.aircraft.get(request.aircraft_id)
+    if not find_records(sources):
+        raise BadInput("the files hold no forces and responses over time", code="no-records")
+
+
+def estimate_responses(task: ResponseTask, report: ReportProgress) -> RawResponses:
+    """Estimate frequency responses; raises as ``extract_responses``."""
+    report(Progress(fraction=0.1, message="Averaging the spectra"))
+    return extract_responses(task.sources, task.request.options, task.request.averaging)
+
+
+def store_estimated_responses(
+    store: Store, job: Job, request: ResponseEstimation, raw: RawResponses
+) -> StoredResponses:
+    """Store estimated responses with coherences and standard errors."""
+    record = store_responses(store, store.aircraft.get(request.aircraft_id), raw)
+    assert record.id is not None
+    return StoredResponses(responses_id=record.id)

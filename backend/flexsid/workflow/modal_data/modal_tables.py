@@ -12,12 +12,11 @@ from flexsid.errors import BadInput
 from flexsid.importers.modal_data.options import TO_BODY
 from flexsid.importers.modal_files import WrittenModes
 from flexsid.records.modal_data import ModalKind, ModalTable
-from flexsid.storage.reading import read_once
+from flexsid.storage.repository import read_once
 from flexsid.storage.store import Store
-from flexsid.sysid.interpolation import interpolate
-from flexsid.sysid.model.axes import RIGID_BODIES
+from flexsid.sysid.model.derivatives import RIGID_BODIES
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.model.modal_errors import (
+from flexsid.sysid.model.reduction import (
     ASSUMED_DAMPING_ERROR,
     FEM_FREQUENCY,
     GVT_DAMPING,
@@ -26,13 +25,16 @@ from flexsid.sysid.model.modal_errors import (
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.modes import ModeTable
 from flexsid.sysid.modes.assurance import compute_mac
-from flexsid.sysid.modes.symmetry import may_be
+from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.modes.table import (
+    Tracking,
     align_modes,
     compute_fuel_weights,
+    make_identity_tracking,
     sum_weighted_rows,
+    track_modes,
 )
-from flexsid.sysid.modes.tracking import Tracking, make_identity_tracking, track_modes
+from flexsid.sysid.signals import interpolate
 from flexsid.workflow.aircraft.derivative_predictions import list_predicted_modes, select_by_id
 
 ASSUMED_DAMPING = 0.02

@@ -13,6 +13,7 @@ from flexsid.records.modal_data import ModalTable
 from flexsid.records.run import RunState
 from flexsid.storage.store import Store
 from flexsid.sysid.modes.table import compute_fuel_weights, sum_weighted_rows
+from flexsid.workflow.modal_data.modal_import import match_modes
 from flexsid.workflow.modal_data.modal_tables import (
     Modes,
     find_modal_tables,
@@ -24,7 +25,6 @@ from flexsid.workflow.modal_data.modal_tables import (
     open_modes,
     read_nodes,
 )
-from flexsid.workflow.modal_data.mode_matching import match_modes
 
 _MODE_FACTOR = re.compile(r"(omega|zeta)_(\d+)")
 

@@ -20,8 +20,7 @@ from flexsid.importers.source import Sources
 from flexsid.records.modal_data import ModalKind, ModalTable, Orthogonality
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
-from flexsid.sysid.modes.assurance import compute_mass_orthogonality
-from flexsid.sysid.modes.reduction import reduce_statically
+from flexsid.sysid.modes.assurance import compute_mass_orthogonality, reduce_statically
 from flexsid.text import LONGEST_FIELD, check_line
 from flexsid.workflow.modal_data.modal_tables import (
     TO_STRUCTURE,

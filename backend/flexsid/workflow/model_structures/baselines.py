@@ -14,10 +14,10 @@ from flexsid.records.decision import (
     LimitedQuantity,
     Limits,
     StructureReference,
+    StructureVersion,
 )
 from flexsid.records.global_model import GlobalModelVersion
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.model_structure import StructureVersion
 from flexsid.storage.store import Store
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.model_structures.model_structures import get_version

@@ -1,4 +1,4 @@
-"""Model structures: stored by version, checked against the aircraft, resolved for a maneuver."""
+"""Model structures by version, checked against the aircraft, and stored results of runs."""
 
 from __future__ import annotations
 
@@ -8,14 +8,10 @@ from datetime import UTC, datetime
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.aircraft import Aircraft
+from flexsid.records.decision import FixedTo, HeldBy, ModelStructure, Structure, StructureVersion
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.model_structure import (
-    FixedTo,
-    HeldBy,
-    ModelStructure,
-    Structure,
-    StructureVersion,
-)
+from flexsid.records.run import EstimationRun, RunResult
+from flexsid.storage.audit_recording import hash_value
 from flexsid.storage.store import Store
 from flexsid.sysid.model.derivatives import list_derivative_names
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -29,7 +25,71 @@ from flexsid.workflow.aircraft.axes import (
     require_axis_output,
 )
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_values
-from flexsid.workflow.model_structures.run_results import refuse_altered
+
+# --- Results of runs, refused if they were altered ------------------------------------------------
+
+
+def get_result(run: EstimationRun, use: str = "no model") -> RunResult:
+    """Return the result of a run.
+
+    Parameters
+    ----------
+    run
+        The stored run.
+    use
+        What a run without a result lacks, for the message.
+
+    Raises
+    ------
+    Conflict
+        If it has none, or its stored result was altered.
+    """
+    refuse_altered(run)
+    if run.result is None:
+        raise Conflict(
+            f"run {run.id} is {run.state.value} and has {use}; choose a run that succeeded",
+            code="run-without-result",
+            run_id=run.id,
+        )
+    return run.result
+
+
+def refuse_altered(run: EstimationRun) -> None:
+    """Refuse a run whose request or result was altered after it was stored.
+
+    Raises
+    ------
+    Conflict
+        If it was altered.
+    """
+    if run.altered:
+        raise Conflict(
+            f"the stored request or result of run {run.id} was altered after the run finished: it"
+            " does not match the hash that was stored with it. Estimate again, or"
+            " restore a backup; `flexsid check` lists all altered records",
+            code="result-altered",
+            run_id=run.id,
+        )
+
+
+def hash_run(run: EstimationRun) -> str:
+    """Hash the request and the result of a run."""
+    return hash_value(
+        [run.method, run.maneuver_id, run.structure, run.settings, run.result, run.versions]
+    )
+
+
+def describe_data_changes(run_id: int | None, changed: tuple[str, ...]) -> str | None:
+    """Describe changes of the data since a run was computed; None without changes."""
+    if not changed:
+        return None
+    return (
+        f"Data changed since run {run_id} was computed: {', '.join(changed)} (samples, corrections"
+        " or assumptions). Its result is that of the earlier data; estimate again."
+    )
+
+
+# --- Model structures: stored by version, checked against the aircraft, resolved for a maneuver
 
 
 class StaleEdit(Conflict):

@@ -11,14 +11,14 @@ import numpy as np
 from flexsid.allowed import Allowed, Id
 from flexsid.errors import BadInput, NotIdentifiable
 from flexsid.records import finite_or_none
-from flexsid.records.compatibility import (
+from flexsid.records.maneuver import GROUND, Maneuver
+from flexsid.records.quality import (
     CompatibilityReport,
     CompatibilityState,
     FindingKind,
     SensorEstimate,
     SensorFault,
 )
-from flexsid.records.maneuver import GROUND, Maneuver
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.store import Store
 from flexsid.sysid.compatibility.fault_search import (
@@ -33,7 +33,7 @@ from flexsid.sysid.preparation.fault_detection import OTHER_SENSORS
 from flexsid.sysid.preparation.redundancy import SensorFaults
 from flexsid.text import count_noun, join_names
 from flexsid.workflow.measurements.flight_records import RecordedSensors, read_flight_record
-from flexsid.workflow.quality.finding_sentences import (
+from flexsid.workflow.quality.quality_warnings import (
     ask_between,
     describe_fault,
     describe_frozen,

@@ -17,7 +17,7 @@ from flexsid.storage.store import Store
 from flexsid.sysid.model.lateral import LATERAL
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, STRAIN
 from flexsid.sysid.modes import StructuralModes
-from flexsid.sysid.modes.symmetry import may_be
+from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.spectra.peaks import (
     InputRatios,
     compute_channel_rms,

@@ -16,26 +16,27 @@ import numpy as np
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.compatibility import CompatibilityState, SensorFinding
 from flexsid.records.maneuver import Channel, Maneuver, Role
 from flexsid.records.quality import (
     Average,
     ChannelQuality,
+    CompatibilityState,
     Figures,
     FlightConditionQuality,
     FoundStretch,
     InputPair,
     ManeuverQuality,
     QualityReport,
+    SensorFinding,
 )
 from flexsid.records.run import Progress, ReportProgress
-from flexsid.storage.channels import read_channels
+from flexsid.storage.recordings import read_channels
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
+from flexsid.sysid.model.rigid_body import SensorRows
 from flexsid.sysid.model.sensor_models import ACCELEROMETER, GYRO
-from flexsid.sysid.model.sensors import SensorRows
-from flexsid.sysid.preparation.biases import Bias
+from flexsid.sysid.preparation.redundancy import Bias
 from flexsid.sysid.preparation.spikes_and_dropouts import SampleDefect, find_defects
 from flexsid.sysid.stability.poles import compute_separation_factor
 from flexsid.units import si_unit
@@ -51,14 +52,17 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     list_predicted_modes,
     select_prediction,
 )
-from flexsid.workflow.aircraft.thrust import (
+from flexsid.workflow.aircraft.flight_condition import (
     TOTAL_TEMPERATURE,
     compute_total_temperature,
     interpolate_thrust,
 )
-from flexsid.workflow.measurements.airspeed_drift import MAX_AIRSPEED_DRIFT, compute_drift
-from flexsid.workflow.measurements.conditioning import read_conditioning
-from flexsid.workflow.measurements.maneuver_spectra import load_channels
+from flexsid.workflow.measurements.maneuver_spectra import (
+    MAX_AIRSPEED_DRIFT,
+    compute_drift,
+    load_channels,
+    read_conditioning,
+)
 from flexsid.workflow.measurements.recording import Conditioning
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data.modal_tables import find_modal_tables, load_modes
@@ -68,11 +72,14 @@ from flexsid.workflow.quality.quality_warnings import (
     determine_verdict,
     list_quality_warnings,
 )
-from flexsid.workflow.quality.sensor_skews import RedundancyCheck, check_redundancy, estimate_biases
-from flexsid.workflow.quality.surface_quality import check_surfaces
-from flexsid.workflow.views.channels import read_traces
-from flexsid.workflow.views.maneuver import compute_spectrum
-from flexsid.workflow.views.plot_matrix import compute_plot_matrix
+from flexsid.workflow.quality.sensor_skews import (
+    RedundancyCheck,
+    check_redundancy,
+    check_surfaces,
+    estimate_biases,
+)
+from flexsid.workflow.views.maneuver import compute_spectrum, read_traces
+from flexsid.workflow.views.run import compute_plot_matrix
 
 _VERSION = 11  # of the assessment: a higher one assesses every maneuver again
 _MAX_LISTED = 50

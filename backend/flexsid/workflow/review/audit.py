@@ -21,25 +21,20 @@ from flexsid.records.decision import (
     ModelProposal,
     ReviewRules,
     StructureReference,
+    StructureVersion,
 )
 from flexsid.records.global_model import GlobalModelVersion
-from flexsid.records.model_structure import StructureVersion
 from flexsid.records.run import EstimationRun, ParameterEstimate
-from flexsid.storage.event_chain import is_chain_intact
+from flexsid.storage.audit_recording import is_chain_intact
 from flexsid.storage.store import Store
-from flexsid.sysid.model.axes import RIGID_BODIES
-from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.model.derivatives import RIGID_BODIES, list_derivative_names
 from flexsid.workflow.model_structures.baselines import Baseline, list_baselines
 from flexsid.workflow.model_structures.model_structures import (
     describe_derivative_state,
     list_structure_differences,
 )
 from flexsid.workflow.review.decision_review import apply_event, get_rules
-from flexsid.workflow.review.evidence import (
-    GONE,
-    hash_evidence,
-    list_software_versions,
-)
+from flexsid.workflow.review.evidence import GONE, hash_evidence, list_software_versions
 
 CHECK = (
     "Every event is stored as text (sealed) with the SHA-256 of that text (hash), and the text has "

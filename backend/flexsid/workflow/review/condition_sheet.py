@@ -10,7 +10,6 @@ import numpy as np
 from flexsid.errors import UnknownRecord
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import DerivativePrediction
-from flexsid.records.comparison import PREDICTED
 from flexsid.records.condition_sheet import (
     ConditionItem,
     ConditionRecord,
@@ -23,10 +22,9 @@ from flexsid.records.condition_sheet import (
     SheetValue,
     SourceRole,
 )
-from flexsid.records.decision import Decision, DecisionState
+from flexsid.records.decision import Decision, DecisionState, StructureVersion
 from flexsid.records.flutter import Flutter
 from flexsid.records.maneuver import GROUND, Maneuver
-from flexsid.records.model_structure import StructureVersion
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -35,6 +33,7 @@ from flexsid.records.run import (
     RunResult,
     RunState,
 )
+from flexsid.records.validation import PREDICTED
 from flexsid.storage.maneuver_list import ManeuverItem
 from flexsid.storage.store import Store
 from flexsid.sysid.estimation.agreement import (
@@ -45,8 +44,7 @@ from flexsid.sysid.estimation.agreement import (
 )
 from flexsid.text import count_noun
 from flexsid.workflow.aircraft.derivative_predictions import interpolate_prediction
-from flexsid.workflow.comparison.derivative_comparison import sort_names
-from flexsid.workflow.comparison.joint_errors import compute_covariances
+from flexsid.workflow.comparison.derivative_comparison import compute_covariances, sort_names
 from flexsid.workflow.model_structures.baselines import find_baseline, is_in_range
 from flexsid.workflow.model_structures.model_structures import get_version
 from flexsid.workflow.review.vote_evidence import FindFlutter, FindPredictions, has_structure

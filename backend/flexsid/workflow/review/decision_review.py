@@ -23,14 +23,17 @@ from flexsid.records.decision import (
     Vote,
 )
 from flexsid.storage.access import get_access
-from flexsid.storage.event_chain import hash_value, seal
+from flexsid.storage.audit_recording import hash_value, seal
 from flexsid.storage.store import Store
 from flexsid.storage.tables import decision_events, job_events
-from flexsid.sysid.model.axes import RIGID_BODIES
-from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.model.derivatives import RIGID_BODIES, list_derivative_names
 from flexsid.workflow.model_structures.baselines import is_covered, is_overlapping, list_approved
-from flexsid.workflow.model_structures.model_structures import StaleEdit, get_version
-from flexsid.workflow.model_structures.run_results import hash_run, refuse_altered
+from flexsid.workflow.model_structures.model_structures import (
+    StaleEdit,
+    get_version,
+    hash_run,
+    refuse_altered,
+)
 from flexsid.workflow.review.evidence import hash_evidence, list_software_versions
 
 _log = logging.getLogger(__name__)

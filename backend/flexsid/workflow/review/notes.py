@@ -12,8 +12,7 @@ from flexsid.errors import BadInput, Conflict, UnknownRecord
 from flexsid.records.note import Note, NoteRevision, NoteSubject
 from flexsid.storage.access import get_access
 from flexsid.storage.store import Store
-from flexsid.sysid.model.axes import RIGID_BODIES
-from flexsid.sysid.model.derivatives import list_derivative_names
+from flexsid.sysid.model.derivatives import RIGID_BODIES, list_derivative_names
 from flexsid.text import LARGEST_ID
 from flexsid.workflow.model_structures.model_structures import StaleEdit
 

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
-from flexsid.records.decision import Decision, DecisionState, EventKind, SeenEvents
-from flexsid.records.model_structure import StructureVersion
+from flexsid.records.decision import (
+    Decision,
+    DecisionState,
+    EventKind,
+    SeenEvents,
+    StructureVersion,
+)
 from flexsid.storage.store import Store
 from flexsid.workflow.review.decision_review import OPEN, get_rules
 

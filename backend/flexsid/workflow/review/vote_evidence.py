@@ -12,11 +12,12 @@ from flexsid.records.decision import (
     LimitedQuantity,
     Limits,
     ModelProposal,
+    Structure,
     StructureReference,
+    StructureVersion,
 )
 from flexsid.records.flutter import Flutter
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.model_structure import Structure, StructureVersion
 from flexsid.records.run import AdequacyState, EstimationRun, RunState
 from flexsid.records.validation import CrossPredictionMatrix
 from flexsid.storage.content import find_changes
@@ -32,11 +33,12 @@ from flexsid.workflow.model_structures.baselines import (
     read_quantities,
 )
 from flexsid.workflow.model_structures.model_structures import (
+    describe_data_changes,
+    get_result,
     get_version,
     list_structure_differences,
 )
-from flexsid.workflow.model_structures.run_results import describe_data_changes, get_result
-from flexsid.workflow.review.search_evidence import (
+from flexsid.workflow.review.evidence import (
     SearchEvidence,
     collect_search_evidence,
     warn_of_searches,

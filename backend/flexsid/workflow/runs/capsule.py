@@ -17,14 +17,14 @@ from typing import Any
 import orjson
 
 from flexsid.errors import BadInput, Conflict, FlexsidError
-from flexsid.records.model_structure import HeldBy
+from flexsid.records.decision import HeldBy
 from flexsid.records.run import EstimationRun
 from flexsid.storage.content import find_changes
 from flexsid.storage.signatures import SignaturePlace, read_signed, sign_content
 from flexsid.storage.snapshot import take_snapshot
 from flexsid.storage.store import Store
-from flexsid.workflow.model_structures.run_results import describe_data_changes, get_result
-from flexsid.workflow.runs.run_export import export_run
+from flexsid.workflow.model_structures.model_structures import describe_data_changes, get_result
+from flexsid.workflow.runs.exports import export_run
 
 CRATE, DATA, RUN, LOCK, MANIFEST = (
     "ro-crate-metadata.json",

@@ -14,8 +14,8 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records import finite_or_none
 from flexsid.records.aircraft import Aircraft, DerivativePrediction
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import COMBINED, Condition, Maneuver, Role
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     Aerodynamics,
     ErrorCauses,
@@ -36,14 +36,17 @@ from flexsid.records.run import (
 from flexsid.storage import queue
 from flexsid.storage.arrays import describe_array
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.diagnostics import compute_output_fit, compute_parameter_quality
-from flexsid.sysid.estimation.error_components import ErrorComponents
-from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.parameters import SHAPE_ERROR, select_parameters
-from flexsid.sysid.estimation.shape_errors import list_shape_errors
+from flexsid.sysid.estimation.estimate import (
+    ErrorComponents,
+    Estimate,
+    compute_output_fit,
+    compute_parameter_quality,
+)
+from flexsid.sysid.estimation.experiment import SHAPE_ERROR, select_parameters
+from flexsid.sysid.estimation.nuisance import list_shape_errors
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable
-from flexsid.sysid.model.modal_errors import compute_modal_errors
+from flexsid.sysid.model.reduction import compute_modal_errors
 from flexsid.sysid.model.rigid_body import RigidBody
 from flexsid.sysid.modes.shapes import StructuralModes
 from flexsid.workflow.aircraft.aircraft_models import (
@@ -69,16 +72,18 @@ from flexsid.workflow.aircraft.derivative_predictions import (
 )
 from flexsid.workflow.aircraft.flight_condition import list_wrong_conditions
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
-from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
-from flexsid.workflow.fits.nuisance_parameters import ComputedRetainedModes
+from flexsid.workflow.fits.estimation_task import (
+    ComputedRetainedModes,
+    EstimationTask,
+    ManeuverTask,
+)
 from flexsid.workflow.fits.run_warnings import (
     check_extras,
     list_request_warnings,
     warn_of_exact_shapes,
     warn_of_unknown_modes,
 )
-from flexsid.workflow.measurements.airspeed_drift import warn_of_airspeed_drift
-from flexsid.workflow.measurements.maneuver_spectra import read_measurement
+from flexsid.workflow.measurements.maneuver_spectra import read_measurement, warn_of_airspeed_drift
 from flexsid.workflow.measurements.measured_axis import require_own_motion
 from flexsid.workflow.measurements.recording import select_frequencies
 from flexsid.workflow.modal_data.modal_tables import (
@@ -87,17 +92,15 @@ from flexsid.workflow.modal_data.modal_tables import (
     select_out_of_band_modes,
 )
 from flexsid.workflow.model_structures.model_structures import resolve_structure
-from flexsid.workflow.runs.retained_modes import (
-    extend_table,
-    select_nuisance,
-    select_widest_prediction,
-)
 from flexsid.workflow.runs.run_identity import hash_provenance
 from flexsid.workflow.runs.starts import (
     build_predicted_tables,
     collect_priors,
+    extend_table,
     is_residualized,
+    select_nuisance,
     select_starting_tables,
+    select_widest_prediction,
 )
 
 __all__ = ["compute_run", "prepare", "store_result"]

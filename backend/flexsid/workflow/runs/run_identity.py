@@ -18,7 +18,7 @@ from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.content import hash_content, hash_maneuvers, hash_record, hash_records
 from flexsid.storage.store import Store
 from flexsid.storage.tables import channels
-from flexsid.workflow.fits.software_versions import METHODS
+from flexsid.workflow.fits.estimation_task import METHODS
 from flexsid.workflow.modal_data.modal_tables import find_modal_tables
 
 Tables = tuple[int | None, int | None]

@@ -9,8 +9,8 @@ import numpy as np
 
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import Aircraft, list_surface_parts
+from flexsid.records.decision import Structure
 from flexsid.records.maneuver import COMBINED, Maneuver
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     EstimationRun,
     Method,
@@ -22,11 +22,10 @@ from flexsid.records.run import (
     RunState,
 )
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.parameters import select_parameters
+from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
-from flexsid.sysid.model.rigid_body import RigidBody
-from flexsid.sysid.model.sensors import SensorRows
+from flexsid.sysid.model.rigid_body import RigidBody, SensorRows
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.aircraft.aircraft_models import build_flight_condition
 from flexsid.workflow.aircraft.axes import find_body, list_bodies, require_axis
@@ -36,11 +35,56 @@ from flexsid.workflow.aircraft.derivative_predictions import (
     select_prediction,
 )
 from flexsid.workflow.measurements.recording import SpectrumFrequencies, select_frequencies
+from flexsid.workflow.measurements.sensor_responses import find_excited_band
 from flexsid.workflow.modal_data.modal_tables import AircraftModes, find_modal_tables, load_modes
 from flexsid.workflow.model_structures.baselines import Baseline, find_baseline, require_baseline
-from flexsid.workflow.runs.default_band import find_default_band, set_default_band
 from flexsid.workflow.runs.estimation import select_inputs_and_outputs
 from flexsid.workflow.runs.resolved_modes import LEAST_DETERMINED, compute_mode_shares
+
+# --- Default band of a run: what was excited, where the harmonics of a maneuver are not known -----
+
+
+def set_default_band(store: Store, run: EstimationRun) -> EstimationRun:
+    """Return a run with the band that it is estimated in, where its request has none.
+
+    Every request passes through here before it is stored, so that the band is part of the
+    settings of the run. A run of maneuvers with known harmonics has none.
+
+    Raises
+    ------
+    BadInput
+        If no surface was recorded.
+    """
+    if run.settings.band_hz is not None:
+        return run
+    ids = (run.maneuver_id, *run.settings.additional_maneuver_ids)
+    maneuvers = [store.maneuvers.get(number) for number in ids]
+    band_hz = find_default_band(store, maneuvers, find_body(run.structure.axis))
+    return replace(run, settings=replace(run.settings, band_hz=band_hz))
+
+
+def find_default_band(
+    store: Store, maneuvers: Sequence[Maneuver], body: RigidBody
+) -> tuple[float, float] | None:
+    """Find the band that covers what was excited for a body in each of the maneuvers. [Hz]
+
+    None where the harmonics of all are known: these are then fitted, whatever the band.
+    """
+    if all(maneuver.excitation is not None for maneuver in maneuvers):
+        return None
+    bands = [_find_band(store, maneuver, body) for maneuver in maneuvers]
+    return min(low for low, _ in bands), max(high for _, high in bands)
+
+
+def _find_band(store: Store, maneuver: Maneuver, body: RigidBody) -> tuple[float, float]:
+    if maneuver.excitation is None:
+        aircraft = store.aircraft.get(maneuver.aircraft_id)
+        return find_excited_band(store, maneuver, aircraft, body)
+    hz = select_frequencies(maneuver).omega / (2.0 * np.pi)
+    return float(hz.min()), float(hz.max())
+
+
+# --- Proposal of a model structure and band for a maneuver, with the reasons ----------------------
 
 LISTED_BAND_RATIO = 2.5
 """Modes up to this multiple of the highest excited frequency are listed."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexsid.errors import BadInput, Conflict, UnknownRecord
+from flexsid.records.decision import Structure
 from flexsid.records.job import Job
-from flexsid.records.model_structure import Structure
 from flexsid.records.run import (
     AdequacyState,
     EstimationRun,
@@ -23,17 +23,15 @@ from flexsid.storage.access import storing_in_campaign
 from flexsid.storage.bulk import refuse_deleted
 from flexsid.storage.store import Store
 from flexsid.sysid.structure_determination.selection import Thresholds
-from flexsid.workflow.fits.estimation_task import EstimationTask
-from flexsid.workflow.fits.software_versions import read_versions
+from flexsid.workflow.fits.estimation_task import EstimationTask, read_versions
 from flexsid.workflow.measurements.maneuver_spectra import load_channels
 from flexsid.workflow.measurements.recording import remove_trim
 from flexsid.workflow.model_structures.model_structures import check_structure
-from flexsid.workflow.runs.default_band import set_default_band
 from flexsid.workflow.runs.estimation import prepare as prepare_run
 from flexsid.workflow.runs.run_identity import add_hashes
+from flexsid.workflow.runs.run_proposal import set_default_band
 from flexsid.workflow.structure_determination.computation import compute_search
-from flexsid.workflow.structure_determination.fitted_models import HoldingRun, SearchTask
-from flexsid.workflow.structure_determination.term_search import HELD_SIGMAS
+from flexsid.workflow.structure_determination.term_search import HELD_SIGMAS, HoldingRun, SearchTask
 
 __all__ = ["compute_search", "create_candidate_run", "get_result", "prepare_search"]
 

@@ -20,44 +20,38 @@ from flexsid.records.run import (
     ReportProgress,
     Start,
 )
-from flexsid.records.validation import (
-    AerodynamicsComparison,
-    AerodynamicsFit,
-    AerodynamicsVerdict,
-)
+from flexsid.records.validation import AerodynamicsComparison, AerodynamicsFit, AerodynamicsVerdict
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.estimate import Estimate
-from flexsid.sysid.estimation.feedback_noise import compute_costs
-from flexsid.sysid.estimation.held_out_likelihood import (
+from flexsid.sysid.adequacy.model_tests import Hypothesis
+from flexsid.sysid.adequacy.validation import (
     LEAST_DIFFERENCE,
     LikelihoodDifference,
+    assign_folds,
     compare_likelihoods,
     compute_held_out_likelihoods,
+    predict_outputs,
 )
-from flexsid.sysid.estimation.model_tests import Hypothesis
+from flexsid.sysid.estimation.estimate import Estimate
+from flexsid.sysid.estimation.experiment import Parameters
+from flexsid.sysid.estimation.feedback_noise import compute_costs
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
 from flexsid.sysid.stability.flutter_prediction import FlutterPrediction
 from flexsid.workflow.aircraft.axes import find_body
 from flexsid.workflow.aircraft.derivative_predictions import select_shaped_prediction
-from flexsid.workflow.fits.estimation_task import EstimationTask
-from flexsid.workflow.fits.estimators import fit_likelihood
-from flexsid.workflow.fits.experiments import build_experiments
-from flexsid.workflow.fits.feedback_correction import (
+from flexsid.workflow.fits.computation import fit_likelihood
+from flexsid.workflow.fits.equation_error_fit import collect_starting_points
+from flexsid.workflow.fits.estimation_task import EstimationTask, build_experiments
+from flexsid.workflow.fits.likelihood_fit import (
     estimate_task_noise,
     fit_without_feedback_noise,
-)
-from flexsid.workflow.fits.likelihood_fit import (
     maximize_from_starts,
     refit_with_leakage_correction,
 )
-from flexsid.workflow.fits.starting_values import collect_starting_points
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
 from flexsid.workflow.runs.run_identity import list_run_contents
+from flexsid.workflow.validation.cross_prediction import predict_flutter_of_fit
 from flexsid.workflow.validation.cross_validation import select_frequencies
-from flexsid.workflow.validation.fitted_flutter import predict_flutter_of_fit
 
 _FOLDS = 3  # every third frequency of each input is held out
 _LEAST_HIGHEST_K = 0.2

@@ -21,17 +21,17 @@ from flexsid.records.validation import (
     ValidatedOutput,
 )
 from flexsid.storage.store import Store
+from flexsid.sysid.adequacy.validation import assign_folds, predict_outputs
 from flexsid.sysid.estimation.estimate import FittedSpectra
 from flexsid.sysid.estimation.experiment import Experiment
-from flexsid.sysid.estimation.validation import assign_folds, predict_outputs
 from flexsid.workflow.fits.computation import ComputedRun, compute_run
 from flexsid.workflow.fits.estimation_task import EstimationTask, ManeuverTask
 from flexsid.workflow.measurements.recording import SpectrumFrequencies
-from flexsid.workflow.model_structures.run_results import get_result
+from flexsid.workflow.model_structures.model_structures import get_result
 from flexsid.workflow.runs.estimation import prepare
-from flexsid.workflow.runs.identified_models import collect_values
+from flexsid.workflow.runs.exports import collect_values
 from flexsid.workflow.runs.run_identity import list_run_contents
-from flexsid.workflow.validation.predicted_maneuver import (
+from flexsid.workflow.validation.cross_prediction import (
     build_identified_parameters,
     build_output_experiments,
     hold_values,

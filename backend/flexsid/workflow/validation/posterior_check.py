@@ -13,27 +13,28 @@ from flexsid.errors import BadInput
 from flexsid.records.run import EstimationRun, Method, Progress, ReportProgress
 from flexsid.records.validation import PosteriorCheck, PosteriorQuantity
 from flexsid.storage.store import Store
-from flexsid.sysid.estimation.leakage import remove_leakage
-from flexsid.sysid.estimation.monte_carlo_sampling import (
+from flexsid.sysid.adequacy.posterior import (
+    PosteriorSamples,
     compute_sample_size,
     compute_scale_reduction,
+    sample_posterior,
 )
+from flexsid.sysid.estimation.experiment import Parameters
+from flexsid.sysid.estimation.leakage import remove_leakage
 from flexsid.sysid.estimation.nuisance import PRIOR_SPREAD
-from flexsid.sysid.estimation.parameters import Parameters
-from flexsid.sysid.estimation.posterior import PosteriorSamples, sample_posterior
 from flexsid.sysid.stability.poles import NamedPole, compute_named_poles
 from flexsid.workflow.fits.estimation_task import (
     EstimationTask,
+    build_experiments,
     get_first_start,
     select_free_parameters,
 )
-from flexsid.workflow.fits.experiments import build_experiments
-from flexsid.workflow.fits.feedback_correction import fit_without_feedback_noise
-from flexsid.workflow.model_structures.run_results import get_result
-from flexsid.workflow.runs.identified_models import collect_values, read_covariance
+from flexsid.workflow.fits.likelihood_fit import fit_without_feedback_noise
+from flexsid.workflow.model_structures.model_structures import get_result
+from flexsid.workflow.runs.exports import collect_values, read_covariance
 from flexsid.workflow.runs.run_identity import list_run_contents
+from flexsid.workflow.validation.cross_prediction import predict_flutter_of_fit
 from flexsid.workflow.validation.cross_validation import prepare_refit
-from flexsid.workflow.validation.fitted_flutter import predict_flutter_of_fit
 
 _SAMPLES = 200  # of each of four chains: a ratio to 3 %
 _INTERVAL = (0.025, 0.975)

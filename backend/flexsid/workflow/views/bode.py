@@ -1,4 +1,4 @@
-"""Frequency responses of maneuvers: bare airframe, instruments removed, as measured."""
+"""Frequency responses of maneuvers, and measured open-loop responses."""
 
 from __future__ import annotations
 
@@ -10,22 +10,25 @@ import numpy as np
 from flexsid.errors import BadInput
 from flexsid.records.aircraft import list_surface_parts
 from flexsid.records.maneuver import Maneuver
-from flexsid.records.views import Blanked, Bode, Response
+from flexsid.records.views import Blanked, Bode, LoopCurve, LoopPlot, Response
 from flexsid.storage.store import Store
 from flexsid.sysid.signals import FrequencyResponse
-from flexsid.sysid.spectra.reliability import find_unreliable_points, relative_std
-from flexsid.sysid.spectra.repetition import combine_responses
-from flexsid.workflow.aircraft.aircraft_models import define_outputs
+from flexsid.sysid.spectra.response import combine_responses, find_unreliable_points, relative_std
+from flexsid.sysid.stability.closed_loop import estimate_loop_gains
+from flexsid.workflow.aircraft.aircraft_models import define_outputs, get_servo
 from flexsid.workflow.measurements.maneuver_spectra import read_measurement
 from flexsid.workflow.measurements.recording import select_frequencies
-from flexsid.workflow.runs.identified_models import IdentifiedModel, load_identified_model
-from flexsid.workflow.views.channels import find_sampling, list_input_names
-from flexsid.workflow.views.modes import find_identified_markers, find_mode_markers
-from flexsid.workflow.views.repetition import (
+from flexsid.workflow.runs.exports import IdentifiedModel, load_identified_model
+from flexsid.workflow.views.maneuver import (
     MeasuredColumn,
     compute_period_coherence,
+    find_sampling,
+    list_input_names,
     measure_windows,
 )
+from flexsid.workflow.views.modes import find_identified_markers, find_mode_markers
+
+# --- Frequency responses of maneuvers: bare airframe, instruments removed, as measured ------------
 
 _GRID = 400  # points of a model's curve
 _MARGIN = 1.1  # modes slightly outside the measured band are shown
@@ -251,3 +254,52 @@ def _unwrap(values: np.ndarray, reliable: np.ndarray) -> np.ndarray:
     index = np.arange(values.size)
     smooth = np.interp(index, index[reliable], np.unwrap(phase[reliable]))
     return phase + 2.0 * np.pi * np.round((smooth - phase) / (2.0 * np.pi))
+
+
+# --- Measured open-loop responses of a maneuver with recorded excitation and deflection -----------
+
+
+def estimate_loops(store: Store, maneuver_id: int) -> LoopPlot:
+    """Estimate the loop gain of every excited surface, with margins.
+
+    Raises
+    ------
+    BadInput
+        If the excitation is unknown or was not recorded, or a servo is not defined.
+    """
+    maneuver = store.maneuvers.get(maneuver_id)
+    if maneuver.excitation is None:
+        raise BadInput(
+            f"the excitation of maneuver {maneuver_id} is unknown, so loops cannot be estimated;"
+            " import it with [excitation]",
+            code="no-excitation",
+        )
+    aircraft = store.aircraft.get(maneuver.aircraft_id)
+    inputs = tuple(maneuver.excitation.harmonics)
+    spectra = read_measurement(store, maneuver, aircraft, inputs, ()).transform()
+    if spectra.commands is None:
+        raise BadInput(
+            "the excitation commands were not recorded; loops need commands and deflections",
+            code="no-commands",
+        )
+    servos = np.stack(
+        [get_servo(aircraft, name).response(spectra.omega) for name in inputs], axis=1
+    )
+    found = estimate_loop_gains(spectra.inputs, spectra.commands, servos, spectra.assigned_input)
+    return LoopPlot(
+        maneuver_id=maneuver_id,
+        curves=tuple(
+            LoopCurve(
+                surface=loop.surface,
+                frequency_hz=loop.omega / (2.0 * np.pi),
+                gain=loop.gain,
+                std=loop.std,
+                gain_up=loop.margins.gain_up,
+                phase_rad=loop.margins.phase,
+                phase_std_rad=loop.phase_std,
+                disk=loop.margins.disk,
+                disk_std=loop.disk_std,
+            )
+            for loop in found
+        ),
+    )

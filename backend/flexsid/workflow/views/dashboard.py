@@ -10,7 +10,9 @@ from math import floor, log10
 import numpy as np
 
 from flexsid.records.aircraft import Aircraft
-from flexsid.records.dashboard import (
+from flexsid.records.decision import Decision, DecisionState
+from flexsid.records.run import AdequacyState
+from flexsid.records.search import (
     ACCURATE,
     INSENSITIVE,
     CampaignDashboard,
@@ -23,15 +25,13 @@ from flexsid.records.dashboard import (
     WarnedRecord,
     WarningKind,
 )
-from flexsid.records.decision import Decision, DecisionState
-from flexsid.records.run import AdequacyState
 from flexsid.storage.campaign_rows import (
     FailedJob,
     ManeuverCondition,
     list_failed_jobs,
     list_flown_maneuvers,
 )
-from flexsid.storage.run_summaries import RunRow, RunSummary, list_runs, read_summaries
+from flexsid.storage.run_list import RunRow, RunSummary, list_runs, read_summaries
 from flexsid.storage.store import Store
 from flexsid.workflow.comparison.derivative_comparison import sort_names
 from flexsid.workflow.model_structures.baselines import list_approved

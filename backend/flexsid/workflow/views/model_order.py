@@ -14,11 +14,10 @@ from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.modal_data import ModalTable, ModelOrder, OrderStep, ReducedResponses
 from flexsid.storage.store import Store
 from flexsid.sysid.model.aeroelastic import AeroelasticModel
-from flexsid.sysid.model.condition import GRAVITY
+from flexsid.sysid.model.condition import GRAVITY, compute_standard_density
 from flexsid.sysid.model.derivatives import DerivativeTable
 from flexsid.sysid.model.longitudinal import LONGITUDINAL
-from flexsid.sysid.model.standard_atmosphere import compute_standard_density
-from flexsid.sysid.modes.symmetry import may_be
+from flexsid.sysid.modes.shapes import may_be
 from flexsid.sysid.stability.order import (
     BAND,
     POLE_BAND,

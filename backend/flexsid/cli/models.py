@@ -1,0 +1,300 @@
+"""Commands ``flexsid flutter``, ``predict``, ``search`` and ``validate``, on identified models."""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from flexsid.api.models.design_requests import ComputePredictionRequest
+from flexsid.cli.administration import open_store
+from flexsid.cli.output import (
+    parse_band,
+    parse_list,
+    print_error,
+    print_next_result,
+    print_result,
+    read_structure,
+    set_axis,
+)
+from flexsid.cli.runs import report_progress
+from flexsid.errors import BadInput
+from flexsid.jobs.dispatcher import execute_job, execute_request
+from flexsid.jobs.kind import get_result
+from flexsid.jobs.kinds import (
+    CROSS_PREDICTION,
+    CROSS_VALIDATION,
+    FLUTTER,
+    POSTERIOR,
+    PREDICTED_FLUTTER,
+    PREDICTION,
+    SEARCH,
+)
+from flexsid.records.run import Method, RunState
+from flexsid.records.search import Algorithm, InitialTerms, SearchSettings, StructureSearch
+from flexsid.records.validation import (
+    CrossPredictionMatrix,
+    CrossValidationSummary,
+    Partition,
+    PosteriorCheck,
+)
+from flexsid.settings import Settings
+from flexsid.storage.store import Store
+from flexsid.workflow.flutter.flutter_analysis import FlutterQuery, UnmodelledModes, Variation
+from flexsid.workflow.flutter.flutter_models import build_approved_query
+from flexsid.workflow.flutter.predicted_flutter import PredictedFlutterQuery
+from flexsid.workflow.modal_data.computed_predictions import PredictionRequest, check_prediction
+from flexsid.workflow.structure_determination import searches
+from flexsid.workflow.validation.cross_prediction import CrossPredictionQuery
+from flexsid.workflow.validation.cross_validation import CrossValidationQuery
+from flexsid.workflow.validation.posterior_check import PosteriorQuery
+
+# --- Command ``flexsid flutter``: flutter prediction from runs ------------------------------------
+
+
+def predict_flutter(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the predicted flutter speed and the margin of the next test point."""
+    if arguments.next is not None and not arguments.next > 0.0:
+        raise BadInput(f"--next is {arguments.next:g}; expected an airspeed above zero [m/s]")
+    given: dict[str, Any] = {
+        "fuel": arguments.fuel,
+        "altitude_m": arguments.altitude,
+        "next_m_s": arguments.next,
+        "unmodelled_modes": UnmodelledModes(arguments.unmodelled_modes),
+    }
+    if arguments.variation is not None:
+        given["variation"] = Variation(arguments.variation)
+    with open_store(settings) as store:
+        if arguments.runs is None:
+            query = build_approved_query(store, arguments.aircraft, arguments.axis, **given)
+        else:
+            query = FlutterQuery(run_ids=parse_list(arguments.runs, int, "RUNS"), **given)
+        execute_request(store, FLUTTER, query, report_progress)
+        prediction = get_result(store, FLUTTER, query).flutter
+    lines = [prediction.test_point_margin, prediction.sentence]
+    for structure in prediction.structures:
+        lines.append(f"modes {' '.join(map(str, structure.modes))}: {structure.sentence}")
+    print_result(lines, prediction, as_json=arguments.json)
+    return 0
+
+
+def predict_of_prediction(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the flutter speed of the derivatives of a prediction alone."""
+    query = PredictedFlutterQuery(
+        prediction_id=arguments.prediction,
+        axis=arguments.axis,
+        fuel=arguments.fuel,
+        density_kg_m3=arguments.density,
+        from_m_s=arguments.lowest,
+        to_m_s=arguments.highest,
+    )
+    with open_store(settings) as store:
+        execute_request(store, PREDICTED_FLUTTER, query, report_progress)
+        found = get_result(store, PREDICTED_FLUTTER, query).flutter
+    at = f"{found.source}: fuel {found.fuel_fraction:g}, {found.density_kg_m3:.4g} kg/m3"
+    lines = [f"{at}, {found.searched_from_m_s:.4g} to {found.searched_to_m_s:.4g} m/s"]
+    lines.append(found.sentence)
+    if found.reduced_frequency is not None:
+        lines.append(f"reduced frequency of flutter: {found.reduced_frequency:.3g}")
+    print_result(lines, found, as_json=arguments.json)
+    return 0
+
+
+# --- Command ``flexsid predict``: derivatives from a planform -------------------------------------
+
+
+def predict(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Compute a prediction from a planform file, store it and print its derivatives."""
+    request = read_planform(Path(arguments.file))
+    with open_store(settings) as store:
+        check_prediction(store, request)
+        job = execute_request(store, PREDICTION, request, report_progress)
+        if job.error is not None:
+            print_error(job.error["message"], job.error["code"], as_json=arguments.json)
+            return 1
+        stored = store.predictions.get((job.result or {})["prediction_id"])
+        values = store.arrays.get(stored.values)[0]
+        errors = store.arrays.get(stored.std_errors or "")[0]
+    lines = [f"prediction {stored.id}: {stored.source}, {stored.note}"]
+    lines += [
+        f"  {name:<16}{value:>12.5g} ± {error:.3g}"
+        if np.isfinite(value)
+        else f"  {name:<16}not predicted"
+        for name, value, error in zip(stored.names, values, errors, strict=True)
+    ]
+    print_result(lines, stored, as_json=arguments.json)
+    return 0
+
+
+def read_planform(file: Path) -> PredictionRequest:
+    """Read the request of a prediction from a TOML file; a deck may be in a file beside it.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read, or a field is not valid.
+    """
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        deck = content.pop("deck_file", None)
+        if deck is not None:
+            content["deck"] = (file.parent / deck).read_text(encoding="latin-1")
+        body = ComputePredictionRequest.model_validate(content)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{file} cannot be read: {error}", code="unreadable-file") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"])) or "the file"
+        raise BadInput(f"{file}: {where}: {first['msg']}", code="bad-planform") from error
+    return body.to_request()
+
+
+# --- Command ``flexsid search``: model structure determination ------------------------------------
+
+
+def search(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Execute a search, store and print its result; return 0 if it succeeded."""
+    maneuvers = parse_list(arguments.maneuvers, int, "MANEUVERS")
+    structure = read_structure(arguments)
+    with open_store(settings) as store:
+        if maneuvers:
+            structure = set_axis(store, structure, maneuvers[0], arguments.axis)
+        requested = StructureSearch(
+            aircraft_id=store.maneuvers.get(maneuvers[0]).aircraft_id if maneuvers else 0,
+            maneuver_ids=maneuvers,
+            method=Method(arguments.method),
+            structure=structure,
+            settings=SearchSettings(
+                algorithm=Algorithm(arguments.algorithm),
+                initial_terms=InitialTerms(arguments.initial_terms),
+                f_in=arguments.f_in,
+                f_out=arguments.f_in if arguments.f_out is None else arguments.f_out,
+                resamplings=arguments.resamplings,
+                validate_on=parse_list(arguments.validate_on, int, "--validate-on"),
+                band_hz=parse_band(arguments.band),
+            ),
+        )
+        added: list[StructureSearch] = []
+
+        def add() -> int:
+            added.append(searches.add_search(store, requested))
+            return added[0].job_id or 0
+
+        execute_job(store, SEARCH, add, report_progress)
+        stored = store.searches.get(added[0].id or 0)
+    lines = _format_result(stored) if stored.error is None else ()
+    print_result(lines, stored, as_json=arguments.json)
+    if stored.error is not None:
+        message = f"search {stored.id} failed: {stored.error['message']}"
+        print_error(message, stored.error["code"], as_json=arguments.json)
+    return 0 if stored.state is RunState.SUCCEEDED else 1
+
+
+def _format_result(found: StructureSearch) -> list[str]:
+    result = found.result
+    if result is None:
+        return [f"search {found.id} is {found.state.value}"]
+    lines = [f"search {found.id}: {result.sentence}"]
+    for group in result.groups:
+        fit = "" if group.r_squared is None else f", R² {group.r_squared:.4f}"
+        lines += ["", f"{group.name}{fit}"]
+        lines += [f"  {'term':<16}{'value':>12}{'std error':>12}{'F':>10}{'stable':>8}"]
+        for term in group.terms:
+            value = "-" if term.value is None else f"{term.value:.5g}"
+            error = "-" if term.std_error is None else f"{term.std_error:.3g}"
+            stable = "-" if term.stability is None else f"{term.stability:.0%}"
+            mark = " " if term.selected else "×"
+            lines.append(f"{mark} {term.name:<16}{value:>12}{error:>12}{term.f:>10.4g}{stable:>8}")
+        for one in group.dependencies:
+            shares = ", ".join(f"{name} {share:.2f}" for name, share in one.shares.items())
+            lines.append(f"  condition index {one.condition_index:.0f}: {shares}")
+    lines += ["", "candidates, by prediction of data points not used in the fit:"]
+    for number, one in enumerate(result.candidates):
+        cost = "-" if one.predictive_cost is None else f"{one.predictive_cost:.1f}"
+        mark = "*" if one.proposed else " "
+        lines.append(f"{mark} {number} {one.name}: cost {cost}, {one.n_terms} terms. {one.flutter}")
+    return lines + [f"note: {warning}" for warning in result.warnings]
+
+
+# --- Command ``flexsid validate``: cross-prediction of maneuvers, cross-validation of runs --------
+
+
+def validate(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the fit of predicted maneuvers, or of held-out data run by run."""
+    run_ids = parse_list(arguments.runs, int, "RUNS")
+    with open_store(settings) as store:
+        if arguments.hold_out is None:
+            maneuvers = parse_list(arguments.maneuvers, int, "--maneuvers")
+            matrix = _predict(store, CrossPredictionQuery(run_ids=run_ids, maneuver_ids=maneuvers))
+            print_result(_format_matrix(matrix), matrix, as_json=arguments.json)
+            return 0
+        partition = Partition(arguments.hold_out)
+        for number in run_ids:
+            query = CrossValidationQuery(run_id=number, partition=partition, folds=arguments.folds)
+            execute_request(store, CROSS_VALIDATION, query, report_progress)
+            found = get_result(store, CROSS_VALIDATION, query).summary
+            lines = "\n".join(_format_validation(found))
+            print_next_result(lines, found, as_json=arguments.json)
+    return 0
+
+
+def check_posterior(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the posterior of runs against their standard errors."""
+    with open_store(settings) as store:
+        for number in parse_list(arguments.runs, int, "RUNS"):
+            query = PosteriorQuery(run_id=number)
+            execute_request(store, POSTERIOR, query, report_progress)
+            found = get_result(store, POSTERIOR, query)
+            lines = "\n".join(_format_posterior(found))
+            print_next_result(lines, found, as_json=arguments.json)
+    return 0
+
+
+def _predict(store: Store, query: CrossPredictionQuery) -> CrossPredictionMatrix:
+    execute_request(store, CROSS_PREDICTION, query, report_progress)
+    return get_result(store, CROSS_PREDICTION, query)
+
+
+def _format_matrix(matrix: CrossPredictionMatrix) -> list[str]:
+    lines = [f"maneuver {one.id}: {one.label}" for one in matrix.maneuvers]
+    head = "".join(f"{f'maneuver {one.id}':>14}" for one in matrix.maneuvers)
+    lines += ["", f"{'mean R² (* fitted)':<40}{head}"]
+    cells = iter(matrix.predictions)
+    notes = []
+    for run in matrix.runs:
+        row = f"{run.label:<40.40}"
+        for _ in matrix.maneuvers:
+            cell = next(cells)
+            text = "–" if cell.r_squared is None else f"{cell.r_squared:.3f}"
+            row += f"{text + ('*' if cell.is_fitted else ' '):>14}"
+            if cell.error is not None:
+                notes.append(f"note: run {cell.run_id}, maneuver {cell.maneuver_id}: {cell.error}")
+        lines.append(row)
+    return lines + notes
+
+
+def _format_validation(found: CrossValidationSummary) -> list[str]:
+    lines = [f"run {found.run_id}: {found.sentence}"]
+    lines.append(f"  {'output':<16}{'R²':>10}{'of the run':>12}{'Theil':>10}{'of the run':>12}")
+    for one in found.outputs:
+        lines.append(
+            f"  {one.output:<16}{one.r_squared:>10.3f}{one.fitted_r_squared:>12.3f}"
+            f"{one.theil:>10.3f}{one.fitted_theil:>12.3f}"
+        )
+    return lines
+
+
+def _format_posterior(found: PosteriorCheck) -> list[str]:
+    lines = [f"run {found.run_id}: {found.sentence}"]
+    lines.append(f"  {'quantity':<32}{'value':>12}{'low':>12}{'high':>12}{'ratio':>8}{'R-hat':>8}")
+    flutter = () if found.flutter is None else (found.flutter,)
+    for one in (*found.parameters, *found.poles, *flutter):
+        lines.append(
+            f"  {one.name:<32}{one.value:>12.5g}{one.low:>12.5g}{one.high:>12.5g}"
+            f"{one.ratio:>8.2f}{one.scale_reduction:>8.3f}"
+        )
+    return lines

@@ -1,0 +1,1 @@
+"""Formats: one reader per file format, and the selection among them."""

@@ -1,0 +1,1 @@
+"""Adequacy of an identified model: tests for remaining model error, held-out data, posterior."""
