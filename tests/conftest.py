@@ -97,10 +97,11 @@ def postgresql() -> Iterator[postgresql_server.Cluster]:
 # Tests of database statements and concurrency run on both databases, named by the beginning of file
 # and test; tests of other layers run on the second database only with ``--every-database``.
 _BOTH = (
-    *("storage/", "jobs/", "api/test_batches.py", "api/test_resources.py", "api/test_decisions.py"),
+    *("storage/", "jobs/", "api/test_batches.py::test_batch_runs_all", "api/test_decisions.py"),
+    "api/test_resources.py::test_queued_run_is_cancelled",
     *("api/test_model_structures.py", "workflow/test_ingest.py"),
     "api/test_hostile_input.py",
-    *("api/test_searches.py::test_interrupted", "workflow/test_recordings.py"),
+    "workflow/test_recordings.py",
     "workflow/test_integrity.py::test_every_change",
     *("cli/test_commands.py::test_a_run_is_executed", "cli/test_commands.py::test_files_are"),
     *("cli/test_commands.py::test_each_damage", "cli/test_commands.py::test_an_intact"),

@@ -27,7 +27,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("method", [Method.OE, Method.EE])
+@pytest.mark.parametrize("method", [Method.OE, pytest.param(Method.EE, marks=pytest.mark.long)])
 def test_stated_errors_of_mass_and_airspeed_are_part_of_every_standard_error(
     store: Store, method: Method
 ) -> None:
