@@ -109,7 +109,7 @@ test: install
 
 test-long: install database
 	$(announce) 'running the long tests'
-	@$(PYTEST) -m long
+	@$(PYTEST) -m long --every-database
 
 N ?= 20
 SEED ?= 1

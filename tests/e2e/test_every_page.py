@@ -210,7 +210,8 @@ def _axe() -> str:
 
 
 _FIGURES_FIT = """() => [...document.querySelectorAll(".js-plotly-plot")].every(
-    (plot) => plot.offsetParent === null || plot._fullLayout.width === plot.clientWidth)"""
+    (plot) => plot.offsetParent === null
+        || Math.abs(plot._fullLayout.width - plot.clientWidth) < 1)"""  # rounded to pixels
 
 
 def _settled(page: Page) -> None:

@@ -135,6 +135,7 @@ class _Hint:
 
 
 _DEG = 180 / np.pi
+_LEAST, _LARGEST = 1e-100, 1e100  # whose squares are numbers
 _MOST_SCANNED = 16  # columns by which the period is found
 _MOST_COMPARED = 3  # accelerometers with which a vane is compared
 _MAY_BE_THETA = frozenset({("", ""), ("", "angle"), ("theta", "angle")})
@@ -160,13 +161,13 @@ class _MovingColumns:
     def power(self) -> np.ndarray:
         """Power at the harmonics of the excitation, of unit area: there lines do not overlap."""
         power = _find_harmonics(self.detrended, np.abs(self.lines) ** 2, self.fast, self.rate_hz)
-        return power / np.maximum(power.sum(axis=1, keepdims=True), 1e-300)
+        return power / np.maximum(power.sum(axis=1, keepdims=True), _LEAST)
 
     @cached_property
     def fast(self) -> np.ndarray:
         """Share of the variance above 10 periods per record."""
         power = np.abs(self.lines) ** 2
-        return power[:, 10:].sum(axis=1) / np.maximum(power.sum(axis=1), 1e-300)
+        return power[:, 10:].sum(axis=1) / np.maximum(power.sum(axis=1), _LEAST)
 
     @cached_property
     def overlap(self) -> np.ndarray:
@@ -176,13 +177,13 @@ class _MovingColumns:
         width = max(1, energy.shape[1] // 64)
         usable = energy.shape[1] // width * width
         energy = energy[:, :usable].reshape(len(energy), -1, width).sum(axis=2)
-        times = np.sqrt(energy / np.maximum(energy.sum(axis=1, keepdims=True), 1e-300))
+        times = np.sqrt(energy / np.maximum(energy.sum(axis=1, keepdims=True), _LEAST))
         return np.minimum(spectra @ spectra.T, times @ times.T)
 
     @cached_property
     def correlation(self) -> np.ndarray:
         """Correlation of each pair, at the delay where it is largest."""
-        lines = self.lines / np.maximum(np.linalg.norm(self.lines, axis=1, keepdims=True), 1e-300)
+        lines = self.lines / np.maximum(np.linalg.norm(self.lines, axis=1, keepdims=True), _LEAST)
         found = np.eye(len(lines))
         for first, second in combinations(range(len(lines)), 2):
             shifted = np.fft.irfft(lines[first].conj() * lines[second])
@@ -197,7 +198,8 @@ class _MovingColumns:
             cross = -cross
         omega = 2 * np.pi * np.fft.rfftfreq(self.moved.shape[1], 1 / self.rate_hz)
         weight = np.abs(cross) * (np.abs(cross) > 1e-2 * np.abs(cross).max())
-        return float(-(weight * omega * np.angle(cross)).sum() / (weight * omega**2).sum())
+        total = float((weight * omega**2).sum())
+        return float(-(weight * omega * np.angle(cross)).sum() / max(total, _LEAST))
 
     def derivative(self, number: int) -> np.ndarray:
         """Lines of the derivative of a column."""
@@ -244,7 +246,7 @@ def _find_harmonics(
     energy = np.cumsum(signals_moving**2, axis=1)
     energy /= energy[:, -1:]
     length = float(np.median((energy < _ENDS[1]).sum(axis=1) - (energy < _ENDS[0]).sum(axis=1)))
-    length /= rate_hz
+    length = max(length, 8.0) / rate_hz
     every = max(1, int(rate_hz / (3.0 * max(top, 1 / length))))
     usable = n // every * every
     thinned = signals[:, :usable].reshape(len(signals), -1, every).mean(axis=2)
@@ -259,7 +261,7 @@ def _find_harmonics(
 
     for period in length * np.arange(0.85, 1.1, 0.25 / n_lines):
         lines = transform(compared, period)
-        own = lines / np.maximum(lines.sum(axis=1, keepdims=True), 1e-300)
+        own = lines / np.maximum(lines.sum(axis=1, keepdims=True), _LEAST)
         overlap = float((np.sqrt(own).sum(axis=0) ** 2).sum())
         if overlap < least:
             least, best = overlap, period
@@ -282,7 +284,7 @@ def recognise_columns(columns: Sequence[Recorded]) -> list[Meaning]:
     """
     if not columns:
         return []
-    steady = [c if np.isfinite(c.samples).all() else _without_gaps(c) for c in columns]
+    steady = [_without_gaps(c) for c in columns]
     motion = _MovingColumns(steady)
     hints = [_read_words(c) for c in columns]
     found = _find_kinds(motion, hints)
@@ -300,8 +302,10 @@ class _Found:
 
 def _without_gaps(column: Recorded) -> Recorded:
     good = np.isfinite(column.samples)
+    if good.all() and np.abs(column.samples).max() <= _LARGEST:
+        return column
     at = np.arange(good.size)
-    if not good.any():
+    if not good.any() or np.abs(column.samples[good]).max() > _LARGEST:
         return replace(column, samples=np.zeros(good.size))
     return replace(column, samples=np.interp(at, at[good], column.samples[good]))
 
@@ -462,16 +466,17 @@ def _find_g(mean: float) -> str:
 
 def _find_rate(motion: _MovingColumns, found: list[_Found]) -> set[int]:
     """Find the attitude and the gyro of which one is the derivative of the other."""
-    angles = [k for k, own in enumerate(found) if (own.name, own.kind) in _MAY_BE_THETA]
-    rates = [k for k, own in enumerate(found) if (own.name, own.kind) in _MAY_BE_Q]
+    moving = [(k, own) for k, own in enumerate(found) if motion.span[k] > 0.0]
+    angles = [k for k, own in moving if (own.name, own.kind) in _MAY_BE_THETA]
+    rates = [k for k, own in moving if (own.name, own.kind) in _MAY_BE_Q]
     if not angles or not rates:
         return set()
     slopes = np.array([motion.derivative(k) for k in angles])[:, _used(motion.lines)]
     lines = motion.lines[rates][:, _used(motion.lines)]
     products = (slopes @ lines.conj().T).real
-    sizes = [np.linalg.norm(each, axis=1) + 1e-300 for each in (slopes, lines)]
+    sizes = [np.maximum(np.linalg.norm(each, axis=1), _LEAST) for each in (slopes, lines)]
     fits = products / np.outer(*sizes)
-    gains = np.log(np.maximum(products / sizes[0][:, None] ** 2, 1e-300))
+    gains = np.log(np.maximum(products / sizes[0][:, None] ** 2, _LEAST))
     near = np.abs(gains[..., None] + np.log([1.0, _DEG, 1 / _DEG])).min(axis=2) < _SAME_GAIN
     fits[~near | (np.array(angles)[:, None] == np.array(rates))] = 0.0
     if fits.max() < _RATE_CORRELATION:
@@ -611,7 +616,7 @@ def _find_attitude_units(
 
 def _of_attitude(motion: _MovingColumns, own: _Found, attitude: _Attitude | None, k: int) -> str:
     """Return the unit of theta or q, or that in which another one moves about as far."""
-    if attitude is None:
+    if attitude is None or not motion.span[k]:
         return ""
     if own.name in ("theta", "q"):
         return attitude.angle if own.name == "theta" else attitude.rate

@@ -33,7 +33,7 @@ from flexsid.workflow.measurements.recording import ManeuverMeasurement, Measure
 
 # --- Versions of the software that computes a result ----------------------------------------------
 
-METHODS = "9"
+METHODS = "10"
 """Version of the numerical methods: raised with every change that changes results.
 
 Equal requests have equal results only by the same methods: it is part of the identity of runs
