@@ -1,7 +1,7 @@
 """Repairs: what a mapping allows to change in damaged records, and what was changed.
 
 Nothing is repaired that the mapping does not name by ``repair``, and nothing in which the damage is
-not the named one beyond doubt: the record is then refused as before.
+not certainly the named one: the record is then refused as before.
 """
 
 from __future__ import annotations
