@@ -33,8 +33,9 @@ from flexsid.units import is_known
 MOST_COLUMNS = 500
 """Largest number of columns of a matrix that are proposed as channels."""
 
-MOST_SAMPLES = 400_000
-"""Longest record whose columns are compared with each other: an hour at 100 Hz."""
+_LEAST_COMPARED, _MOST_COMPARED = 16, 4_000_000
+"""Fewest samples of a column, and most of all columns of a file, that are compared with each other:
+100 columns of 400 s at 100 Hz. Longer records, as whole flights, are recognised by names alone."""
 
 _MOST_CHANNELS = 100
 """Most columns that are proposed from files with several clocks; else those with usual names: logs
@@ -146,7 +147,8 @@ def _recognise_motion(
         own = [
             (c, m) for c, m in selected if c.file == source.name and c.samples.size == stamps.size
         ]
-        if all(meaning.known for _, meaning in own) or not 16 <= stamps.size <= MOST_SAMPLES:
+        too_large = len(own) * stamps.size > _MOST_COMPARED
+        if too_large or stamps.size < _LEAST_COMPARED or all(m.known for _, m in own):
             continue
         recorded = [
             Recorded(field=c.field, unit=c.unit, samples=c.samples, rate_hz=rate_hz, named=m)

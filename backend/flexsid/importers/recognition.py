@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -180,21 +180,22 @@ class _MovingColumns:
         times = np.sqrt(energy / np.maximum(energy.sum(axis=1, keepdims=True), _LEAST))
         return np.minimum(spectra @ spectra.T, times @ times.T)
 
-    @cached_property
-    def correlation(self) -> np.ndarray:
-        """Correlation of each pair, at the delay where it is largest."""
-        lines = self.lines / np.maximum(np.linalg.norm(self.lines, axis=1, keepdims=True), _LEAST)
-        found = np.eye(len(lines))
-        for first, second in combinations(range(len(lines)), 2):
-            shifted = np.fft.irfft(lines[first].conj() * lines[second])
-            best = shifted[np.argmax(np.abs(shifted))] * len(shifted) / 2
-            found[first, second] = found[second, first] = best
-        return found
+    def correlate(self, first: int, second: int) -> float:
+        """Return the correlation of two columns at the delay where it is largest."""
+        one, other = self.lines[first], self.lines[second]
+        shifted = np.fft.irfft(one.conj() * other)
+        size = max(float(np.linalg.norm(one) * np.linalg.norm(other)), _LEAST)
+        return float(shifted[np.argmax(np.abs(shifted))]) * len(shifted) / 2 / size
+
+    def is_same(self, first: int, second: int) -> bool:
+        """Return whether two columns are one surface: its command, or its other side."""
+        overlaps = self.overlap[first, second] > _SAME
+        return bool(overlaps) and abs(self.correlate(first, second)) > _SAME
 
     def lead(self, first: int, second: int) -> float:
         """Return by how much the first column leads the second [s], by the phase of its lines."""
         cross = self.lines[first].conj() * self.lines[second]
-        if self.correlation[first, second] < 0.0:
+        if self.correlate(first, second) < 0.0:
             cross = -cross
         omega = 2 * np.pi * np.fft.rfftfreq(self.moved.shape[1], 1 / self.rate_hz)
         weight = np.abs(cross) * (np.abs(cross) > 1e-2 * np.abs(cross).max())
@@ -401,8 +402,7 @@ def _find_surfaces(
     groups: list[list[int]] = []
     for k in possible:
         for group in groups:
-            same = abs(motion.correlation[k, group[0]]) > _SAME
-            if same and motion.overlap[k, group[0]] > _SAME:
+            if motion.is_same(k, group[0]):
                 group.append(k)
                 break
         else:
@@ -573,8 +573,9 @@ def _by_size(span: float, kind: str) -> str:
 def _of_twin(motion: _MovingColumns, found: Sequence[_Found], stated: Sequence[str], k: int) -> str:
     """Return the unit of a deflection from its command or other side, whose unit is stated."""
     for other, own in enumerate(found):
-        same = other != k and own.kind == "deflection" and stated[other]
-        if same and abs(motion.correlation[k, other]) > _SAME and motion.overlap[k, other] > _SAME:
+        if other == k or own.kind != "deflection" or not stated[other]:
+            continue
+        if motion.is_same(k, other):
             factor = units.lookup(stated[other]).factor * motion.span[other] / motion.span[k]
             return min(_KINDS["angle"], key=lambda u: abs(np.log(factor / units.lookup(u).factor)))
     return ""
