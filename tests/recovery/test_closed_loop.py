@@ -90,6 +90,7 @@ def test_the_controller_of_flex28_loses_it_where_the_truth_does(store: Store):
         analyse_closed_loop(store, models, stranger.id or 0)
 
 
+@pytest.mark.long
 def test_a_loop_with_lagging_forces_is_lost_where_the_truth_loses_it(store: Store):
     """A run with a frequency shape against the states of the true lags in the same loop."""
     run = estimate_with_shape(store, 0.95, Method.OE)

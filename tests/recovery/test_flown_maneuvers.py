@@ -78,7 +78,10 @@ def test_fta_506_at_low_speed_gives_the_truth_back(store: Store, count: int):
 @pytest.mark.skipif(
     not RECORDS.is_dir(), reason="independent FLEX-28 records are not beside the project"
 )
-@pytest.mark.parametrize(("name", "count"), [("065Vf_n2_fta506", 2), ("065Vf_n4_fta506", 4)])
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("065Vf_n2_fta506", 2), pytest.param("065Vf_n4_fta506", 4, marks=pytest.mark.long)],
+)
 def test_independent_record_gives_its_truth_back(store: Store, name: str, count: int):
     add_aircraft(store)
     mapping = PROJECT / "examples" / "flex28" / "record.toml"
@@ -89,7 +92,7 @@ def test_independent_record_gives_its_truth_back(store: Store, name: str, count:
     judge(found, np.array(list(truth.values())))
 
 
-@pytest.mark.parametrize("seed", [101, 202])
+@pytest.mark.parametrize("seed", [101, pytest.param(202, marks=pytest.mark.long)])
 def test_a_mode_above_the_band_has_large_standard_errors(store: Store, seed: int):
     """FTA 503 ends at 5.2 Hz; SW1T at 10.8 Hz is reconstructed with more noise than signal."""
     flown = fly(
@@ -107,7 +110,7 @@ def test_a_mode_above_the_band_has_large_standard_errors(store: Store, seed: int
     )
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_a_mode_above_the_band_stays_there(store: Store, seed: int):
     """From equation error alone it went into the band: likelier, and wrong by 13 to 27 sigma."""
     flown = fly(airspeed_ratio=0.92, fuel=0.4, fta=503, modes_in_truth=3, seed=seed)

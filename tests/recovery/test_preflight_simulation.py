@@ -169,6 +169,7 @@ def test_expected_errors_include_the_requested_turbulence(store: Store, ratio: f
     assert within >= 0.9, within
 
 
+@pytest.mark.long
 def test_a_model_with_a_frequency_shape_is_simulated_by_its_rational_functions(store: Store):
     run = estimate_with_shape(store, 0.8, Method.OE)
     (controller,) = store.controllers.find()
@@ -246,7 +247,7 @@ def add_design(store: Store, fta: int, duration_s: float = 24.0) -> ExcitationDe
     return store.designs.add(compute_design(order, lambda progress: None))
 
 
-@pytest.mark.parametrize("axis", ["longitudinal", "lateral"])
+@pytest.mark.parametrize("axis", ["longitudinal", pytest.param("lateral", marks=pytest.mark.long)])
 def test_a_design_of_independent_sides_is_simulated_for_each_axis(store: Store, axis: ModelAxis):
     """The maneuver of the run had the same amplitude, and its own harmonics of all ten sides."""
     run = estimate_independent(store, axis)

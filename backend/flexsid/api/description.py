@@ -13,6 +13,7 @@ from math import inf
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
 from fastapi.responses import HTMLResponse
 
 from flexsid.api.request_examples import BODIES, FIELDS, PARAMETERS
@@ -162,17 +163,24 @@ _TEXTS = {
 
 def add_examples(app: FastAPI) -> None:
     """Add error responses and examples to the OpenAPI description, once, on first use."""
-    generate = app.openapi
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            schema = generate()
+            routes = [getattr(route, "described", route) for route in app.routes]
+            schema = get_openapi(
+                title=app.title,
+                version=app.version,
+                summary=app.summary,
+                description=app.description,
+                routes=routes,
+            )
             components = schema["components"]["schemas"]
             for methods in schema["paths"].values():
                 for operation in methods.values():
                     _add_request_examples(operation)
                     _add_response_examples(operation, components)
-        return generate()
+            app.openapi_schema = schema
+        return app.openapi_schema
 
     app.openapi = openapi
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
-from starlette.routing import compile_path
 
 from flexsid.api.serialization import dump_json
 from flexsid.errors import (
@@ -139,13 +139,12 @@ async def _handle_http_error(request: Request, error: Exception) -> Response:
 
 def _find_methods(request: Request) -> list[str]:
     """Return all methods of a path; a route has only its own."""
-    described: dict[str, dict[str, Any]] = request.app.openapi()["paths"]
     here = request.url.path
-    found = described.get(here) or next(
-        (methods for path, methods in described.items() if compile_path(path)[0].match(here)),
-        {"get": None},
-    )
-    return [method.upper() for method in found]
+    routes = [route for route in request.app.routes if isinstance(route, APIRoute)]
+    matching = [route.path for route in routes if route.path_regex.match(here)]
+    path = here if here in matching else next(iter(matching), None)
+    found = {method for one in routes if one.path == path for method in one.methods or ()}
+    return sorted(found) or ["GET"]
 
 
 async def _handle_unexpected_error(_request: Request, error: Exception) -> Response:

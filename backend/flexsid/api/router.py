@@ -11,6 +11,7 @@ from fastapi.routing import APIRoute
 from flexsid.api.authorization import authorize
 from flexsid.api.errors import Problem
 from flexsid.api.parameters import refuse_unknown_parameters
+from flexsid.api.serialization import DescribedRoute
 
 PREFIX = "/api/v1"
 """Begin of all addresses of the interface."""
@@ -20,7 +21,7 @@ def make_router(
     prefix: str = "",
     *,
     tag: str,
-    route_class: type[APIRoute] = APIRoute,
+    route_class: type[DescribedRoute] = DescribedRoute,
     responses: Mapping[int | str, dict[str, Any]] | None = None,
 ) -> APIRouter:
     """Make the router of the routes below a prefix.

@@ -24,7 +24,7 @@ from flexsid.errors import BadInput, Conflict, FlexsidError
 from flexsid.records.run import Progress, ReportProgress
 from flexsid.storage.database import make_engine, parse_url, sqlite_file, translate_errors
 from flexsid.storage.files import DatabaseUnavailable, lock_tables, new_file
-from flexsid.storage.migrate import upgrade
+from flexsid.storage.migrate import build_empty_database, upgrade
 from flexsid.storage.rows import add_seal_function, copy_rows, find_changed_rows, replace_tables
 from flexsid.storage.shared_samples import (
     add_samples,
@@ -482,7 +482,8 @@ def _copy_rows(source: Connection, target: Path, samples: Path | None = None) ->
     """
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / "copy.db"
-        newest = upgrade(f"sqlite:///{made}")
+        newest, empty = build_empty_database()
+        made.write_bytes(empty)
         has_schema = sa.inspect(source).has_table("alembic_version")
         query = "SELECT version_num FROM alembic_version"
         present = source.exec_driver_sql(query).scalar() if has_schema else None
