@@ -7,7 +7,7 @@ A package names its values in its metadata, for example::
 
 Their group states what they are: ``flexsid.sensors`` has ``SensorModel`` values,
 ``flexsid.importers`` ``FileFormat``, ``flexsid.estimators`` ``Estimator``,
-``flexsid.receivers`` ``Receiver``.
+``flexsid.receivers`` ``Receiver``, ``flexsid.truths`` ``SimulatedAircraft``.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ T = TypeVar("T")
 
 SENSORS, IMPORTERS = "flexsid.sensors", "flexsid.importers"
 ESTIMATORS, RECEIVERS = "flexsid.estimators", "flexsid.receivers"
+TRUTHS = "flexsid.truths"
 """Groups of entry points."""
 
 

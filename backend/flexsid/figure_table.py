@@ -339,6 +339,7 @@ class _Correlation(_RunWithSelection):
 
 class _ConditionDerivatives(QueryParameters):
     condition_id: _Id
+    truth: bool = Field(False, description="With the true values of a simulated aircraft.")
     selected: _Text = Field(None, max_length=64, description="Derivative to emphasise.")
 
 

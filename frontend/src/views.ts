@@ -178,6 +178,7 @@ export const conditionView = view((search) => ({
   input: text(search.input),
   /** Absolute values in panels of their own, instead of deviations. */
   absolute: flag(search.absolute),
+  truth: flag(search.truth),
 }));
 export type ConditionView = ReturnType<typeof conditionView>;
 

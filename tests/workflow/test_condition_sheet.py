@@ -9,7 +9,7 @@ import pytest
 
 from flexsid.errors import UnknownRecord
 from flexsid.figures.condition_sheet import draw_condition_derivatives, format_with_error
-from flexsid.records.condition_sheet import SourceRole
+from flexsid.records.condition_sheet import SimulatedAircraft, SourceRole
 from flexsid.records.decision import (
     ModelProposal,
     ModelStructure,
@@ -38,7 +38,10 @@ def never(*ids: tuple[int, ...]) -> None:
 
 
 def read_sheet(store, maneuver_id, truth=None):
-    return build_condition_sheet(store, maneuver_id, never, never, truth)
+    simulated = truth and SimulatedAircraft(name="X-1", compute_derivatives=lambda fuel: truth)
+    return build_condition_sheet(
+        store, maneuver_id, never, never, simulated=simulated, shows_truth=True
+    )
 
 
 def test_a_condition_is_one_airspeed_and_nearly_one_fuel(store, add_maneuver):
@@ -73,6 +76,7 @@ def test_a_sheet_compares_methods_repeats_predictions_and_truth(
     sheet = read_sheet(store, repeat.id, {"Cm_alpha": -1.1})
 
     assert (sheet.reference_run_id, sheet.record.maneuver_id) == (reference.id, maneuver.id)
+    assert (sheet.has_truth, sheet.n_true, sheet.n_inside) == (True, 1, 1)
     roles = [(one.role, one.run_id) for one in sheet.sources]
     assert roles[0] == (SourceRole.REFERENCE, reference.id)
     assert (SourceRole.REPEAT, again.id) in roles

@@ -17,6 +17,7 @@ import numpy as np
 from scipy import interpolate
 
 from flexsid.errors import BadInput
+from flexsid.records.condition_sheet import SimulatedAircraft
 from flexsid.sysid.model.condition import GRAVITY, FlightCondition
 from flexsid.sysid.model.derivatives import DerivativeTable, list_derivative_names
 from flexsid.sysid.model.frequency_shape import FrequencyShape, build_frequency_shape
@@ -261,3 +262,12 @@ def _table(at_fuel: dict[str, Any]) -> np.ndarray:
     return np.array(
         [[row["alpha"], row["q"], *row["eta"], *row["etadot"], *row["delta"]] for row in rows]
     )
+
+
+def _compute_derivatives(fuel: float) -> dict[str, float]:
+    truth = load_truth()
+    return truth.derivatives_at(fuel, len(truth.symmetric)).named()
+
+
+SIMULATED = SimulatedAircraft(name=NAME, compute_derivatives=_compute_derivatives)
+"""The demonstration, whose sheet of evidence can show the truth."""

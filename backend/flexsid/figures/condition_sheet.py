@@ -26,7 +26,7 @@ _WITHIN = "rgba(134, 142, 150, 0.16)"
 _SHARED = "rgba(134, 142, 150, 0.45)"
 
 # Shares of the width: name, value, error, unit, percent, then the deviations.
-_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.205, 0.215, 0.315, 0.40
+_NAME, _VALUE, _ERROR, _UNIT, _PERCENT = 0.0, 0.205, 0.215, 0.335, 0.40
 _LEFT = 0.43
 
 

@@ -52,7 +52,11 @@ from flexsid.workflow.modal_data.ground_vibration_test import (
     store_estimated_responses,
 )
 from flexsid.workflow.quality import compatibility, maneuver_quality
-from flexsid.workflow.review.condition_sheet import build_condition_sheet
+from flexsid.workflow.review.condition_sheet import (
+    build_condition_sheet,
+    find_condition,
+    find_simulated,
+)
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
 from flexsid.workflow.structure_determination import searches
@@ -421,11 +425,16 @@ def find_stored_predictions(
         return None
 
 
-def read_condition_sheet(store: Store, condition_id: int) -> ConditionSheet:
-    """Return the sheet of the condition of a maneuver, from stored results."""
+def read_condition_sheet(store: Store, condition_id: int, truth: bool = False) -> ConditionSheet:
+    """Return the sheet of the condition of a maneuver, from stored results.
+
+    ``truth`` adds the true derivatives of an aircraft that is simulated.
+    """
     return build_condition_sheet(
         store,
         condition_id,
         partial(find_stored_flutter, store),
         partial(find_stored_predictions, store),
+        simulated=find_simulated(find_condition(store, condition_id).aircraft_name),
+        shows_truth=truth,
     )

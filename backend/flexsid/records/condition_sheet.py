@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -141,13 +142,26 @@ class HeldOutRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatedAircraft:
+    """An aircraft that is simulated, whose derivatives are known: the entry points of truths.
+
+    ``compute_derivatives`` returns the true derivatives by name at a fuel fraction.
+    """
+
+    name: str
+    compute_derivatives: Callable[[float], Mapping[str, float]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ConditionSheet:
     """Evidence for the model of a flight condition, from stored results.
 
     ``reference_run_id`` is None where no run of the condition has succeeded; all that rests on
     it is then empty. ``unfinished_run_ids`` are queued or running. ``flutter`` is stored for the
     reference alone. ``decision_id`` names the newest decision on the model structure of the
-    sheet, ``baseline_decision_id`` the one that holds at this condition.
+    sheet, ``baseline_decision_id`` the one that holds at this condition. ``has_truth`` if the
+    aircraft is simulated; where its truth is shown, it lies in ±2σ of ``n_inside`` of ``n_true``
+    derivatives.
     """
 
     condition: ConditionItem
@@ -178,3 +192,6 @@ class ConditionSheet:
     data_hash: str | None
     input_hash: str | None
     versions: dict[str, str]
+    has_truth: bool = False
+    n_true: int = 0
+    n_inside: int = 0

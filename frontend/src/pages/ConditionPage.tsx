@@ -1,4 +1,4 @@
-import { Button, Group, SegmentedControl, Text } from "@mantine/core";
+import { Button, Group, SegmentedControl, Switch, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
@@ -28,7 +28,8 @@ const route = getRouteApi("/conditions/$id");
 /** Sheet of evidence of a flight condition. */
 export function ConditionPage() {
   const { id } = route.useParams();
-  const sheet = useQuery(conditionSheetQuery(id));
+  const { truth } = route.useSearch();
+  const sheet = useQuery(conditionSheetQuery(id, truth));
   return (
     <Loaded query={sheet} page="Condition" rows={14}>
       {(data) => <Sheet sheet={data} />}
@@ -256,6 +257,16 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
             onChange({ absolute: next === "absolute" ? true : undefined });
           }}
         />
+        {sheet.has_truth && (
+          <Switch
+            size="xs"
+            label="Show the truth"
+            checked={view.truth === true}
+            onChange={(event) => {
+              onChange({ truth: event.currentTarget.checked || undefined });
+            }}
+          />
+        )}
         <Text size="xs" className="quiet">
           Press a row to emphasise it everywhere; ↑ ↓ move, Esc clears.
         </Text>
@@ -275,6 +286,7 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
           params={{
             condition_id: sheet.condition.id,
             selected: view.selected,
+            truth: view.truth,
           }}
           revision="rows"
           onPick={(row) => {
@@ -282,6 +294,12 @@ function Derivatives({ sheet, view, onChange }: PartProps) {
             onChange({ selected: name === view.selected ? undefined : name });
           }}
         />
+      )}
+      {sheet.n_true > 0 && (
+        <p className="sheet-note" data-testid="sheet-truth">
+          The truth of this simulated aircraft lies inside ±2σ of {sheet.sources[0]?.label} in{" "}
+          {sheet.n_inside} of {sheet.n_true} derivatives.
+        </p>
       )}
       <SelectedDerivative sheet={sheet} name={view.selected} />
       <p className="sheet-note">{sheet.note}</p>

@@ -75,12 +75,16 @@ def list_conditions(store: TheStore, aircraft_id: Reference = None) -> Items[Con
 
 
 @conditions_router.get("/{condition_id}/sheet")
-def get_condition_sheet(store: TheStore, condition_id: Identity) -> ConditionSheet:
+def get_condition_sheet(
+    store: TheStore,
+    condition_id: Identity,
+    truth: Annotated[bool, Query(description="With the truth of a simulated aircraft.")] = False,
+) -> ConditionSheet:
     """Return the evidence for the model of a condition, from stored results.
 
     The id of any maneuver of a condition names it; nothing is computed but comparisons.
     """
-    return read_condition_sheet(store, condition_id)
+    return read_condition_sheet(store, condition_id, truth)
 
 
 # --- Validation of identified models: cross-prediction of maneuvers, and cross-validation of runs

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexsid.errors import UnknownRecord
+from flexsid.extensions import TRUTHS, load_extensions
 from flexsid.nomenclature import describe
 from flexsid.records.aircraft import DerivativePrediction
 from flexsid.records.condition_sheet import (
@@ -20,6 +21,7 @@ from flexsid.records.condition_sheet import (
     SheetRow,
     SheetSource,
     SheetValue,
+    SimulatedAircraft,
     SourceRole,
 )
 from flexsid.records.decision import Decision, DecisionState, StructureVersion
@@ -158,7 +160,9 @@ def build_condition_sheet(
     maneuver_id: int,
     find_flutter: FindFlutter,
     find_predictions: FindPredictions,
-    truth: Mapping[str, float] | None = None,
+    *,
+    simulated: SimulatedAircraft | None = None,
+    shows_truth: bool = False,
 ) -> ConditionSheet:
     """Build the sheet of a condition from what is stored.
 
@@ -172,8 +176,8 @@ def build_condition_sheet(
         Returns the stored flutter prediction of runs.
     find_predictions
         Returns the stored prediction of maneuvers by runs.
-    truth
-        True derivatives of a simulated aircraft at the fuel of the sheet, by name.
+    simulated, shows_truth
+        The aircraft of a simulation, and whether its true derivatives are a source.
 
     Raises
     ------
@@ -198,7 +202,9 @@ def build_condition_sheet(
     reference = methods[0] if methods else None
     predictions = _load_predictions(store, [*methods, *repeats])
     fuel = record.fuel_fraction
+    truth = simulated.compute_derivatives(fuel) if simulated and shows_truth else None
     sources, rows = _build_rows(store, methods, repeats, predictions, fuel, truth)
+    true = [] if truth is None else [one for row in rows if (one := row.values[-1]) is not None]
     testable = [row for row in rows if row.is_testable]
     tested = [row for row in testable if _list_repeat_sigmas(row, sources)]
     n_repeated = sum(
@@ -237,7 +243,16 @@ def build_condition_sheet(
         data_hash=None if reference is None else reference.run.data_hash,
         input_hash=None if reference is None else reference.run.input_hash,
         versions={} if reference is None else (reference.run.versions or {}),
+        has_truth=simulated is not None,
+        n_true=len(true),
+        n_inside=sum(abs(one.deviation_sigma or 0.0) <= AGREEMENT_SIGMA for one in true),
     )
+
+
+def find_simulated(aircraft_name: str) -> SimulatedAircraft | None:
+    """Find the aircraft of a name among those of simulations that packages declare."""
+    known = load_extensions(TRUTHS, SimulatedAircraft)
+    return next((one for _, _, one in known if one.name == aircraft_name), None)
 
 
 def _load_runs(store: Store, item: ConditionItem) -> tuple[list[_Finished], tuple[int, ...]]:

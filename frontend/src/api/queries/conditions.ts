@@ -12,13 +12,13 @@ export const conditionsQuery = (aircraft?: number) =>
   });
 
 /** The sheet rests on runs, decisions and stored results: any of their events refreshes it. */
-export const conditionSheetQuery = (id: number) =>
+export const conditionSheetQuery = (id: number, truth = false) =>
   queryOptions({
-    queryKey: ["conditions", id],
+    queryKey: ["conditions", id, truth],
     queryFn: ({ signal }) =>
       body(
         api.GET("/api/v1/conditions/{condition_id}/sheet", {
-          params: { path: { condition_id: id } },
+          params: { path: { condition_id: id }, query: truth ? { truth } : {} },
           signal,
         }),
       ),
