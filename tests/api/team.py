@@ -27,7 +27,12 @@ def propose(act: Act, name: str = "Ann", **changes: Any) -> dict[str, Any]:
 
 
 def vote(act: Act, name: str, decision: dict[str, Any], vote: str = "approve") -> Any:
-    body = {"revision": decision["revision"], "vote": vote, "text": f"{vote} it is"}
+    body = {
+        "revision": decision["revision"],
+        "vote": vote,
+        "text": f"{vote} it is",
+        "despite": "flown next",
+    }
     return act(name, "post", f"decisions/{decision['id']}/votes", body)
 
 

@@ -108,7 +108,7 @@ def test_votes_and_rules_are_those_of_accounts(ann: Member, team: TestClient, st
     assert cy.post("model-structures", structure).status_code == 201
     made = cy.post("decisions", proposal())
     assert made.status_code == 201, made.text
-    vote = {"revision": 1, "vote": "approve", "text": "agreed"}
+    vote = {"revision": 1, "vote": "approve", "text": "agreed", "despite": "known"}
     assert cy.post("decisions/1/votes", vote).status_code == 403  # analysts do not vote
     rules = {"quorum": 1, "own_allowed": True, "version": 0, "reason": "faster"}
     for member in (bo, cy):

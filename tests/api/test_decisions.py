@@ -23,6 +23,20 @@ def test_author_does_not_vote_on_own_proposal(act: Act) -> None:
     assert vote(act, "Bo", decision).json()["state"] == "approved"
 
 
+def test_an_approval_despite_open_warnings_states_why(act: Act) -> None:
+    decision = propose(act)  # whose run has another model structure
+    votes = f"decisions/{decision['id']}/votes"
+    body = {"revision": 1, "vote": "approve", "text": "ok"}
+    refused = act("Bo", "post", votes, body)
+    assert (refused.status_code, refused.json()["code"]) == (409, "open-warnings")
+    assert "No attached run estimated the proposed model structure." in refused.json()["detail"]
+    assert act("Bo", "post", votes, {**body, "vote": "request-changes"}).status_code == 201
+    approved = act("Bo", "post", votes, {**body, "despite": "estimated tomorrow"}).json()
+    voted = next(one for one in reversed(approved["events"]) if one["kind"] == "voted")
+    assert voted["text"].startswith("ok\n\nDespite the open warnings\n- No attached run")
+    assert voted["text"].endswith("estimated tomorrow")
+
+
 def test_author_of_revision_does_not_vote(act: Act) -> None:
     decision = propose(act)
     body = {"revision": 1, "proposal": proposal(title="narrower")}

@@ -102,7 +102,7 @@ def _approve(client: TestClient, version: dict[str, Any]) -> dict[str, Any]:
     decision = _act(client, "Ann", "decisions", body)
     assert decision.status_code == 201, decision.text
     path = f"decisions/{decision.json()['id']}/votes"
-    vote = {"revision": 1, "vote": "approve", "text": "agreed"}
+    vote = {"revision": 1, "vote": "approve", "text": "agreed", "despite": "known"}
     assert _act(client, "Ann", path, vote).json()["code"] == "own-proposal"
     return _act(client, "Bo", path, vote).json()
 

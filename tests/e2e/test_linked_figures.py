@@ -52,6 +52,17 @@ def test_fits_that_are_compared_share_zoom_and_cursor(page: Page):
     expect(fits.nth(1).locator(".linked-cursor")).to_be_visible()
 
 
+def test_the_sheet_of_a_condition_shows_the_truth_of_a_simulated_aircraft(page: Page):
+    page.goto("/conditions/2")
+    stated = page.get_by_test_id("sheet-truth")
+    expect(page.get_by_role("switch", name="Show the truth")).not_to_be_checked()
+    expect(stated).to_have_count(0)
+    page.get_by_role("switch", name="Show the truth").check()
+    expect(stated).to_contain_text(re.compile(r"inside ±2σ of OE in \d+ of \d+ derivatives"))
+    page.reload()
+    expect(stated).to_be_visible()
+
+
 def test_units_of_the_address_hold_in_figures_tables_and_windows(page: Page):
     page.goto("/maneuvers/2?tab=spectra&low=1&high=6&units=us&frequency_unit=rad/s")
     figure = _drawn(page, "spectrum")

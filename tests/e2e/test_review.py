@@ -109,6 +109,7 @@ def test_a_structure_is_proposed_argued_over_changed_and_approved(
     expect(_state(ann)).to_have_attribute("data-state", "open")
     expect(bo.get_by_test_id("revised")).to_contain_text("as Bo proposes")
     bo.get_by_test_id("comment-text").fill("agreed")
+    bo.get_by_test_id("despite-text").fill("flown next at this airspeed only")
     bo.get_by_test_id("vote-approve").click()
     expect(bo.get_by_text("revised before your vote arrived")).to_be_visible()
     bo.get_by_test_id("read-revision").click()

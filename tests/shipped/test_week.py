@@ -184,7 +184,12 @@ def review(connect: Connect, run: int) -> int:
         "run_ids": [run],
     }
     decision = cid.send("post", "decisions", proposal)
-    vote = {"revision": decision["revision"], "vote": "approve", "text": "agreed"}
+    vote = {
+        "revision": decision["revision"],
+        "vote": "approve",
+        "text": "agreed",
+        "despite": "known",
+    }
     path = f"decisions/{decision['id']}/votes"
     for name, status in (("Cid", 403), ("Eve", 403), ("Otto", 404), ("Ben", 201), ("Dora", 201)):
         assert connect(name).request("post", path, vote).status_code == status, name

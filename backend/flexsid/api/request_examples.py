@@ -248,7 +248,12 @@ BODIES: dict[str, Any] = {
     "propose_decision": _PROPOSAL,
     "revise_decision": {"revision": 1, "proposal": _PROPOSAL},
     "comment_decision": {"text": "within 2 σ of zero everywhere", "derivative": "CZ_q"},
-    "vote_on_decision": {"revision": 1, "vote": "approve", "text": "agreed"},
+    "vote_on_decision": {
+        "revision": 1,
+        "vote": "approve",
+        "text": "agreed",
+        "despite": "the runs cover the conditions that are flown next",
+    },
     "withdraw_decision": {"revision": 1, "text": "the record was cut wrongly"},
     "add_run_template": {
         "run_id": 1,

@@ -127,6 +127,7 @@ function OneDecision({ decision }: { decision: Decision }) {
               revision={read}
               derivative={view.derivative}
               consequence={evidence.data?.consequence}
+              warnings={evidence.data?.warnings ?? []}
             />
           </Section>
         </aside>

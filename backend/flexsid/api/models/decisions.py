@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, StringConstraints
 
 from flexsid.api.errors import Problem
-from flexsid.api.models.requests import Id, Line, Lines, Number, Request, Title, Version
+from flexsid.api.models.requests import Id, Line, Lines, Number, Request, Text, Title, Version
 from flexsid.records.decision import (
     Decision,
     DecisionEvent,
@@ -80,11 +80,15 @@ class CommentRequest(Request):
 
 
 class VoteRequest(Request):
-    """A vote on ``revision``, with its reason."""
+    """A vote on ``revision``, with its reason.
+
+    ``despite`` is the reason for an approval where the evidence has warnings.
+    """
 
     revision: Version
     vote: Vote
     text: RequiredText
+    despite: Text = ""
 
 
 class WithdrawalRequest(Request):

@@ -111,6 +111,10 @@ def get_decision(store: TheStore, decision_id: Identity) -> DecisionDetail:
 @decisions_router.get("/{decision_id}/evidence")
 def get_vote_evidence(store: TheStore, decision_id: Identity) -> VoteEvidence:
     """Return the evidence for a vote: fits, warnings, and comparison with the baseline."""
+    return _collect_evidence(store, decision_id)
+
+
+def _collect_evidence(store: Store, decision_id: int) -> VoteEvidence:
     decision = store.decisions.get(decision_id)
     return collect_vote_evidence(
         store,
@@ -145,9 +149,19 @@ def comment_decision(
 def vote_on_decision(
     store: TheStore, decision_id: Identity, body: VoteRequest, analyst: NamedAnalyst
 ) -> DecisionDetail:
-    """Vote on a proposal: approve, reject or request changes; decided by the quorum."""
+    """Vote on a proposal: approve, reject or request changes; decided by the quorum.
+
+    An approval despite warnings of the evidence states its reason in `despite`.
+    """
     stored = decision_review.cast_vote(
-        store, decision_id, body.revision, body.vote, body.text, analyst
+        store,
+        decision_id,
+        body.revision,
+        body.vote,
+        body.text,
+        analyst,
+        warnings=_collect_evidence(store, decision_id).warnings,
+        despite=body.despite,
     )
     return _build_detail(store, stored)
 

@@ -7,6 +7,7 @@ event and the new state in one transaction.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -142,15 +143,43 @@ def comment(
         return append(store, decision, EventKind.COMMENTED, author, text, derivative=derivative)
 
 
+class OpenWarnings(Conflict):
+    """The evidence has warnings, and an approval does not state why it is given despite them."""
+
+    code = "open-warnings"
+
+
 def cast_vote(
-    store: Store, decision_id: int, revision: int, vote: Vote, text: str, author: str
+    store: Store,
+    decision_id: int,
+    revision: int,
+    vote: Vote,
+    text: str,
+    author: str,
+    *,
+    warnings: Sequence[str] = (),
+    despite: str = "",
 ) -> Decision:
     """Approve, reject or request changes; the decision is made when the quorum is reached.
+
+    Parameters
+    ----------
+    store
+        Database.
+    decision_id, revision
+        The decision, and the revision that was read.
+    vote, text, author
+        The vote, its reason, and whose it is.
+    warnings, despite
+        Warnings of the evidence, and why the proposal is approved despite them: both are stored
+        with an approval.
 
     Raises
     ------
     OwnProposal
         If the rules do not allow votes on own proposals.
+    OpenWarnings
+        If an approval says nothing of the warnings.
     StaleEdit
         If the proposal was revised since it was read.
     """
@@ -162,6 +191,8 @@ def cast_vote(
                 f"{author} has proposed this, and the rules of the campaign do not allow votes on "
                 "own proposals; ask a colleague, or revise or withdraw it"
             )
+        if vote is Vote.APPROVE and warnings:
+            text = f"{text}\n\n{_state_reason(warnings, despite)}"
         decision = append(store, decision, EventKind.VOTED, author, text, vote=vote, rules=rules)
         verdict = decide(decision, rules)
         if verdict is None:
@@ -172,6 +203,15 @@ def cast_vote(
         if verdict is EventKind.ADOPTED:
             _supersede(store, decided, author)
         return decided
+
+
+def _state_reason(warnings: Sequence[str], despite: str) -> str:
+    listed = "\n".join(f"- {warning}" for warning in warnings)
+    if not despite.strip():
+        raise OpenWarnings(
+            f"state in `despite` why the proposal is approved despite the open warnings:\n{listed}"
+        )
+    return f"Despite the open warnings\n{listed}\n\n{despite}"
 
 
 def withdraw(store: Store, decision_id: int, revision: int, text: str, author: str) -> Decision:

@@ -235,6 +235,7 @@ function Evidence({ decision, evidence }: { decision: Decision; evidence: VoteEv
               decision={decision}
               revision={decision.revision}
               consequence={evidence.consequence}
+              warnings={evidence.warnings}
             />
           )}
         </div>

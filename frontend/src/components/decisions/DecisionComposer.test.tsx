@@ -14,7 +14,7 @@ const DECISION = {
   rules: { own_allowed: false },
 } as unknown as Decision;
 
-async function open(mode: Session["mode"], roles: Session["roles"]) {
+async function open(mode: Session["mode"], roles: Session["roles"], warnings: string[] = []) {
   const name = mode === "personal" ? null : "Ann";
   vi.spyOn(globalThis, "fetch").mockImplementation(() =>
     Promise.resolve(
@@ -25,7 +25,12 @@ async function open(mode: Session["mode"], roles: Session["roles"]) {
   );
   setAccountName(name);
   await show(
-    <DecisionComposer decision={DECISION} revision={1} consequence="supersedes decision 2" />,
+    <DecisionComposer
+      decision={DECISION}
+      revision={1}
+      consequence="supersedes decision 2"
+      warnings={warnings}
+    />,
   );
 }
 
@@ -73,7 +78,17 @@ it("states the consequence of approval in the button, and offers no approval wit
   await userEvent.type(await screen.findByTestId("comment-text"), "looked at");
   expect(screen.getByTestId("vote-approve")).toHaveTextContent("Approve: supersedes decision 2");
   expect(screen.getByTestId("vote-approve")).toBeEnabled();
-  await show(<DecisionComposer decision={DECISION} revision={1} consequence={undefined} />);
+  await show(<DecisionComposer decision={DECISION} revision={1} consequence={undefined} warnings={[]} />);
   for (const button of screen.getAllByText("Approve"))
     expect(button.closest("button")).toBeDisabled();
+});
+
+it("takes an approval despite open warnings only with a reason of its own", async () => {
+  localStorage.setItem("flexsid.analyst", "Cid");
+  await open("personal", [], ["The runs cover one airspeed."]);
+  await userEvent.type(await screen.findByTestId("comment-text"), "ok");
+  expect(screen.getByTestId("vote-approve")).toBeDisabled();
+  expect(screen.getByTestId("vote-reject")).toBeEnabled();
+  await userEvent.type(screen.getByTestId("despite-text"), "flown next at this airspeed only");
+  expect(screen.getByTestId("vote-approve")).toBeEnabled();
 });

@@ -23,6 +23,8 @@ const SENTENCE = {
   styles: { label: { whiteSpace: "normal" } },
 } as const;
 
+const countWarnings = (n: number) => (n === 1 ? "the open warning" : `the ${n} open warnings`);
+
 interface Props {
   decision: Decision;
   /** Revision that was read; a vote on any other is refused. */
@@ -30,19 +32,18 @@ interface Props {
   derivative?: string;
   /** What approval changes; without it a proposal cannot be approved. */
   consequence: string | undefined;
+  /** Warnings of the evidence: an approval despite them has a reason of its own. */
+  warnings: readonly string[];
 }
 
 /** Form to comment, vote or withdraw; a text is required. */
-export function DecisionComposer({ decision, revision, derivative, consequence }: Props) {
+export function DecisionComposer({ decision, revision, derivative, consequence, warnings }: Props) {
   const name = useAnalyst();
   const signature = useSignature();
   const mayWrite = useMay("analyst", decision.aircraft_id);
   const mayReview = useMay("reviewer", decision.aircraft_id);
-  const { draft, setDraft } = useDraft(`flexsid.words.${decision.id}`, { text: "" });
-  const { text } = draft;
-  const setText = (words: string) => {
-    setDraft({ text: words });
-  };
+  const { draft, setDraft } = useDraft(`flexsid.words.${decision.id}`, { text: "", despite: "" });
+  const { text, despite } = draft;
   const comment = useCommentDecision(decision.id);
   const vote = useVote(decision.id);
   const withdraw = useWithdrawDecision(decision.id);
@@ -65,11 +66,12 @@ export function DecisionComposer({ decision, revision, derivative, consequence }
   const open = isOpen(decision.state);
   const mayVote = open && mayReview && (!own || decision.rules.own_allowed);
   const empty = text.trim() === "";
+  const isWarned = mayVote && warnings.length > 0;
   const busy = comment.isPending || vote.isPending || withdraw.isPending;
   const done = {
     // The event of a comment can arrive before the response, and the next text be typed meanwhile.
     onSuccess: () => {
-      setDraft((now) => (now.text === text ? { text: "" } : now));
+      setDraft((now) => (now.text === text ? { text: "", despite: "" } : now));
     },
   };
   // A vote on an old revision is explained above the proposal.
@@ -98,9 +100,23 @@ export function DecisionComposer({ decision, revision, derivative, consequence }
         data-testid="comment-text"
         value={text}
         onChange={(event) => {
-          setText(event.currentTarget.value);
+          setDraft({ text: event.currentTarget.value, despite });
         }}
       />
+      {isWarned && (
+        <Textarea
+          size="xs"
+          label={`To approve: why, despite ${countWarnings(warnings.length)}`}
+          autosize
+          minRows={1}
+          maxLength={10_000}
+          data-testid="despite-text"
+          value={despite}
+          onChange={(event) => {
+            setDraft({ text, despite: event.currentTarget.value });
+          }}
+        />
+      )}
       <Group gap="xs">
         <Button
           variant="default"
@@ -117,11 +133,16 @@ export function DecisionComposer({ decision, revision, derivative, consequence }
             <Button
               key={value}
               variant={value === "approve" ? "filled" : "default"}
-              disabled={empty || busy || (value === "approve" && consequence === undefined)}
+              disabled={
+                empty ||
+                busy ||
+                (value === "approve" &&
+                  (consequence === undefined || (isWarned && despite.trim() === "")))
+              }
               data-testid={`vote-${value}`}
               {...(value === "approve" ? SENTENCE : {})}
               onClick={() => {
-                vote.mutate({ revision, vote: value, text }, done);
+                vote.mutate({ revision, vote: value, text, despite }, done);
               }}
             >
               {value === "approve" && consequence !== undefined
