@@ -168,6 +168,9 @@ def add_examples(app: FastAPI) -> None:
         if app.openapi_schema is None:
             schema = generate()
             components = schema["components"]["schemas"]
+            for name, component in components.items():
+                # Generators of clients name classes by title, which a generic type shares.
+                component["title"] = name.strip("_")
             for methods in schema["paths"].values():
                 for operation in methods.values():
                     _add_request_examples(operation)
