@@ -68,3 +68,13 @@ def test_commands_of_the_guides_exist() -> None:
             r"^flexsid ([a-z-]+)", path.read_text(encoding="utf-8"), re.MULTILINE
         ):
             assert main([command, "--help"]) == 0, f"{path.name}: flexsid {command}"
+
+
+def test_a_figure_of_the_gallery_takes_twenty_lines_at_most() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    start, *programs = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    pictures = re.findall(r"\]\((assets/gallery/\S+)\)", text)
+    assert len(programs) == len(pictures) >= 15
+    for program, picture in zip(programs, pictures, strict=True):
+        assert len(f"{start}{program}".splitlines()) <= 20, picture
+        assert (DOCS / picture).is_file(), picture
