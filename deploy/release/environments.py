@@ -170,6 +170,7 @@ def check(
         step("use the extensions", lambda: run_python(_SCRIPTS / "extensions.py", url=url))
         step("generate and use a client", lambda: generate_client(url))
         step("run the notebooks", lambda: run_pages(url))
+    shutil.rmtree(environment)  # half a gigabyte; that of a failed check stays
 
 
 def read_program(page: Path) -> str:
