@@ -21,7 +21,7 @@ export PYTHONDONTWRITEBYTECODE :=
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.cache/bytecode
 announce = @printf '\033[1mflexsid: %s\033[0m\n'
 
-.PHONY: help install demo serve docs test test-long adversary lint types rules page-checks browser database format lock clean
+.PHONY: help install demo serve docs release test test-long adversary lint types rules page-checks browser database format lock clean
 .DEFAULT_GOAL := help
 
 help:
@@ -31,6 +31,7 @@ help:
 	@echo 'make adversary    fly drawn aircraft (N=20 SEED=1) and print how the estimates compare with their truth'
 	@echo 'make serve    serve the workbench without filling it (PORT=8000)'
 	@echo 'make docs     build the documentation site into var/site'
+	@echo 'make release  build dist/ and run it in empty environments (VERSION=1.0.0 writes it first); publishes nothing'
 	@echo 'make install  install the package and its dependencies'
 	@echo 'make format   format all sources'
 	@echo 'make lint, make types, make rules, make page-checks    parts of make test'
@@ -91,6 +92,11 @@ serve: install
 docs: install
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
 	$(announce) 'the documentation is at var/site/index.html; its search requires a server: python -m http.server -d var/site'
+
+VERSION ?=
+release: install
+	$(announce) 'building a release, which is run with every Python'
+	@$(BIN)/python deploy/release $(VERSION)
 
 # --- Checking --------------------------------------------------------------
 

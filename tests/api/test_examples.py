@@ -69,6 +69,12 @@ def test_examples_conform_to_description(described: dict[str, Any]) -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_every_type_has_a_name_of_its_own(described: dict[str, Any]) -> None:
+    """Generators of clients leave out a second type of the same title, and what returns it."""
+    titles = [schema["title"] for schema in described["components"]["schemas"].values()]
+    assert len(set(titles)) == len(titles)
+
+
 def test_example_bodies_are_valid(client: TestClient, described: dict[str, Any]) -> None:
     """Example bodies are accepted, or refused for a missing record; never as invalid."""
     for method, path, operation in _operations(described):

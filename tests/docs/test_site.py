@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from environments import read_program
 
 from flexsid.cli.main import main
 
@@ -57,9 +58,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_the_programs_of_a_page_run(page: str, live_url: str, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / page).read_text(encoding="utf-8")
-    program = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
-    program = program.replace("http://127.0.0.1:8000", live_url)
+    program = read_program(ROOT / page).replace("http://127.0.0.1:8000", live_url)
     exec(compile(program, page, "exec"), {"__name__": "__main__"})
 
 
@@ -69,3 +68,13 @@ def test_commands_of_the_guides_exist() -> None:
             r"^flexsid ([a-z-]+)", path.read_text(encoding="utf-8"), re.MULTILINE
         ):
             assert main([command, "--help"]) == 0, f"{path.name}: flexsid {command}"
+
+
+def test_a_figure_of_the_gallery_takes_twenty_lines_at_most() -> None:
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    start, *programs = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    pictures = re.findall(r"\]\((assets/gallery/\S+)\)", text)
+    assert len(programs) == len(pictures) >= 15
+    for program, picture in zip(programs, pictures, strict=True):
+        assert len(f"{start}{program}".splitlines()) <= 20, picture
+        assert (DOCS / picture).is_file(), picture

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ pytestmark = pytest.mark.e2e
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "docs" / "assets" / "pictures"
+GALLERY = ROOT / "docs" / "assets" / "gallery"
 TAKEN = Path(__file__).parent / "screenshots"
 
 PAGES = {
@@ -81,3 +83,29 @@ def test_every_picture_is_shown_somewhere() -> None:
     texts.append((ROOT / "README.md").read_text(encoding="utf-8"))
     for name in PAGES:
         assert any(f"pictures/{name}.png" in text for text in texts), name
+
+
+@pytest.mark.long
+def test_the_figures_of_the_gallery_can_be_drawn(browser: Browser, estimated: str) -> None:
+    text = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    parts = re.findall(
+        r"!\[[^\]]*\]\(assets/gallery/(\S+)\)|^```python\n(.*?)^```$", text, re.M | re.S
+    )
+    names: dict[str, Any] = {}
+    page = browser.new_page(viewport={"width": 1000, "height": 560})
+    folder = GALLERY if os.environ.get("RENEW_PICTURES") == "1" else TAKEN
+    folder.mkdir(exist_ok=True)
+    file = ""
+    for picture, program in parts:
+        if picture:
+            file = picture
+            continue
+        exec(program.replace("http://127.0.0.1:8000", estimated), names)
+        if file.endswith(".svg"):
+            (folder / file).write_bytes(names["picture"])
+        elif file:
+            names["figure"].update_layout(width=1000, height=560)
+            page.set_content(names["figure"].to_html(config={"displayModeBar": False}))
+            page.locator(".main-svg").first.wait_for()
+            page.screenshot(path=folder / file, animations="disabled")
+    assert file, "the gallery has no pictures"

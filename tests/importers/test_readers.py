@@ -104,6 +104,29 @@ def test_matlab_7_3_never_reads_outside_its_file(tmp_path: Path) -> None:
         read(path)
 
 
+def test_a_netcdf_file_is_read_as_its_variables(tmp_path: Path) -> None:
+    # As xarray writes packed samples over a time axis of dates, by the NetCDF library.
+    path = tmp_path / "flight.nc"
+    with h5py.File(path, "w") as file:
+        time = file.create_dataset("time", data=np.arange(4) * 10_000_000)
+        time.attrs["units"] = np.bytes_("nanoseconds since 2024-05-31 00:00:00")
+        time.make_scale("time")
+        axis = file.create_dataset("axis", data=np.zeros(3, ">f4"))
+        axis.make_scale("This is a netCDF dimension but not a netCDF variable.         3")
+        q = file.create_dataset("q", data=np.array([1000, 2000, -9999, 500], "i2"))
+        q.attrs["units"] = np.bytes_("deg/s")
+        q.attrs["scale_factor"] = [0.001]
+        q.attrs["_FillValue"] = np.array([-9999], "i2")
+        q.dims[0].attach_scale(time)
+    fields = {field.path: field for field in read_file(path, path.name)}
+    assert set(fields) == {"time", "q"}
+    assert (fields["time"].unit, fields["q"].unit) == ("ns", "deg/s")
+    np.testing.assert_allclose(fields["q"].samples, [1.0, 2.0, np.nan, 0.5])
+    classic = write(tmp_path / "classic.nc", "CDF\x01 and so on")
+    with pytest.raises(UnreadableFile, match=r"does not start like a HDF5 file \(\.nc\)"):
+        list(read_file(classic, classic.name))
+
+
 def test_a_small_matlab_file_that_unpacks_to_gigabytes_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

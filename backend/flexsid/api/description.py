@@ -175,6 +175,9 @@ def add_examples(app: FastAPI) -> None:
                 routes=routes,
             )
             components = schema["components"]["schemas"]
+            for name, component in components.items():
+                # Generators of clients name classes by title, which a generic type shares.
+                component["title"] = name.strip("_")
             for methods in schema["paths"].values():
                 for operation in methods.values():
                     _add_request_examples(operation)

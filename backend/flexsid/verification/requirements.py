@@ -23,6 +23,7 @@ from flexsid.records.decision import DecisionEvent, EventKind
 from flexsid.reports.content import Facts, Report, ReportTable, Section, Words
 from flexsid.storage.audit_recording import hash_value, is_chain_intact, seal
 from flexsid.storage.signatures import derive_public_key, is_valid, sign
+from flexsid.sysid.aerodynamics.pk_flutter import PkCrossing
 from flexsid.sysid.estimation.experiment import select_parameters
 from flexsid.sysid.estimation.likelihood import maximize
 from flexsid.sysid.estimation.output_error import output_error
@@ -36,6 +37,16 @@ from flexsid.sysid.modes import StructuralModes
 from flexsid.sysid.signals import FrequencyData
 from flexsid.sysid.stability.poles import Aeroelastic
 from flexsid.sysid.stability.root_tracking import track_roots
+from flexsid.verification.published_wings import (
+    AGARD_MEASURED,
+    GOLAND_EXACT,
+    GOLAND_SHARPY,
+    HA144A,
+    compute_ha144a,
+    predict_agard,
+    predict_goland_by_lattice,
+    predict_goland_by_strips,
+)
 from flexsid.workflow.fits.estimation_task import read_versions
 
 # --- NASA T-2 (GTM) subscale transport as a rigid aircraft with published derivatives -------------
@@ -241,6 +252,26 @@ def _measure_flutter() -> float:
     return float(np.abs(errors).max())
 
 
+def _measure_rigid_derivatives() -> float:
+    """Largest relative error of the derivatives of HA144A."""
+    found = compute_ha144a()
+    return float(max(abs(found[name] / printed - 1.0) for name, printed in HA144A.items()))
+
+
+def _measure_strip_flutter() -> float:
+    """Largest relative error of flutter speed and frequency of Goland's wing by strips."""
+    flutter = predict_goland_by_strips()
+    if flutter is None:
+        return np.inf
+    speed, omega = GOLAND_EXACT
+    return float(max(abs(flutter.airspeed / speed - 1.0), abs(flutter.omega / omega - 1.0)))
+
+
+def _measure_speed(flutter: PkCrossing | None, expected: float) -> float:
+    """Relative error of a flutter speed."""
+    return np.inf if flutter is None else float(abs(flutter.airspeed / expected - 1.0))
+
+
 def _count_unnoticed_changes() -> float:
     """Count changed bytes of a sealed event and of a signed text that are not noticed."""
     event = seal(
@@ -333,6 +364,34 @@ REQUIREMENTS = (
         "Single-bit changes of a sealed and signed event",
         _count_unnoticed_changes,
         0.0,
+    ),
+    Requirement(
+        "V8",
+        "The doublet lattice gives the printed rigid derivatives at Mach 0.9 (relative error)",
+        "HA144A, forward-swept wing with canard: aeroelastic user's guide of MSC Nastran",
+        _measure_rigid_derivatives,
+        5e-4,
+    ),
+    Requirement(
+        "V9",
+        "The p-k method gives the exact flutter speed and frequency (relative error)",
+        "Goland and Luke, J. Appl. Mech. 15 (1948): uniform cantilever wing in strip theory",
+        _measure_strip_flutter,
+        0.02,
+    ),
+    Requirement(
+        "V10",
+        "Lattice and p-k method give the flutter speed of another lattice code (relative error)",
+        "Goland's wing at 1.02 kg/m3: SHARPy, doi:10.21105/joss.01885",
+        lambda: _measure_speed(predict_goland_by_lattice(), GOLAND_SHARPY),
+        0.02,
+    ),
+    Requirement(
+        "V11",
+        "Lattice and p-k method give the measured flutter speed at Mach 0.499 (relative error)",
+        "AGARD 445.6, weakened model 3, in a wind tunnel: Yates, NASA TM 100492",
+        lambda: _measure_speed(predict_agard(), AGARD_MEASURED),
+        0.05,
     ),
 )
 

@@ -1,7 +1,8 @@
-"""HDF5, and MATLAB v7.3 files, which are HDF5: plain data sets without links."""
+"""HDF5, with NetCDF-4 and MATLAB v7.3 files, which are HDF5: plain data sets without links."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +16,9 @@ from flexsid.importers.source import LARGEST_CONTENT, MOST_FIELDS, NOT_READ, Fie
 _MAGIC = b"\x89HDF\r\n\x1a\n"
 _COMPLEX_PARTS = (("r", "i"), ("real", "imag"))  # of h5py, of MATLAB
 _FILLS = ("_FillValue", "missing_value")
+_BARE_DIMENSION = b"This is a netCDF dimension but not a netCDF variable"
+_TIME_SINCE = re.compile(r"(nano|micro|milli)?seconds? since ")  # of CF conventions
+_TIME_UNITS = {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}
 _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "UNITS")
 
 
@@ -144,7 +148,10 @@ def _leaf(item: h5py.Dataset, path: str, matlab: bool) -> Iterator[Field]:
 
 
 def _is_empty(item: h5py.Dataset) -> bool:
-    return item.shape is None or "MATLAB_empty" in item.attrs
+    if item.shape is None or "MATLAB_empty" in item.attrs:
+        return True
+    name = item.attrs.get("NAME", b"")  # NetCDF stores a dimension without values as zeros
+    return isinstance(name, bytes) and name.startswith(_BARE_DIMENSION)
 
 
 def _describe(item: h5py.Dataset, matlab: bool) -> str:
@@ -217,5 +224,6 @@ def _unit(item: h5py.Dataset) -> str:
         if isinstance(value, bytes):
             value = value.decode("utf-8", "replace")
         if isinstance(value, str):
-            return value.strip()
+            since = _TIME_SINCE.match(value)
+            return _TIME_UNITS[since[1]] if since else value.strip()
     return ""

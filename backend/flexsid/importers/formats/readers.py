@@ -84,7 +84,7 @@ _BUILT_IN = (
     _TEXT,
     _define("MATLAB", mat, ".mat"),
     _define("NumPy archive", npz, ".npz"),
-    _define("HDF5", hdf5, ".h5", ".hdf5"),
+    _define("HDF5", hdf5, ".h5", ".hdf5", ".nc"),  # NetCDF-4 is HDF5
     _define("Parquet", parquet, ".parquet", needs="pyarrow.parquet", extra="parquet"),
     _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
     _define("IRIG 106 Chapter 10", recording, ".ch10", ".c10"),

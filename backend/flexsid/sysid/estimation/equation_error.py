@@ -91,6 +91,9 @@ def equation_error(
 
     Notes
     -----
+    Source: Eqs 23-24; Klein and Morelli, Aircraft System Identification,
+    doi:10.2514/4.861505, ch. 5 and 7.
+
     Departure: Eq. 24 takes the regressors as exact. Higher modes are reconstructed
     with little signal, and plain least squares then biases their derivatives
     towards zero with standard errors that are too small.

@@ -36,7 +36,10 @@ def frequency_response_error(
 
     Notes
     -----
-    Source: Eqs 21-22. A column is the outputs per unit deflection of one input, so each
+    Source: Eqs 21-22; Grauer and Boucher, Aircraft System Identification from Multisine Inputs
+    and Frequency Responses, 2020, https://ntrs.nasa.gov/citations/20205003364.
+
+    A column is the outputs per unit deflection of one input, so each
     of its harmonics is a data point of output error with a unit input; every column has
     its own noise covariance.
     """

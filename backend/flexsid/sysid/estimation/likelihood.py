@@ -124,6 +124,12 @@ def maximize(
         If a prior belongs to no free parameter or has no standard deviation.
     NotIdentifiable
         If there are more parameters than independent measured numbers.
+
+    Notes
+    -----
+    Minimises J = sum nu^H S^-1 nu + M ln|S|, with S and the parameters in alternation (Eqs 19-20;
+    Klein and Morelli, Aircraft System Identification, doi:10.2514/4.861505, ch. 6). S concentrated
+    out is in the curvature of each Levenberg-Marquardt step.
     """
     problem = _Problem(experiments, parameters, settings)
     n_data = sum(2 * e.measured.size for e in experiments)

@@ -48,7 +48,8 @@ def output_error(
 
     Notes
     -----
-    Source: Eqs 18-20.
+    Source: Eqs 18-20; Grauer and Boucher, Aerospace 6 (2019) 24, doi:10.3390/aerospace6020024;
+    Klein and Morelli, Aircraft System Identification, doi:10.2514/4.861505, ch. 7.
     """
     u = inputs.pick(model.inputs).values
     z = outputs.pick(model.outputs).values

@@ -166,7 +166,7 @@ def design_multisine(
     Notes
     -----
     Source: Eq. 4 and Sec. V.B. Departure: phases come from Schroeder's formula
-    improved by clipping instead of a simplex search, in milliseconds.
+    (doi:10.1109/TIT.1970.1054411) improved by clipping instead of a simplex search.
     """
     shared = np.concatenate(list(harmonics.values()))
     if np.unique(shared).size != shared.size:

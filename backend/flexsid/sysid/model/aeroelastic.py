@@ -70,6 +70,10 @@ class AeroelasticModel:
     The motion is r = [rigid-body motions, eta_1..n]; the attitude and etadot = s eta are
     eliminated, so that K(s) r = F u has a row for each of them only. Without a ``shape`` the
     air forces are quasi-steady.
+
+    Notes
+    -----
+    Source: Eqs 5-17; Waszak and Schmidt, J. Aircraft 25 (1988) 563-571, doi:10.2514/3.45623.
     """
 
     condition: FlightCondition

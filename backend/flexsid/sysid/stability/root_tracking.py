@@ -130,6 +130,11 @@ def track_roots(
         If the airspeeds do not rise, or are not positive.
     NotIdentifiable
         If a derivative is no number.
+
+    Notes
+    -----
+    Crossings are solved for, not interpolated; with a frequency shape the roots are those of the
+    p-k method (Hassig, J. Aircraft 8 (1971) 885-889, doi:10.2514/3.44311).
     """
     if not (np.diff(airspeed) > 0.0).all():
         raise BadInput("airspeeds must rise from one to the next", code="bad-airspeed")
