@@ -55,6 +55,7 @@ _MOST_TOGETHER = 4
 _FALSE_MODE = 1e-4
 _SURE = 0.15  # relative standard deviation of a damping ratio below which a mode is certain
 _LARGEST_SPREAD = 0.5  # relative: largest standard deviation of a damping ratio
+_LEAST_WIDTH = 6.0  # decay rates: a band resolves no mode that is wider
 _NEAR = 2.0  # decay rates on each side of a pole
 _MOST_TAKEN = 0.5
 _LEAST_POWER = 1e-6  # of the largest output
@@ -476,6 +477,7 @@ def _remove_insignificant(band: OutputBand, fit: SpectrumFit) -> SpectrumFit:
             _, spread = propagate_covariance(poles, fit.covariance)
         damping = -np.real(poles) / np.abs(poles)
         bad = (spread > _LARGEST_SPREAD * damping) | ~is_structural(poles)
+        bad |= _LEAST_WIDTH * -np.real(poles) > band.lines[-1] - band.lines[0]
         bad |= (
             (np.imag(poles) < band.lines[0])
             | (np.imag(poles) > band.lines[-1])
