@@ -55,6 +55,7 @@ from flexsid.figures.modal_data import (
     draw_measured_response,
     draw_model_order,
     draw_modes_against_fuel,
+    draw_output_only,
     draw_reduced_responses,
     draw_stabilisation,
 )
@@ -78,6 +79,7 @@ from flexsid.jobs.kinds import (
     FLUTTER,
     GLOBAL_MODEL,
     MODES,
+    OUTPUT_ONLY_MODES,
     PREDICTED_ACCURACY,
     PREDICTED_FLUTTER,
     RECONSTRUCTION,
@@ -103,6 +105,7 @@ from flexsid.records.views import (
     ExpectedResponse,
     FitPlot,
     LatticeQuantity,
+    OutputOnlyResult,
     Reconstruction,
     Residuals,
 )
@@ -128,6 +131,7 @@ from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.global_model.versions import compute_coverage, slice_derivative
 from flexsid.workflow.importing.maneuver_cutting import read_flight_history
 from flexsid.workflow.live.live_estimator import read_live_history
+from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery, select_quantities
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.ground_vibration_test import ModeSearch, read_function
@@ -318,6 +322,11 @@ class _Reconstruction(_Maneuver):
         None, description="Half of a combined maneuver; by default the longitudinal one."
     )
     domain: Domain = "time"
+
+
+@parameters_of(OutputOnlyQuery)
+class _OutputOnly(QueryParameters):
+    pass
 
 
 @parameters_of(TransferFunctionQuery)
@@ -671,6 +680,10 @@ def _get_transfer_function(store: Store, **query: Any) -> Bode:
     )
 
 
+def _get_output_only(store: Store, **query: Any) -> OutputOnlyResult:
+    return get_result(store, OUTPUT_ONLY_MODES, OutputOnlyQuery(**query))
+
+
 def _read_frozen_figure(store: Store, figure_id: int) -> Spec:
     return read_figure(store, store.frozen_figures.get(figure_id))
 
@@ -712,6 +725,8 @@ _KINDS = (
     FigureKind("transfer-function", _TransferFunction, _get_transfer_function, draw_bode,
         "Draw the measured response of an output to an input, and its transfer function.",
         drawing=("view",)),
+    FigureKind("output-only-modes", _OutputOnly, _get_output_only, draw_output_only,
+        "Draw the spectral density of the outputs with the model of modes from outputs alone."),
     FigureKind("loops", _Maneuver, estimate_loops, draw_loops,
         "Draw the measured loop gain of each surface, with its stability margins."),
     FigureKind("ground-test", _Flight, read_ground_spectra, draw_ground_test,

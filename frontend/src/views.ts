@@ -243,6 +243,7 @@ export const MANEUVER_TABS = [
   "reconstruction",
   "bode",
   "transfer-function",
+  "output-only",
   "runs",
 ] as const;
 

@@ -229,6 +229,14 @@ def test_a_transfer_function_is_fitted(flown_url: str, capsys) -> None:
     assert printed.count("pole, ω [rad/s]") == 3
 
 
+def test_modes_of_outputs_are_printed(flown_url: str, capsys) -> None:
+    command = ["output-only", "--maneuver", "1", "--band", "3,12", "--database", flown_url]
+    assert main(command) == 0
+    assert "damping ratio" in capsys.readouterr().out
+    assert "fewer than" in refused(capsys, 1, *command, "--start", "0", "--stop", "1")
+    assert "no channel 'none'" in refused(capsys, 2, *command, "--outputs", "none")
+
+
 def test_files_are_imported(database_url: str, capsys, tmp_path: Path) -> None:
     mapping = tmp_path / "m.toml"
     mapping.write_text(

@@ -140,6 +140,15 @@ def test_transfer_functions_have_the_poles_of_the_model(workbench: Workbench) ->
     assert augmented["delay_s"] > bare["delay_s"] + 0.005, "of the servo"
 
 
+def test_modes_come_from_outputs_alone(workbench: Workbench) -> None:
+    found = workbench.identify_output_only(1, low_hz=3.0, high_hz=12.0)
+    assert found["modes"]
+    for mode in found["modes"]:
+        assert 3.0 < mode["frequency_hz"] < 12.0
+        assert 0.0 < mode["damping_std"] < mode["damping"]
+    assert "known excitation" in found["warnings"][0]
+
+
 def test_models_are_python_control_objects(workbench: Workbench, tmp_path) -> None:
     model = workbench.model(1)
     assert isinstance(model, control.StateSpace)

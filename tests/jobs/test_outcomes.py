@@ -42,6 +42,7 @@ from flexsid.workflow.global_model.estimates import GlobalModelQuery
 from flexsid.workflow.importing.uploads import ImportRequest, add_upload
 from flexsid.workflow.maintenance.database import BackupRequest, check_database
 from flexsid.workflow.maintenance.printed_reports import ReportRequest, describe_document
+from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.reconstruction import ReconstructionQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.modal_data.computed_predictions import PlanformPanel, PredictionRequest
@@ -235,6 +236,9 @@ _REQUESTS: dict[str, Callable[[Store, Path], Job]] = {
         store,
         kinds.TRANSFER_FUNCTION,
         TransferFunctionQuery(maneuver_id=1, input="wf4s", output="q"),
+    ),
+    kinds.OUTPUT_ONLY_MODES.name: lambda store, folder: submit(
+        store, kinds.OUTPUT_ONLY_MODES, OutputOnlyQuery(maneuver_id=1, low_hz=3.0, high_hz=12.0)
     ),
     kinds.POSTERIOR.name: lambda store, folder: _check_posterior(store),
     kinds.PREDICTED_ACCURACY.name: lambda store, folder: submit(

@@ -29,9 +29,9 @@ from flexsid.cli.serve import add_builtin_aircraft
 from flexsid.errors import BadInput, FlexsidError
 from flexsid.jobs.dispatcher import execute_request
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import COMPATIBILITY, TRANSFER_FUNCTION
+from flexsid.jobs.kinds import COMPATIBILITY, OUTPUT_ONLY_MODES, TRANSFER_FUNCTION
 from flexsid.records.quality import CompatibilityReport, SensorEstimate
-from flexsid.records.views import TransferFunction
+from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.settings import Settings
 from flexsid.storage.signatures import SignaturePlace, sign_content
 from flexsid.storage.store import Store
@@ -46,6 +46,7 @@ from flexsid.workflow.importing.flight_import import (
     store_upload,
 )
 from flexsid.workflow.measurements.maneuver_spectra import add_conditioning_steps
+from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.model_structures.model_structures import refuse_altered
 from flexsid.workflow.quality.compatibility import CompatibilityQuery
@@ -283,6 +284,45 @@ def _format(value: float | None, std: float | None, factor: float = 1.0) -> str:
     if value is None or std is None:
         return "-"
     return f"{factor * value:.3f} ± {factor * std:.2g}"
+
+
+# --- Command that identifies modes from outputs alone ---------------------------------------------
+
+
+def identify_output_only(settings: Settings, arguments: argparse.Namespace) -> int:
+    """Print the modes of each maneuver from its outputs alone."""
+    low_hz, high_hz = parse_band(arguments.band) or (None, None)
+    with open_store(settings) as store:
+        for number in parse_list(arguments.maneuver, int, "--maneuver"):
+            query = OutputOnlyQuery(
+                maneuver_id=number,
+                low_hz=low_hz,
+                high_hz=high_hz,
+                start_s=arguments.start,
+                stop_s=arguments.stop,
+                outputs=tuple(parse_list(arguments.outputs, str, "--outputs")),
+            )
+            execute_request(store, OUTPUT_ONLY_MODES, query, report_progress)
+            found = get_result(store, OUTPUT_ONLY_MODES, query)
+            print_next_result("\n".join(_format_modes(found)), found, as_json=arguments.json)
+    return 0
+
+
+def _format_modes(found: OutputOnlyResult) -> Iterator[str]:
+    low, high = found.band_hz
+    yield f"maneuver {found.maneuver_id}, {found.duration_s:.0f} s, {low:.3g} to {high:.3g} Hz"
+    yield f"  {'mode':<12}{'frequency [Hz]':>22}{'damping ratio':>22}{'MAC':>8}"
+    for mode in found.modes:
+        frequency = _format(mode.frequency_hz, mode.frequency_std_hz)
+        damping = f"{mode.damping:.4f} ± {mode.damping_std:.2g}"
+        mac = "-" if mode.mac is None else f"{mode.mac:.2f}"
+        yield f"  {mode.name or '-':<12}{frequency:>22}{damping:>22}{mac:>8}"
+    for tone in found.tones_hz:
+        yield f"  tone at {tone:.3f} Hz, left out"
+    for name, reason in found.excluded.items():
+        yield f"  {name} is not used: {reason}"
+    for warning in found.warnings:
+        yield f"  Warning: {warning}"
 
 
 # --- Command that fits transfer functions of one input and output ---------------------------------

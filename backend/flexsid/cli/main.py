@@ -228,6 +228,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_validation_options(add("validate", "models:validate", summary))
     summary = "fit the transfer function of an output over an input, with equivalent delay"
     _add_transfer_function_options(add("transfer-function", "data:fit_transfer_functions", summary))
+    summary = "identify modes from outputs alone, as in turbulence, with standard errors"
+    _add_output_only_options(add("output-only", "data:identify_output_only", summary))
     summary = "compare the sensors of maneuvers by kinematics, and name faults"
     _add_compatibility_options(add("compatibility", "data:check_compatibility", summary))
     summary = "sample the posterior of output-error runs, and check their standard errors"
@@ -287,6 +289,18 @@ def _add_transfer_function_options(command: argparse.ArgumentParser) -> None:
         option(f"--{name}", type=int, help=f"number of {what}; default: usual for the output")
     option("--no-delay", action="store_true", help="without an equivalent delay")
     option("--band", metavar="LOW,HIGH", help="frequencies to use [Hz]; default: all excited")
+
+
+def _add_output_only_options(command: argparse.ArgumentParser) -> None:
+    option = command.add_argument
+    meaning = "ids of maneuvers, each identified separately"
+    option("--maneuver", required=True, metavar="ID,ID", help=meaning)
+    meaning = "frequencies of the modes [Hz]; default: 1 Hz to 0.4 of the sample rate"
+    option("--band", metavar="LOW,HIGH", help=meaning)
+    option("--start", type=float, metavar="S", help="begin of the used part [s]")
+    option("--stop", type=float, metavar="S", help="end of the used part [s]")
+    meaning = "channels to use; default: all outputs of one clock"
+    option("--outputs", default="", metavar="A,B", help=meaning)
 
 
 def _add_compatibility_options(command: argparse.ArgumentParser) -> None:

@@ -535,6 +535,19 @@ class Workbench:
             "transfer-functions", maneuver_id=maneuver_id, input=input, output=output, **options
         )
 
+    def identify_output_only(self, maneuver_id: int, **options: Any) -> dict[str, Any]:
+        """Return the modes of a record from its outputs alone, with standard errors.
+
+        Parameters
+        ----------
+        maneuver_id
+            Maneuver.
+        options
+            Limits ``low_hz`` and ``high_hz`` of the band, ``start_s`` and ``stop_s`` of the used
+            part, and ``outputs``, all of one clock by default.
+        """
+        return self.compute("output-only-modes", maneuver_id=maneuver_id, **options)
+
     def check_compatibility(self, maneuver_ids: Iterable[int]) -> dict[str, Any]:
         """Compare the sensors of maneuvers by kinematics; return their faults with corrections.
 

@@ -12,6 +12,7 @@ from flexsid.figures.spec import (
     band,
     column,
     empty,
+    error_bars,
     heatmap,
     line_at,
     marked,
@@ -30,7 +31,7 @@ from flexsid.records.modal_data import (
     ResponseFunction,
     Stabilisation,
 )
-from flexsid.records.views import GroundSpectra
+from flexsid.records.views import GroundSpectra, OutputOnlyResult
 
 # --- Modal data: modes over fuel, MAC, model order, reduced responses, stabilisation diagram ------
 
@@ -308,6 +309,46 @@ def draw_stabilisation(value: Stabilisation) -> Spec:
             ]
         ),
     }  # fmt: skip
+    stagger(layout["annotations"])
+    return {"data": data, "layout": layout}
+
+
+# --- Modes from outputs alone: density with the fitted model, damping over frequency --------------
+
+
+def draw_output_only(value: OutputOnlyResult) -> Spec:
+    """Draw the density of the outputs with that of the model, and damping with ±2 std errors."""
+    frequency = of_unit("Frequency", "Hz")
+    shown = column(frequency.factor * np.array(value.frequency_hz), exact=True)
+    measured, fitted = (
+        10.0 * np.log10(np.maximum(density, 1e-30)) for density in (value.measured, value.fitted)
+    )
+    modes = value.modes
+    at = frequency.factor * np.array([mode.frequency_hz for mode in modes])
+    std = frequency.factor * np.array([mode.frequency_std_hz for mode in modes])
+    dot = {"color": style.MEASURED, "size": 3}
+    line = {"color": style.BLUE, "width": 1.5}
+    data = [
+        scatter(shown, measured, name="measured", marker=dot, hoverinfo="skip"),
+        scatter(shown, fitted, "lines", name="fitted", line=line, hoverinfo="skip"),
+        scatter(
+            at,
+            100.0 * np.array([mode.damping for mode in modes]),
+            row=2,
+            name="modes, ±2σ",
+            text=[mode.name or "not named" for mode in modes],
+            marker={"color": style.BLUE, "size": 7},
+            error_x=error_bars(std, style.BLUE),
+            error_y=error_bars(100.0 * np.array([m.damping_std for m in modes]), style.BLUE),
+            hovertemplate=f"%{{text}}<br>%{{x:.3f}} {frequency.unit}<br>%{{y:.2f}} %"
+            "<extra></extra>",
+        ),
+    ]
+    marks = [vertical_mark(float(x), mode.name) for x, mode in zip(at, modes, strict=True)]
+    marks += [vertical_mark(frequency.factor * tone, "tone") for tone in value.tones_hz]
+    axes = [title("Mean density / variance [dB(1/Hz)]"), title("Damping ratio [%]")]
+    axes[1]["rangemode"] = "tozero"
+    layout = stack(title(frequency.axis_title), axes, [3, 2], meta={"rows": 4}, **marked(marks))
     stagger(layout["annotations"])
     return {"data": data, "layout": layout}
 

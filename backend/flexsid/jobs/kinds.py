@@ -22,7 +22,7 @@ from flexsid.records.validation import (
     CrossValidation,
     PosteriorCheck,
 )
-from flexsid.records.views import Reconstruction, TransferFunctionResult
+from flexsid.records.views import OutputOnlyResult, Reconstruction, TransferFunctionResult
 from flexsid.storage import backup, queue
 from flexsid.storage.batches import find_derived_runs
 from flexsid.storage.run_list import ESTIMATION
@@ -42,7 +42,7 @@ from flexsid.workflow.flutter.flutter_models import FlutterQuery
 from flexsid.workflow.global_model import computation, estimates
 from flexsid.workflow.importing import parsed_files, uploads
 from flexsid.workflow.maintenance import database, printed_reports
-from flexsid.workflow.measurements import reconstruction, transfer_functions
+from flexsid.workflow.measurements import output_only_modes, reconstruction, transfer_functions
 from flexsid.workflow.measurements.sensor_responses import gather_sensors
 from flexsid.workflow.modal_data import computed_predictions, ground_vibration_test, orthogonality
 from flexsid.workflow.modal_data.ground_vibration_test import (
@@ -135,6 +135,13 @@ def _identify_transfer_function(
     store: Store, query: transfer_functions.TransferFunctionQuery
 ) -> tuple[object, ...]:
     transfer_functions.check_transfer_function(store, query)
+    return list_run_contents(store, (), (query.maneuver_id,))
+
+
+def _identify_output_only(
+    store: Store, query: output_only_modes.OutputOnlyQuery
+) -> tuple[object, ...]:
+    output_only_modes.check_output_only(store, query)
     return list_run_contents(store, (), (query.maneuver_id,))
 
 
@@ -306,6 +313,17 @@ TRANSFER_FUNCTION = Kind(
     ),
     result=TransferFunctionResult,
     identify=_identify_transfer_function,
+)
+OUTPUT_ONLY_MODES = Kind(
+    name="output-only-modes",
+    label="Output-only modes",
+    request=output_only_modes.OutputOnlyQuery,
+    prepare=_send_maneuver,
+    compute=_in_snapshot(
+        lambda store, query, report: output_only_modes.identify_modes_of_outputs(store, query)
+    ),
+    result=OutputOnlyResult,
+    identify=_identify_output_only,
 )
 RESPONSES = Kind(
     name="response-estimation",

@@ -569,6 +569,48 @@ class TransferFunction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OutputOnlyMode:
+    """A mode identified from outputs, with standard errors; its shape has a largest part of one.
+
+    ``number``, ``name`` and ``mac`` are those of the most similar mode of the modal table, None
+    and empty where none is similar.
+    """
+
+    frequency_hz: float
+    frequency_std_hz: float
+    damping: float
+    damping_std: float
+    shape_real: tuple[float, ...]
+    shape_imag: tuple[float, ...]
+    number: int | None
+    name: str
+    mac: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputOnlyResult:
+    """Modes of a part of a record from its outputs alone.
+
+    ``excluded`` has the reason by output that is left out, ``tones_hz`` the steady tones left out.
+    ``measured`` and ``fitted`` are means over the outputs of the spectral density, relative to the
+    variance of each [1/Hz].
+    """
+
+    maneuver_id: int
+    band_hz: tuple[float, float]
+    start_s: float
+    duration_s: float
+    outputs: tuple[str, ...]
+    excluded: dict[str, str]
+    modes: tuple[OutputOnlyMode, ...]
+    tones_hz: tuple[float, ...]
+    frequency_hz: tuple[float, ...]
+    measured: tuple[float, ...]
+    fitted: tuple[float, ...]
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TransferFunctionResult:
     """A transfer function with the measured response and its own."""
 

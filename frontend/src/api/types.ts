@@ -48,6 +48,7 @@ export type PredictedFlutter = Received<"PredictedFlutter">;
 export type Compatibility = Received<"CompatibilityReport">;
 export type SensorFault = Compatibility["faults"][number];
 export type SensorEstimate = Compatibility["sensors"][number];
+export type OutputOnlyResult = Received<"OutputOnlyResult">;
 export type TransferFunction = Received<"TransferFunction">;
 export type PosteriorCheck = Received<"PosteriorCheck">;
 export type AerodynamicsComparison = Received<"AerodynamicsComparison">;

@@ -10,6 +10,7 @@ import { BodeTab } from "../components/maneuvers/BodeTab";
 import { CompatibilityTab } from "../components/maneuvers/CompatibilityTab";
 import { ManeuverRuns } from "../components/maneuvers/ManeuverRuns";
 import { Notes } from "../components/display/Notes";
+import { OutputOnlyTab } from "../components/maneuvers/OutputOnlyTab";
 import { PageHead } from "../components/frame/PageHead";
 import { PlotMatrixTab } from "../components/maneuvers/PlotMatrixTab";
 import { QualityTab } from "../components/maneuvers/QualityTab";
@@ -31,6 +32,7 @@ const TAB_NAMES: Record<(typeof MANEUVER_TABS)[number], string> = {
   reconstruction: "Reconstruction",
   bode: "Bode",
   "transfer-function": "Transfer function",
+  "output-only": "Output-only modes",
   runs: "Runs",
 };
 
@@ -120,6 +122,9 @@ function OneManeuver({ maneuver }: { maneuver: Maneuver }) {
         </Tabs.Panel>
         <Tabs.Panel value="bode" pt="md">
           <BodeTab maneuver={maneuver} view={view} onChange={change} />
+        </Tabs.Panel>
+        <Tabs.Panel value="output-only" pt="md">
+          <OutputOnlyTab maneuver={maneuver} view={view} onChange={change} />
         </Tabs.Panel>
         <Tabs.Panel value="transfer-function" pt="md">
           <TransferFunctionTab maneuver={maneuver} view={view} onChange={change} />

@@ -27,10 +27,10 @@ from flexsid.api.serialization import (
 )
 from flexsid.errors import BadInput
 from flexsid.jobs.kind import get_result
-from flexsid.jobs.kinds import RECONSTRUCTION, TRANSFER_FUNCTION
+from flexsid.jobs.kinds import OUTPUT_ONLY_MODES, RECONSTRUCTION, TRANSFER_FUNCTION
 from flexsid.records.maneuver import Cut, Flight, FlightChannel, Maneuver, ManeuverProposal
 from flexsid.records.run import RunProposal
-from flexsid.records.views import TransferFunction
+from flexsid.records.views import OutputOnlyResult, TransferFunction
 from flexsid.storage import bulk
 from flexsid.storage.list_query import Facets, Items, Page
 from flexsid.storage.maneuver_list import SORT_FIELDS, ManeuverFilters, ManeuverItem
@@ -39,6 +39,7 @@ from flexsid.sysid.model.derivatives import ModelAxis
 from flexsid.text import LARGEST_ID, split_ids
 from flexsid.workflow.importing import maneuver_cutting
 from flexsid.workflow.importing.flight_import import read_upload, store_upload
+from flexsid.workflow.measurements.output_only_modes import OutputOnlyQuery
 from flexsid.workflow.measurements.transfer_functions import TransferFunctionQuery
 from flexsid.workflow.runs.run_proposal import propose_run
 from flexsid.workflow.views.maneuver import select_default_channels
@@ -222,6 +223,24 @@ def cut_maneuver(store: TheStore, flight_id: Identity, body: CutRequest) -> Json
     stored = maneuver_cutting.cut_maneuver(store, flight_id, body.make_record(Cut))
     location = {"Location": f"/api/v1/maneuvers/{stored.id}"}
     return Json(build_maneuver_detail(store, stored), 201, location)
+
+
+# --- Modes from outputs alone ---------------------------------------------------------------------
+
+output_only_router = make_router(tag="maneuvers")
+
+add_job_routes(
+    *(output_only_router, "/output-only-modes", OUTPUT_ONLY_MODES, "output_only_modes"),
+    lambda store, query: store.maneuvers.get(query.maneuver_id).label,
+)
+
+
+@output_only_router.get("/output-only-modes", response_model=OutputOnlyResult)
+def get_output_only_modes(
+    store: TheStore, query: Annotated[OutputOnlyQuery, Depends(query_as(OutputOnlyQuery))]
+) -> Json:
+    """Return the stored modes of a record from its outputs alone, with standard errors."""
+    return Json(get_result(store, OUTPUT_ONLY_MODES, query))
 
 
 # --- Transfer functions of one input and output of a maneuver -------------------------------------

@@ -6,6 +6,7 @@ import type {
   FigureSpec,
   ManeuverFilters,
   ModelAxis,
+  OutputOnlyResult,
   TransferFunction,
 } from "../types";
 import type { StoredResultOptions } from "../useStoredResult";
@@ -86,6 +87,29 @@ export const transferFunctionResult = (
     key: ["transfer-functions", query],
     enabled: true,
     read: (signal) => body(api.GET("/api/v1/transfer-functions", { params, signal })),
+    find: (signal) => body(api.GET(path, { params, signal })),
+    submit: () => body(api.POST(path, { params })),
+  };
+};
+
+export interface OutputOnlyParams {
+  maneuver_id: number;
+  low_hz?: number;
+  high_hz?: number;
+  start_s?: number;
+  stop_s?: number;
+}
+
+/** The modes of a record from its outputs alone, with standard errors. */
+export const outputOnlyResult = (
+  query: OutputOnlyParams,
+): StoredResultOptions<OutputOnlyResult> => {
+  const params = { query };
+  const path = "/api/v1/output-only-modes/results";
+  return {
+    key: ["output-only-modes", query],
+    enabled: true,
+    read: (signal) => body(api.GET("/api/v1/output-only-modes", { params, signal })),
     find: (signal) => body(api.GET(path, { params, signal })),
     submit: () => body(api.POST(path, { params })),
   };

@@ -106,6 +106,7 @@ const KINDS: Record<string, string> = {
   "posterior-check": "Posterior check",
   compatibility: "Compatibility of sensors",
   "transfer-function": "Transfer function",
+  "output-only-modes": "Output-only modes",
   "predicted-accuracy": "Predicted accuracy",
   "input-comparison": "Comparison with classic inputs",
   "amplitude-optimisation": "Amplitude optimisation",
@@ -228,6 +229,23 @@ function JobSubject({ job }: { job: Job }) {
             poles: readNumber(request, "poles"),
             integrators: readNumber(request, "integrators"),
             no_delay: request.delay === false ? true : undefined,
+            low: readNumber(request, "low_hz"),
+            high: readNumber(request, "high_hz"),
+          }}
+          className="link"
+        >
+          {label}
+        </Link>
+      );
+    case "output-only-modes":
+      return (
+        <Link
+          to="/maneuvers/$id"
+          params={{ id: id("maneuver_id") }}
+          search={{
+            tab: "output-only",
+            from: readNumber(request, "start_s"),
+            to: readNumber(request, "stop_s"),
             low: readNumber(request, "low_hz"),
             high: readNumber(request, "high_hz"),
           }}
