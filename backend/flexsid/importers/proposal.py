@@ -140,8 +140,8 @@ def _recognise_motion(
     """Recognise columns whose name is no usual one by their words and their motion."""
     found = {id(column): meaning for column, meaning in selected}
     for source in sources.items:
-        stamps = source.arrays.get(time.get(source.name, ""))
-        if stamps is None or source.clocks or not _increases(stamps):
+        stamps = np.squeeze(source.arrays.get(time.get(source.name, ""), ()))  # MATLAB: a matrix
+        if source.clocks or stamps.ndim != 1 or stamps.size < 2 or not _increases(stamps):
             continue
         rate_hz = float((stamps.size - 1) / (stamps[-1] - stamps[0]))
         own = [
