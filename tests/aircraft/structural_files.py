@@ -222,8 +222,8 @@ class OutputFile:
         letters = [filled[4 * k : 4 * k + 4].ljust(self.size) for k in range(words)]
         return b"".join(letters)
 
-    def block(self, name: str, contents: Sequence[bytes]) -> None:
-        """Add a data block; long records are written in parts."""
+    def block(self, name: str, contents: Sequence[bytes], kind: int = 0) -> None:
+        """Add a data block; long records are written in parts. ``kind`` 1 is that of a matrix."""
         self._key(2)
         self._put(self.text(name, 2))
         self._key(-1)
@@ -233,7 +233,7 @@ class OutputFile:
         for content in [self.text(name, 2), *contents]:
             self._key(number)
             self._key(1)
-            self._put(self.words("i", 0))
+            self._put(self.words("i", kind))
             half = len(content) // (2 * self.size) * self.size
             for part in (content[:half], content[half:]):
                 if part:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_fields import draw_numpy, find_lost
 from scipy.io import savemat
 from shipped import Client, serving
 
@@ -412,6 +413,17 @@ def test_damaged_files_are_refused_or_read(client: Client, seed: int, n_files: i
         shown = client.request("post", f"uploads/{upload}/preview", body)
         assert shown.status_code in (200, 422), (number, path.name, shown.text)
         client.send("delete", f"uploads/{upload}")
+
+
+def test_every_field_of_an_upload_is_listed_or_named(client: Client, tmp_path: Path) -> None:
+    path = tmp_path / "record.npz"
+    names = draw_numpy(np.random.default_rng(1), path)
+    found = client.upload(path)
+    read = {field["field"] for field in found["fields"]}
+    left = [text for file in found["files"] for text in file["not_read"]]
+    assert not set(find_lost(names, read, left)) - {"texts", "number", "empty", "table.d"}
+    assert {"moments", "durations", "complex imaginary", "table.a"} & read
+    assert any(text.startswith("bytes: data of type") for text in left)
 
 
 def test_a_row_of_a_matrix_is_a_clock(client: Client, tmp_path: Path) -> None:
