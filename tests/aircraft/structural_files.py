@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 
@@ -222,8 +223,8 @@ class OutputFile:
         letters = [filled[4 * k : 4 * k + 4].ljust(self.size) for k in range(words)]
         return b"".join(letters)
 
-    def block(self, name: str, contents: Sequence[bytes]) -> None:
-        """Add a data block; long records are written in parts."""
+    def block(self, name: str, contents: Sequence[bytes], kind: int = 0) -> None:
+        """Add a data block; long records are written in parts. ``kind`` 1 is that of a matrix."""
         self._key(2)
         self._put(self.text(name, 2))
         self._key(-1)
@@ -233,7 +234,7 @@ class OutputFile:
         for content in [self.text(name, 2), *contents]:
             self._key(number)
             self._key(1)
-            self._put(self.words("i", 0))
+            self._put(self.words("i", kind))
             half = len(content) // (2 * self.size) * self.size
             for part in (content[:half], content[half:]):
                 if part:
@@ -321,6 +322,68 @@ def add_shapes(
                 )
             )
     file.block(table, records)
+
+
+def write_result_tables(structure: Structure, path: Path) -> None:
+    """Write nodes, eigenvalues and eigenvectors as tables of an HDF5 file of MSC Nastran."""
+    n_modes, n_nodes = structure.shape.shape[:2]
+    whole, real = np.int64, np.float64
+    components = ("X", "Y", "Z", "RX", "RY", "RZ")
+    grid = np.zeros(
+        n_nodes,
+        [
+            ("ID", whole),
+            ("CP", whole),
+            ("X", real, 3),
+            ("CD", whole),
+            ("PS", whole),
+            ("SEID", whole),
+            ("DOMAIN_ID", whole),
+        ],
+    )
+    grid["ID"], grid["X"], grid["DOMAIN_ID"] = structure.ids, structure.xyz, 1
+    domains = np.zeros(
+        n_modes + 1,
+        [
+            ("ID", whole),
+            ("SUBCASE", whole),
+            ("STEP", whole),
+            ("ANALYSIS", whole),
+            ("TIME_FREQ_EIGR", real),
+            ("EIGI", real),
+            ("MODE", whole),
+            ("SE", whole),
+        ],
+    )
+    domains["ID"] = np.arange(1, n_modes + 2)
+    domains["SUBCASE"][1:], domains["ANALYSIS"][1:] = 1, 2
+    domains["TIME_FREQ_EIGR"][1:] = structure.omega**2
+    domains["MODE"][1:] = np.arange(1, n_modes + 1)
+    values = np.zeros(
+        n_modes,
+        [
+            ("MODE", whole),
+            ("ORDER", whole),
+            *((name, real) for name in ("EIGEN", "OMEGA", "FREQ", "MASS", "STIFF")),
+            ("DOMAIN_ID", whole),
+        ],
+    )
+    values["MODE"] = values["ORDER"] = np.arange(1, n_modes + 1)
+    values["EIGEN"], values["OMEGA"] = structure.omega**2, structure.omega
+    values["FREQ"], values["MASS"] = structure.omega / 2 / np.pi, structure.mass
+    values["STIFF"], values["DOMAIN_ID"] = structure.mass * structure.omega**2, 2
+    vectors = np.zeros(
+        (n_modes, n_nodes),
+        [("ID", whole), *((name, real) for name in components), ("DOMAIN_ID", whole)],
+    )
+    vectors["ID"], vectors["DOMAIN_ID"] = structure.ids, np.arange(2, n_modes + 2)[:, None]
+    for place, name in enumerate(components):
+        vectors[name] = structure.shape[:, :, place]
+    with h5py.File(path, "w") as file:
+        file["NASTRAN/INPUT/NODE/GRID"] = grid
+        file["NASTRAN/RESULT/DOMAINS"] = domains
+        file["NASTRAN/RESULT/SUMMARY/EIGENVALUE"] = values
+        file["NASTRAN/RESULT/NODAL/EIGENVECTOR"] = vectors.reshape(-1)
 
 
 def write_deck(structure: Structure, style: str = "small") -> str:

@@ -341,7 +341,7 @@ def test_a_column_that_was_mapped_once_is_proposed_for_the_next_file(client: Tes
     proposal = upload(client, ("next.csv", renamed))["proposal"]
     (channel,) = [part for part in proposal["text"].split("[[channels]]") if "KreiselNick" in part]
     assert channel.startswith(f"\n{REMEMBERED}\n")
-    for line in ('name = "q"', 'unit = "deg/s"', 'guessed = ["unit", "role"]'):
+    for line in ('name = "q"', 'unit = "deg/s"', 'guessed = ["unit", "role", "name"]'):
         assert line in channel
     assert proposal["text"].count(REMEMBERED) == 1, "the others are recognised by their names"
     assert "earlier imports" in proposal["origin"]

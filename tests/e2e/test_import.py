@@ -93,7 +93,7 @@ def test_a_file_of_54_columns_is_stored_rightly_in_ten_actions(page: Page, tmp_p
     page.get_by_role("textbox", name="Flight number").fill("93")
     expect(page.get_by_test_id("mapping-preview")).to_have_attribute("data-drawn", "true")
     expect(page.get_by_test_id("mapping-preview")).to_contain_text("Time from 2026-05-04 09:12:30")
-    for kind in ("Aircraft", "Clock", "Units", "Roles"):
+    for kind in ("Aircraft", "Clock", "Units", "Roles", "Names"):
         button = page.get_by_role("button", name=f"Confirm: {kind}")
         if button.count():
             button.click()

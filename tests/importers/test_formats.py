@@ -7,6 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from drawn_fields import FORMATS, find_lost
+from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
 
 from flexsid.errors import UnreadableFile
@@ -249,6 +251,56 @@ def test_mdf_groups_have_their_own_clocks(tmp_path: Path, version: str, suffix: 
     np.testing.assert_array_equal(source.arrays[source.clocks["tas"]], SLOW)
     assert source.units["tas"] == "kt"
     assert source.units["q@2"] == "deg"
+
+
+def test_tdms_channels_have_units_and_the_clocks_of_their_waveforms(tmp_path: Path) -> None:
+    start = np.datetime64("2026-03-01T10:00:00", "us")
+    first = {"wf_start_time": start, "wf_increment": 0.01, "unit_string": "deg/s"}
+    late = {**first, "wf_start_time": start + np.timedelta64(500, "ms"), "wf_start_offset": 0.25}
+    path = tmp_path / "a.tdms"
+    with TdmsWriter(path) as file:
+        for part in (np.arange(30.0), np.arange(30.0, 50.0)):  # of one channel
+            file.write_segment([ChannelObject("run", "q", part, first)])
+        channels = [ChannelObject("run", "az", np.zeros(50), {**first, "unit_string": "g"})]
+        channels.append(ChannelObject("run", "late", np.zeros(20), late))
+        channels.append(ChannelObject("run", "plain", np.arange(3), {}))
+        file.write_segment(channels)
+    source = read(path)
+    np.testing.assert_array_equal(source.arrays["run.q"], np.arange(50.0))
+    assert source.units["run.q"] == "deg/s"
+    assert source.clocks == {
+        "run.q": "run.time",
+        "run.az": "run.time",
+        "run.late": "run.late.time",
+    }
+    np.testing.assert_allclose(source.arrays["run.time"], np.arange(50) / 100.0)
+    np.testing.assert_allclose(source.arrays["run.late.time"], 0.75 + np.arange(20) / 100.0)
+    path.write_bytes(path.read_bytes()[:-40])
+    cut = read(path)
+    assert any("ends within a segment" in text for text in cut.not_read)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_every_field_of_a_file_is_read_or_named(tmp_path: Path, seed: int) -> None:
+    """In each of twelve formats a file has fields of all kinds, also of those that are not read."""
+    lost = {}
+    for number, (suffix, draw) in enumerate(FORMATS):
+        path = tmp_path / f"{number}{suffix}"
+        names = draw(np.random.default_rng(seed), path)
+        source = read(path)
+        lost[draw.__name__] = find_lost(names, source.arrays, source.not_read)
+    assert not any(lost.values()), lost
+
+
+def test_dates_and_durations_become_seconds(tmp_path: Path) -> None:
+    stamps = np.array(["2026-01-01T00:00:00.000001", "NaT"], "M8[ns]")
+    table = np.array([(1.0, 2 + 3j)], [("x", "f8"), ("h", "c16")])
+    np.savez(tmp_path / "a.npz", t=stamps, d=np.array([1500], "m8[ms]"), table=table)
+    source = read(tmp_path / "a.npz")
+    np.testing.assert_allclose(source.arrays["t"], [1767225600.000001, np.nan], rtol=0, atol=5e-7)
+    assert (source.arrays["d"].tolist(), source.units["d"]) == ([1.5], "s")
+    assert source.arrays["table.x"] == 1.0
+    assert source.arrays["table.h imaginary"] == 3.0
 
 
 def test_a_formula_in_an_mdf_file_is_never_evaluated(tmp_path: Path) -> None:

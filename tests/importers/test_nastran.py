@@ -17,6 +17,8 @@ from structural_files import (
     print_eigenvalues,
     print_mass,
     print_shapes,
+    write_deck,
+    write_result_tables,
 )
 
 from flexsid.errors import BadInput, UnreadableFile
@@ -94,6 +96,37 @@ def test_invalid_coordinate_systems_are_rejected(tmp_path, deck, message):
     fields = read(bulk, file)
     with pytest.raises(BadInput, match=message):
         Frames(group(fields, "grid"), group(fields, "frame")).places()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_result_tables_agree_with_the_printout_of_the_same_model(tmp_path, seed):
+    structure = make_structure(seed, n_modes=6, n_nodes=30)
+    write_result_tables(structure, tmp_path / "wing.h5")
+    (tmp_path / "wing.f06").write_text(print_eigenvalues(structure) + print_shapes(structure))
+    (tmp_path / "wing.bdf").write_text(write_deck(structure))
+    options = ModalDataOptions(
+        name="x", length_unit="m", mass_unit="kg", generalized_mass="file", rigid_modes=True
+    )
+    tables, printed = (
+        extract_modal_data(sandbox.read_all([tmp_path / name for name in names]), options)
+        for names in (("wing.h5",), ("wing.f06", "wing.bdf"))
+    )
+    for name in ("omega", "mass", "shape", "nodes"):
+        np.testing.assert_allclose(getattr(tables, name), getattr(printed, name), rtol=1e-7)
+    assert tables.shape.shape[-3:] == (6, 30, 6)
+
+
+def test_a_part_of_a_deck_may_begin_with_any_aerodynamic_entry(tmp_path):
+    for number, text in enumerate(
+        (
+            "MKAERO1 0.0     0.3     \n+       0.1     0.5\n",
+            "MKAERO2,0.,0.1\n",
+            "AERO,0,20.,1.5,1.2\n",
+        )
+    ):
+        file = tmp_path / f"{number}.dat"
+        file.write_text(text)
+        assert "deck/n_grids" in sandbox.read_all([file]).items[0].arrays
 
 
 def test_invalid_entry_is_named(tmp_path):

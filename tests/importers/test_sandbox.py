@@ -107,6 +107,7 @@ def test_a_file_that_crashes_a_library_is_refused_and_the_next_is_read(
 
 def test_what_a_platform_lacks_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jail, "find_landlock_version", lambda: 0)
+    monkeypatch.setattr(jail, "has_namespaces", lambda: False)
     monkeypatch.setattr(jail, "_has_filter", lambda: False)
     files, programs = jail.list_missing()
     assert "open other files" in files

@@ -90,8 +90,44 @@ def judge_proposal(drawn: DrawnFile, proposal: str) -> tuple[list[str], list[str
             continue
         wrong.append(f"{column} is {truth}, proposed as {channel}")
         asked = set(channel.get("guessed", ()))
-        if (not is_unit and "unit" not in asked) or (
-            not (is_role and is_name) and "role" not in asked
-        ):
+        is_renamed = channel["name"] != column.rpartition(".")[2]
+        needed = {"unit": is_unit, "role": is_role and is_name, "name": is_name or not is_renamed}
+        if {key for key, is_right in needed.items() if not is_right} - asked:
             silent.append(wrong[-1])
     return wrong, silent
+
+
+def test_pulse_widths_are_no_deflections_without_a_calibration(tmp_path: Path) -> None:
+    rows = [
+        f"{k / 50},{1500 + 400 * np.sin(k / 9):.0f},{1400 + k % 90},{k % 7}" for k in range(200)
+    ]
+    file = tmp_path / "flight.csv"
+    file.write_text("\n".join(["time_s,elevator,servo3,q_degs", *rows]))
+    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
+        client = server.connect()
+        found = client.upload(file)
+        proposal = found["proposal"]["text"]
+        channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
+        elevator, servo = channels["elevator"], channels["servo3"]
+        assert (elevator["unit"], elevator["role"]) == ("us", "input")
+        assert {"unit", "role"} <= set(elevator["guessed"])
+        assert (servo["name"], servo["unit"], servo["role"]) == ("servo3", "us", "output")
+        assert proposal.count("needs unit, role and calibration") == 2
+
+        def check(mapping: str) -> dict:
+            path = f"uploads/{found['upload']['id']}/check"
+            return client.send("post", path, {"mapping": mapping})
+
+        for unit in ("us", "deg"):
+            part = '"elevator"\nunit = "us"'
+            problem = check(proposal.replace(part, part.replace("us", unit)))["problem"]
+            assert problem["code"] == "needs-calibration"
+            assert "calibration = [[1000, -25]" in problem["message"]
+        table = 'unit = "deg"\ncalibration = [[1000, 25], [1500, 5], [2000, -25]]'
+        mapping = proposal.replace('name = "elevator"\nunit = "us"', f'name = "elevator"\n{table}')
+        channel = next(one for one in check(mapping)["channels"] if one["name"] == "elevator")
+        assert channel["largest"] == pytest.approx(21.0)
+        assert channel["smallest"] == pytest.approx(-19.0)
+        narrow = check(mapping.replace("[2000, -25]", "[1800, -25]"))["problem"]
+        assert narrow["code"] == "outside-calibration"
+        assert "its calibration has 1000 to 1800" in narrow["message"]

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_fields import draw_numpy, find_lost
+from scipy.io import savemat
 from shipped import Client, serving
 
 CASES = Path(__file__).parents[1] / "importers" / "cases"
@@ -363,3 +365,70 @@ def test_a_printout_of_91_megabytes_is_read(client: Client, tmp_path: Path) -> N
     upload = client.upload(path)["upload"]["id"]
     (found,) = client.get(f"uploads/{upload}/modal-data")["files"]
     assert found["holds"] == [f"{n_modes} frequencies"]
+
+
+def damage(content: bytes, rng: np.random.Generator) -> bytes:
+    """Cut a file off, or change some of its bits, bytes, words or tokens."""
+    raw = bytearray(content)
+    at, length = int(rng.integers(len(raw))), int(rng.integers(1, 200))
+    match int(rng.integers(6)):
+        case 0:
+            del raw[max(at, 1) :]
+        case 1:
+            del raw[at : at + length]
+        case 2:
+            raw[at:at] = raw[: 4 * length]
+        case 3:
+            raw[at : at + 4] = (b"\xff\xff\xff\x7f", b"\xff" * 4, bytes(4))[length % 3]
+        case 4:
+            raw[at : at + length % 12] = (b"NaN", b"1.5+309", b"****", b"", b"9" * 400)[length % 5]
+        case _:
+            for place in rng.integers(min(len(raw), 700), size=8):
+                raw[place] ^= 1 << int(rng.integers(8))
+    return bytes(raw) or b"0"
+
+
+@pytest.mark.parametrize(
+    ("seed", "n_files"), [(1, 32), pytest.param(7, 3000, marks=pytest.mark.long)]
+)
+def test_damaged_files_are_refused_or_read(client: Client, seed: int, n_files: int) -> None:
+    """Every response is one of the interface, whatever a file of any format holds."""
+    rng = np.random.default_rng(seed)
+    by_suffix: dict[str, list[Path]] = {}
+    for path in sorted(CASES.iterdir()):
+        by_suffix.setdefault(path.suffix, []).append(path)
+    for number in range(n_files):
+        paths = list(by_suffix.values())[number % len(by_suffix)]
+        path = paths[int(rng.integers(len(paths)))]
+        sent = [("files", (path.name, damage(path.read_bytes(), rng)))]
+        response = client.request("post", "uploads", files=sent)
+        assert response.status_code in (201, 413, 422), (number, path.name, response.text)
+        if response.status_code != 201:
+            continue
+        upload = response.json()["upload"]["id"]
+        mapping = response.json()["proposal"]["text"].replace('name = "?"', 'name = "Cases"')
+        client.get(f"uploads/{upload}/modal-data")
+        checked = check(client, upload, mapping)
+        body = {"mapping": mapping, "channels": [one["name"] for one in checked["channels"]]}
+        shown = client.request("post", f"uploads/{upload}/preview", body)
+        assert shown.status_code in (200, 422), (number, path.name, shown.text)
+        client.send("delete", f"uploads/{upload}")
+
+
+def test_every_field_of_an_upload_is_listed_or_named(client: Client, tmp_path: Path) -> None:
+    path = tmp_path / "record.npz"
+    names = draw_numpy(np.random.default_rng(1), path)
+    found = client.upload(path)
+    read = {field["field"] for field in found["fields"]}
+    left = [text for file in found["files"] for text in file["not_read"]]
+    assert not set(find_lost(names, read, left)) - {"texts", "number", "empty", "table.d"}
+    assert {"moments", "durations", "complex imaginary", "table.a"} & read
+    assert any(text.startswith("bytes: data of type") for text in left)
+
+
+def test_a_row_of_a_matrix_is_a_clock(client: Client, tmp_path: Path) -> None:
+    time, elevator, rate = np.array(make_table()).T
+    path = tmp_path / "record.mat"
+    savemat(path, {"t": time, "elevator": elevator, "boom": rate}, oned_as="row")
+    proposal = client.upload(path)["proposal"]["text"]
+    assert '[time]\ncolumn = "t"' in proposal

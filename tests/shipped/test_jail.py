@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import shipped
 from shipped import Client, ask_command
 from vendor_package import install_package, serving_by
 
@@ -53,7 +54,7 @@ def read(path):
         "open a system file": lambda: Path("/etc/passwd").read_text(),
         "open the environment of the server": lambda: Path(f"/proc/{parent}/environ").read_bytes(),
         "open the memory of its parent": lambda: Path(f"/proc/{parent}/mem").open("rb"),
-        "list a folder": lambda: os.listdir(others),
+        "see another file in a folder": lambda: os.listdir(others).index("flexsid.db"),
         "link another file": lambda: os.link(secret, "linked"),
         "rename another file": lambda: os.rename(secret, "renamed"),
         "connect": lambda: socket.create_connection(("127.0.0.1", port), 5.0),
@@ -99,10 +100,44 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+REFUSING = """
+import ctypes, struct
+C = ctypes.CDLL(None)
+rows = [(0x20, 0, 0, 0)]
+for number in {calls}:
+    rows += [(0x15, 0, 1, number), (0x06, 0, 0, 0x00050000 | 38)]
+rows.append((0x06, 0, 0, 0x7FFF0000))
+code = ctypes.create_string_buffer(b"".join(struct.pack("=HBBI", *row) for row in rows))
+C.prctl(38, 1, 0, 0, 0)
+assert C.prctl(22, 2, struct.pack("@HP", len(rows), ctypes.addressof(code)), 0, 0) == 0
+"""
+"""Refuses system calls from now on, as a kernel without them does."""
+
+LANDLOCK, UNSHARE = 444, {"x86_64": 272, "aarch64": 97}.get(platform.machine(), 0)
+
+
+def refuse_calls(program: Path, *calls: int) -> Path:
+    """Return a program for which the platform lacks system calls."""
+    first, _, rest = program.read_text().partition("\n")
+    lacking = program.with_name(f"flexsid-without-{'-'.join(map(str, calls))}")
+    lacking.write_text(f"{first}\n{REFUSING.format(calls=calls)}{rest}")
+    lacking.chmod(0o755)
+    return lacking
+
+
 @pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Client, Path]]:
+def installed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("jail")
-    program = install_package(folder, ENTRY, MODULE)
+    return install_package(folder, ENTRY, MODULE), folder
+
+
+@pytest.fixture(scope="module", params=["Landlock", "namespaces"])
+def served(
+    request: pytest.FixtureRequest, installed: tuple[Path, Path]
+) -> Iterator[tuple[Client, Path]]:
+    program, folder = installed
+    if request.param == "namespaces":
+        program = refuse_calls(program, LANDLOCK)
     with serving_by(program, folder, f"sqlite:///{folder / 'flexsid.db'}", A_SECRET="x") as client:
         yield client, folder
 
@@ -142,6 +177,16 @@ def test_a_reader_leaves_nothing_to_the_next_import(
     order.write_text('{"remember": 1}')
     seen = [[one["field"] for one in client.upload(order)["fields"]] for _ in range(2)]
     assert seen == [["first"], ["first"]]
+
+
+def test_check_names_what_the_platform_lacks(
+    installed: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program, folder = installed
+    monkeypatch.setattr(shipped, "PROGRAM", refuse_calls(program, LANDLOCK, UNSHARE))
+    checked = ask_command(folder, f"sqlite:///{folder / 'flexsid.db'}", "check")
+    (text,) = (one["text"] for one in checked["warnings"] if one["code"] == "reader-not-confined")
+    assert "Landlock is missing" in text
 
 
 def test_check_and_health_state_that_nothing_is_missing(served: tuple[Client, Path]) -> None:

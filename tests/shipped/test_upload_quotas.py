@@ -47,7 +47,7 @@ def test_a_small_file_with_much_content_is_refused(tmp_path: Path) -> None:
         form = {"name": "flown", "rate_hz": "50"}
         design = client.request("post", "designs/import", files=files, data=form)
     assert (status, code) == (413, "content-too-large")
-    assert "more than 17 MB; store it without compression" in detail
+    assert "more than 1 MB; store it without compression" in detail
     assert (design.status_code, design.json()["code"]) == (413, "content-too-large")
     assert measure(tmp_path) < 10_000
 

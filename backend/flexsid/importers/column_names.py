@@ -111,6 +111,10 @@ _NOT_MEASURED = re.compile(
 )
 """Names of what an autopilot computes or receives, apart from what its sensors measure."""
 
+_SERVO = re.compile(
+    r"pwm|(?:^|[._])(?:servo|rcou|rcin|input_rc|chan|actuator_outputs)(?=[._\d]|$)", re.IGNORECASE
+)
+
 _SPELLED = re.compile(r"_(rad|deg|m|ft)_(s2?)$", re.IGNORECASE)
 """Units of which the names of logs have the letters alone: q_rad_s."""
 
@@ -166,6 +170,11 @@ def may_be_time_name(path: str) -> bool:
 def is_measured(path: str) -> bool:
     """Return whether a name is not that of a set-point, an innovation, an identity or the like."""
     return _NOT_MEASURED.search(path) is None
+
+
+def is_servo(path: str) -> bool:
+    """Return whether a name is that of an output to a servo."""
+    return _SERVO.search(path) is not None
 
 
 def find_time_unit(path: str, file_unit: str) -> str | None:

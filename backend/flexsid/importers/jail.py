@@ -1,10 +1,11 @@
 """Jail: a process that reads untrusted content opens its input, and nothing else.
 
 Content may be made to run code in the library that reads it. On Linux this code cannot open other
-files (Landlock), connect, start programs, or reach other processes (a seccomp filter of system
-calls). It still reads the installed programs, which libraries load on use.
+files (Landlock; without it, namespaces in which no others exist), connect, start programs, or reach
+other processes (a seccomp filter of system calls). It still reads the installed programs, which
+libraries load on use. The program ``bwrap`` uses the same namespaces, so that it adds nothing.
 
-The three system calls are bound here. Of the packages for them, those for Landlock are first
+The system calls are bound here. Of the packages for them, those for Landlock are first
 versions and those for seccomp bind a library of the system that is not always installed (pyseccomp,
 last released in 2021), or bring a container runtime of 13 MB.
 """
@@ -15,13 +16,16 @@ import ctypes
 import errno
 import os
 import platform
+import re
 import signal
 import struct
+import subprocess
 import sys
 import sysconfig
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
+from typing import NoReturn
 
 _IS_LINUX = sys.platform == "linux"
 
@@ -42,6 +46,18 @@ _LEAST_VERSION = 3  # before, files could be truncated
 # Rights on files, rights on TCP ports, and scopes (sockets, signals) that each version knows.
 _KNOWN_RIGHTS = ((1, 13, 0, 0), (2, 14, 0, 0), (3, 15, 0, 0), (4, 15, 2, 0), (5, 16, 2, 0))
 _KNOWN_RIGHTS += ((6, 16, 2, 2),)
+
+# <linux/sched.h>, <linux/mount.h> and <linux/capability.h>
+_NEW_NAMESPACES = 0x10000000 | 0x00020000 | 0x40000000 | 0x08000000  # user, mount, network, IPC
+_READ_ONLY, _NO_SUID, _NO_DEVICES, _NO_EXEC = 1, 2, 4, 8
+_REMOUNT, _BIND, _RECURSIVE, _PRIVATE, _DETACH = 1 << 5, 1 << 12, 1 << 14, 1 << 18, 2
+_KEPT_OPTIONS = {
+    **{os.ST_NOSUID: _NO_SUID, os.ST_NODEV: _NO_DEVICES, os.ST_NOEXEC: _NO_EXEC},
+    **{os.ST_NOATIME: 1 << 10, os.ST_NODIRATIME: 1 << 11, os.ST_RELATIME: 1 << 21},
+}
+"""Options of a mount, as the file system reports them and as they are set: none may be left out."""
+_CAPABILITIES = 0x20080522
+_SECONDS_TO_TRY = 30.0
 
 # <linux/filter.h> and <linux/seccomp.h>
 _LOAD, _IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
@@ -113,6 +129,8 @@ def enter(inputs: Sequence[Path], folder: Path) -> None:
         return
     _control(_SET_DEATH_SIGNAL, signal.SIGKILL)
     _control(_SET_NO_NEW_PRIVILEGES, 1)
+    if find_landlock_version() < _LEAST_VERSION and has_namespaces():
+        _enter_namespaces(inputs, folder)
     if find_landlock_version():
         _restrict_files(inputs, folder)
     if _has_filter():
@@ -122,10 +140,10 @@ def enter(inputs: Sequence[Path], folder: Path) -> None:
 def list_missing() -> tuple[str, ...]:
     """List what the platform does not keep a process in the jail from, with the reason."""
     missing = []
-    if find_landlock_version() < _LEAST_VERSION:
+    if find_landlock_version() < _LEAST_VERSION and not has_namespaces():
         missing.append(
             "open other files of the user of the server: Landlock is missing (Linux 6.2 or newer, "
-            "with landlock in its list of security modules)"
+            "with landlock in its list of security modules), and so are namespaces of users"
         )
     if not _has_filter():
         missing.append(
@@ -141,6 +159,45 @@ def find_landlock_version() -> int:
     if not _IS_LINUX:
         return 0
     return max(0, _library().syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), _ASK_VERSION))
+
+
+@cache
+def has_namespaces() -> bool:
+    """Return whether a process may enter namespaces of its own, which another one tries."""
+    if not _IS_LINUX:
+        return False
+    attempt = (
+        "import sys, tempfile; from pathlib import Path\n"
+        f"sys.path.insert(0, {str(Path(__file__).parents[2])!r})\n"
+        "from flexsid.importers import jail\n"
+        "with tempfile.TemporaryDirectory() as folder:\n"
+        "    process = jail.os.fork()\n"
+        "    if process == 0:\n"
+        "        jail.try_namespaces(Path(folder))\n"
+        "    sys.exit(jail.os.waitstatus_to_exitcode(jail.os.waitpid(process, 0)[1]))\n"
+    )
+    try:
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", attempt],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            timeout=_SECONDS_TO_TRY,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return done.returncode == 0
+
+
+def try_namespaces(folder: Path) -> NoReturn:
+    """Enter namespaces and end this process, with exit code 0 if it has entered them."""
+    code = 1
+    try:
+        _enter_namespaces([], folder)
+        code = 0
+    finally:
+        os._exit(code)
 
 
 @cache
@@ -166,6 +223,64 @@ def _check(result: int) -> int:
         number = ctypes.get_errno()
         raise OSError(number, os.strerror(number))
     return result
+
+
+def _enter_namespaces(inputs: Sequence[Path], folder: Path) -> None:
+    """Enter namespaces that have the inputs, the folder and the programs, and no network."""
+    user, group = os.getuid(), os.getgid()
+    _check(_library().unshare(_NEW_NAMESPACES))
+    Path("/proc/self/setgroups").write_text("deny")
+    Path("/proc/self/uid_map").write_text(f"{user} {user} 1")
+    Path("/proc/self/gid_map").write_text(f"{group} {group} 1")
+    _mount(None, Path("/"), _RECURSIVE | _PRIVATE)
+
+    # The new root hides what its place holds, so that all that it shows is opened before.
+    shown = sorted(
+        {*_list_programs(), Path(os.devnull), *inputs, folder}, key=lambda p: len(str(p))
+    )
+    opened = [
+        (path, path.is_dir(), os.open(path, os.O_PATH | os.O_CLOEXEC))
+        for path in shown
+        if path.exists()
+    ]
+    root = folder.parent
+    _mount("tmpfs", root, _NO_SUID | _NO_DEVICES, kind="tmpfs")
+    for path, is_folder, number in opened:
+        target = root / path.relative_to("/")
+        if path == folder or not target.exists():  # otherwise it is in a folder that is shown
+            (target if is_folder else target.parent).mkdir(parents=True, exist_ok=True)
+            if not is_folder:
+                target.touch()
+            _mount(f"/proc/self/fd/{number}", target, _BIND | _RECURSIVE)
+        os.close(number)
+    writable = {root / path.relative_to("/") for path in (folder, Path(os.devnull))}
+    for target in (*_list_mounts(root), root):
+        if target not in writable:
+            stated = os.statvfs(target).f_flag
+            kept = sum(option for state, option in _KEPT_OPTIONS.items() if stated & state)
+            _mount(None, target, _REMOUNT | _BIND | _READ_ONLY | kept)
+
+    os.chdir(root)
+    _check(_library().pivot_root(b".", b"."))
+    _check(_library().umount2(b".", _DETACH))  # the old root, which lies above the new one
+    os.chdir(folder)
+    head, nothing = struct.pack("=Ii", _CAPABILITIES, 0), bytes(24)
+    _check(_library().capset(head, nothing))
+
+
+def _list_mounts(root: Path) -> list[Path]:
+    """List what is mounted below a folder; names have blanks and such as octal numbers."""
+    rows = Path("/proc/self/mountinfo").read_bytes().splitlines()
+    paths = (
+        re.sub(rb"\\(\d{3})", lambda code: bytes([int(code[1], 8)]), row.split(b" ")[4])
+        for row in rows
+    )
+    return [path for path in map(Path, map(os.fsdecode, paths)) if root in path.parents]
+
+
+def _mount(source: str | None, target: Path, options: int, kind: str | None = None) -> None:
+    texts = (None if text is None else os.fsencode(text) for text in (source, target, kind))
+    _check(_library().mount(*texts, ctypes.c_ulong(options), None))
 
 
 def _restrict_files(inputs: Sequence[Path], folder: Path) -> None:

@@ -20,7 +20,7 @@ from flexsid.importers.mapping import (
     MappingFile,
     OrderMapping,
 )
-from flexsid.importers.quantity import Quantity, scalar
+from flexsid.importers.quantity import Quantity, may_be_pulse_widths, scalar
 from flexsid.importers.source import SourceFile, Sources, refuse_field
 from flexsid.importers.table import refuse
 from flexsid.records.maneuver import Excitation, Role
@@ -56,6 +56,11 @@ class RawChannel:
             n_samples=n_samples,
         )
         return replace(self, samples=self.samples[window], clock=clock)
+
+
+_SURFACE_ROLES = (Role.INPUT, Role.COMMAND)
+_OF_SURFACES = ("angle", "time")
+"""Dimensions of deflections, and of the pulse widths that stand for them in logs."""
 
 
 def extract_channels(
@@ -133,7 +138,7 @@ def _make_channel(
             code="bad-text",
             column=one_line(name)[:40],
         ) from error
-    samples = clock.interpolate(samples)
+    samples = _calibrate(rule, unit, clock.interpolate(samples), name, part)
     if samples.dtype.kind != "f":
         samples = samples.astype(np.float64)
     return RawChannel(
@@ -148,6 +153,37 @@ def _make_channel(
         sensor=rule.sensor,
         confirmed=rule.confirmed,
     )
+
+
+def _calibrate(
+    rule: ChannelMapping, unit: str, samples: np.ndarray, name: str, source: SourceFile
+) -> np.ndarray:
+    """Convert recorded numbers by the calibration of a channel, between its points only."""
+    if rule.calibration is None:
+        is_deflection = units.dimension(unit) in _OF_SURFACES and rule.role in _SURFACE_ROLES
+        if is_deflection and may_be_pulse_widths(samples):
+            raise BadInput(
+                f"Channel '{name}' has pulse widths ({samples.min():.0f} to {samples.max():.0f} us)"
+                f" and no deflections; write in {rule.path('')} the unit of its deflection, and "
+                "calibration = [[1000, -25], [1500, 0], [2000, 25]], each a pulse width and the "
+                "deflection there.",
+                code="needs-calibration",
+                key=rule.path("calibration"),
+                column=name,
+            )
+        return samples
+    recorded, values = np.array(rule.calibration).T
+    outside = np.flatnonzero((samples < recorded[0]) | (samples > recorded[-1]))
+    if outside.size:
+        row = source.first_row + int(outside[0])
+        raise BadInput(
+            f"{source.name}: row {row} of channel '{name}' holds {samples[outside[0]]:g}; its "
+            f"calibration has {recorded[0]:g} to {recorded[-1]:g}.",
+            code="outside-calibration",
+            row=row,
+            column=name,
+        )
+    return np.interp(samples, recorded, values)
 
 
 # --- The ``[excitation]`` part of a mapping: the harmonics of each input --------------------------

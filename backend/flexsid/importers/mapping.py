@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from datetime import date
 from fnmatch import fnmatchcase
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -205,6 +206,10 @@ _Labels = Annotated[Annotated[Text, TEXT] | Annotated[Texts, LIST], BY_FORM]
 _Units = Annotated[Annotated[Unit, TEXT] | Annotated[dict[Line, Unit], TABLE], BY_FORM]
 
 
+_Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=2)]
+_Calibration = Annotated[tuple[_Point, ...], Field(min_length=2)]
+
+
 class ChannelMapping(MappingTable):
     """``[[channels]]``: one channel, or the columns of one array."""
 
@@ -215,6 +220,7 @@ class ChannelMapping(MappingTable):
     unit: _Units = key("the unit, or units by label or pattern")
     role: Role = key("the role: input, output, command or condition")
     sign: Number = key("-1 if the recorder has the opposite sign", 1.0)
+    calibration: _Calibration | None = key("recorded numbers, each with its value in unit", None)
     sensor: Text | None = key("the sensor of the aircraft that measured it", None)
     clock: Text | None = key("one of [[clocks]]", None)
     confirmed: tuple[WarningCode, ...] = key("codes of the warnings that are confirmed", ())
@@ -237,6 +243,10 @@ class ChannelMapping(MappingTable):
             raise InvalidValue("must be the number of a column of 'array', from 1.", "column")
         if abs(self.sign) != 1.0:
             raise InvalidValue("must be 1 or -1; a scale factor belongs in the unit.", "sign")
+        recorded = [point[0] for point in self.calibration or ()]
+        if any(after <= before for before, after in pairwise(recorded)):
+            problem = "must have recorded numbers that increase, such as [[1000, -25], [2000, 25]]."
+            raise InvalidValue(problem, "calibration")
         return self
 
     def find_unit(self, label: str) -> str:

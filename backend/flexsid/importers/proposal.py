@@ -20,11 +20,12 @@ from flexsid.importers.column_names import (
     find_fdata_column,
     find_time_unit,
     is_measured,
+    is_servo,
     is_time_name,
     may_be_time_name,
     recognise_column,
 )
-from flexsid.importers.quantity import find_unit_warning
+from flexsid.importers.quantity import find_unit_warning, may_be_pulse_widths
 from flexsid.importers.recognition import Recorded, recognise_columns
 from flexsid.importers.source import SourceFile, Sources
 from flexsid.records.maneuver import Role
@@ -40,6 +41,10 @@ _LEAST_COMPARED, _MOST_COMPARED = 16, 4_000_000
 _MOST_CHANNELS = 100
 """Most columns that are proposed from files with several clocks; else those with usual names: logs
 of autopilots have a thousand columns, most of which are no measurements of the aircraft."""
+
+
+PULSE_WIDTH = "us"
+NEEDS_CALIBRATION = "# pulse widths of a servo: to be a surface it needs unit, role and calibration"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +110,7 @@ def write_proposal(
     selected = _recognise_motion(sources, time, selected)
     velocities = _find_body_velocities(columns)
     selected = [(column, velocities.get(column.field, own)) for column, own in selected]
+    selected = [(column, _find_pulse_widths(column, own)) for column, own in selected]
     known_before = remembered or {}
     recalled = {
         column.field: meaning
@@ -140,8 +146,8 @@ def _recognise_motion(
     """Recognise columns whose name is no usual one by their words and their motion."""
     found = {id(column): meaning for column, meaning in selected}
     for source in sources.items:
-        stamps = source.arrays.get(time.get(source.name, ""))
-        if stamps is None or source.clocks or not _increases(stamps):
+        stamps = np.squeeze(source.arrays.get(time.get(source.name, ""), ()))  # MATLAB: a matrix
+        if source.clocks or stamps.ndim != 1 or stamps.size < 2 or not _increases(stamps):
             continue
         rate_hz = float((stamps.size - 1) / (stamps[-1] - stamps[0]))
         own = [
@@ -167,6 +173,20 @@ def _find_body_velocities(columns: Sequence[Column]) -> dict[str, Meaning]:
         if (meaning := find_body_velocity(column.field, column.unit)) is not None
     }
     return found if {one.name for one in found.values()} == set(BODY_VELOCITIES) else {}
+
+
+def _find_pulse_widths(column: Column, meaning: Meaning) -> Meaning:
+    """Return the meaning of a column of pulse widths (PWM): they need a calibration."""
+    if meaning.sure and meaning.unit != PULSE_WIDTH:
+        return meaning
+    states = meaning.unit == PULSE_WIDTH or is_servo(column.field)
+    is_surface = meaning.role in (Role.INPUT, Role.COMMAND)
+    if not (states or is_surface) or not may_be_pulse_widths(column.samples):
+        return meaning
+    name, role = meaning.name, meaning.role
+    if not is_surface:
+        name, role = column.field.replace(".", "_"), Role.OUTPUT
+    return replace(meaning, name=name, unit=PULSE_WIDTH, role=role, known=False)
 
 
 def find_time(sources: Sources, columns: list[Column]) -> dict[str, str]:
@@ -322,7 +342,7 @@ def _have_uneven_clocks(sources: Sources, channels: Sequence[Column]) -> bool:
 
 
 def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
-    name = meaning.name
+    name, own = meaning.name, column.field.rpartition(".")[2]
     if name in seen:
         name = column.field
     seen.add(name)
@@ -330,6 +350,8 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
     if column.array is not None:
         place = [f"array = {_text(column.array)}", f"column = {column.number}"]
     unit, guessed = meaning.unit, not meaning.sure
+    if unit == PULSE_WIDTH:
+        place.insert(0, NEEDS_CALIBRATION)
     if guessed and is_known(unit):
         warning = find_unit_warning(name, unit, meaning.role, column.samples)
         if warning is not None and warning.instead:
@@ -341,7 +363,9 @@ def _channel(column: Column, meaning: Meaning, seen: set[str]) -> str:
         f"unit = {_text(unit)}",
         f'role = "{meaning.role.value}"',
     ]
-    unsure = (["unit"] if guessed else []) + ([] if meaning.known else ["role"])
+    unsure = ["unit"] if guessed else []
+    if not meaning.known:
+        unsure += ["role"] if name == own else ["role", "name"]
     return "\n".join(lines) + "\n" + _guessed(*unsure)
 
 

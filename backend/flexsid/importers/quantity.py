@@ -162,6 +162,22 @@ _LARGEST_MEAN = 60.0
 """Largest plausible mean, 6 g: 1 g recorded in m/s2 and read as g exceeds it. [m/s2]"""
 
 
+_PULSE_WIDTHS = (700.0, 2300.0)
+"""Range of the pulse widths that servos take. [us]"""
+
+_LEAST_SWEEP = 10.0
+"""Least change of the pulse widths of a surface that moves. [us]"""
+
+
+def may_be_pulse_widths(samples: np.ndarray) -> bool:
+    """Return whether samples may be pulse widths (PWM), which are no deflections of a surface."""
+    if samples.size == 0 or samples.dtype.kind not in "iuf":
+        return False
+    lowest, highest = float(samples.min()), float(samples.max())
+    low, high = _PULSE_WIDTHS
+    return low <= lowest and highest <= high and highest - lowest >= _LEAST_SWEEP
+
+
 @dataclass(frozen=True, slots=True)
 class UnitWarning:
     """A warning that the samples are too large or too small for their unit.

@@ -46,6 +46,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     output = sys.stdout
     sys.stdout = sys.stderr  # libraries that print must not corrupt the responses
+    jail.list_missing()  # tries once what the platform has, for all processes that are forked
     for line in sys.stdin:
         request = json.loads(line)
         readers.load_packages(request["names"])

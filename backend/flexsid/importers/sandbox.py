@@ -33,7 +33,7 @@ from flexsid.text import check_line, one_line
 SECONDS = 10.0
 """Processor time to read files; plus one second for every 10 MB. [s]"""
 
-_ALWAYS_ALLOWED = 16 * 1024**2  # bytes of content; small files may be mostly repetition
+_ALWAYS_ALLOWED = 1024**2  # bytes of content; small files may be mostly repetition
 _LARGE_EXPANSION = 8  # most content beyond LARGEST_CONTENT, in the size of the files
 _SECONDS_TO_START = 120.0
 _BYTES_PER_SECOND = 10e6

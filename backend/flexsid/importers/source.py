@@ -96,6 +96,9 @@ LARGEST_CONTENT = 2 * 1024**3
 NOT_READ = "not_read"
 """Field of texts in which a reader names what of a file it does not read, and why."""
 
+REFUSED = "refused"
+"""The same of modal data, where modes of other files may replace what is refused."""
+
 _MISSING = (-9999.0, -99999.0, -999.0, -999.25, 9999.0, 99999.0, -32768.0, 1e30, -1e30)
 _MISSING_RATIO = 5.0
 """Values that recorders write for a missing sample, if they exceed all others by this ratio."""
@@ -139,7 +142,8 @@ class SourceFile:
     @property
     def not_read(self) -> tuple[str, ...]:
         """Contents that are not read, and why."""
-        return tuple(str(text) for text in self.arrays.get(NOT_READ, ()))
+        texts = (str(text) for name in (NOT_READ, REFUSED) for text in self.arrays.get(name, ()))
+        return tuple(dict.fromkeys(texts))
 
     def skip_rows(self, n: int) -> SourceFile:
         """Return the file as the source of samples that begin ``n`` rows later."""

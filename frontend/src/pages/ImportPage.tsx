@@ -141,7 +141,7 @@ function DropFiles() {
   return (
     <Section
       title="Recorder files"
-      note="CSV, TSV and fixed-width text, MATLAB, HDF5, NetCDF-4, NumPy, Parquet, MDF4, IRIG 106 Chapter 10, ULog and DataFlash. Nothing is stored before you confirm the contents."
+      note="CSV, TSV and fixed-width text, MATLAB, HDF5, NetCDF-4, NumPy, Parquet, MDF4, TDMS, IRIG 106 Chapter 10, ULog and DataFlash. Nothing is stored before you confirm the contents."
     >
       <Stack gap="md">
         <div

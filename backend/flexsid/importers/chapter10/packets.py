@@ -63,6 +63,8 @@ class Packet:
     data: memoryview
     is_intact: bool = True
     """Whether its data have the sum that the packet states; true if it states none."""
+    n_bytes: int = 0
+    """Size with header and padding."""
 
     @property
     def word(self) -> int:
@@ -99,7 +101,8 @@ def read_packets(content: mmap.mmap | bytes) -> Iterator[Packet]:
             return
         ticks = int.from_bytes(counter, "little")
         intact = _has_valid_sum(view[body:stop], flags)
-        yield Packet(channel, kind, sequence, flags, ticks, view[body : body + n_data], intact)
+        data = view[body : body + n_data]
+        yield Packet(channel, kind, sequence, flags, ticks, data, intact, length)
         start = stop
 
 

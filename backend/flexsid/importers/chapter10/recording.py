@@ -235,8 +235,9 @@ def _scan(content: mmap.mmap) -> _Recording:
     recording = _Recording()
     texts: list[bytes] = []
     has_time = False
-    damaged = 0
+    damaged, n_other_bytes = 0, len(content)
     for packet in read_packets(content):
+        n_other_bytes -= packet.n_bytes
         if not packet.is_intact:
             damaged += 1
         elif packet.kind == SETUP_RECORD:
@@ -255,5 +256,10 @@ def _scan(content: mmap.mmap) -> _Recording:
             recording.others[packet.channel, packet.kind] += 1
     if damaged:
         recording.not_read.append(f"{damaged} packets whose data checksum is wrong")
+    if n_other_bytes:
+        recording.not_read.append(
+            f"{n_other_bytes} bytes outside packets: damaged headers, or the end of a recording "
+            "that was cut off"
+        )
     recording.setup = parse_setup_record(b"".join(texts).decode("latin-1"))
     return recording

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 from flexsid.units import AUTOPILOT_UNITS
 
 _MAGIC = b"\xa3\x95\x80"  # of the first message, which defines the others
 _TEXT = b"FMT,"
 _CLOCK = "TimeUS"
-_DEFINITIONS = {"FMT", "FMTU", "MULT", "PARM", "UNIT"}
+_DEFINITIONS = {"FMT", "FMTU", "MULT", "UNIT"}
+_SETTINGS = {"PARM": "parameters of the autopilot"}
 _INSTANCE = "I"
 """Column of the number of a sensor in all messages that have one."""
 _HEADER = 3  # bytes before the fields of a message
@@ -56,18 +57,25 @@ def read(path: Path) -> Iterator[Field]:
         log: Any = DFReader_binary(str(path))
     try:
         content = np.frombuffer(log.data_map, dtype=np.uint8).copy()
+        left: list[str] = []
         for number, message in sorted(log.formats.items()):
             starts = np.array(log.offsets[number], dtype=np.int64)
             starts = starts[starts + message.len <= content.size]
-            is_defined = _CLOCK in message.columns and message.name not in _DEFINITIONS
-            if is_defined and starts.size:
-                rows = content[starts[:, None] + np.arange(_HEADER, message.len)]
-                yield from _message(message, np.ascontiguousarray(rows))
+            if not starts.size or message.name in _DEFINITIONS:
+                continue
+            if message.name in _SETTINGS or _CLOCK not in message.columns:
+                what = _SETTINGS.get(message.name, "messages without time stamps")
+                left.append(f"{message.name}: {starts.size} {what}")
+                continue
+            rows = content[starts[:, None] + np.arange(_HEADER, message.len)]
+            yield from _message(message, np.ascontiguousarray(rows), left)
+        if left:
+            yield Field(NOT_READ, np.array(left))
     finally:
         log.close()
 
 
-def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
+def _message(message: Any, rows: np.ndarray, left: list[str]) -> Iterator[Field]:
     """Yield the fields of a message; ``rows`` (n_messages, n_bytes) are without their headers."""
     fields: dict[str, np.ndarray] = {}
     start = 0
@@ -76,6 +84,8 @@ def _message(message: Any, rows: np.ndarray) -> Iterator[Field]:
         if kind in _NUMBERS:
             own = np.ascontiguousarray(rows[:, start : start + size])
             fields[column] = own.view(_NUMBERS[kind])[:, 0]
+        else:
+            left.append(f"{message.name}.{column}: {'arrays' if kind == 'a' else 'texts'}")
         start += size
     instance = message.instance_field or _find_instance(fields)
     instances = fields.pop(instance, None) if instance else None

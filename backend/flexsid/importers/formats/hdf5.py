@@ -19,6 +19,11 @@ _FILLS = ("_FillValue", "missing_value")
 _BARE_DIMENSION = b"This is a netCDF dimension but not a netCDF variable"
 _TIME_SINCE = re.compile(r"(nano|micro|milli)?seconds? since ")  # of CF conventions
 _TIME_UNITS = {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}
+_CLASSES = {
+    *(b"struct", b"cell", b"char", b"logical", b"double", b"single"),
+    *(f"{sign}int{n_bits}".encode() for sign in ("", "u") for n_bits in (8, 16, 32, 64)),
+}
+"""Classes of MATLAB that are no objects, as HDF5 files name them."""
 _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "UNITS")
 
 
@@ -80,13 +85,18 @@ def _leaves(
                 f"field '{prefix}{name}' is a link; only plain fields are read.", column=name
             )
         item = _open(group, name, f"{prefix}{name}")
-        if isinstance(item, h5py.Group):
+        kind = item.attrs.get("MATLAB_class", b"struct") if item is not None and matlab else b""
+        if matlab and kind not in _CLASSES:
+            left.append(f"{prefix}{name}: an object of class {_to_text(kind)}; save its numbers")
+        elif isinstance(item, h5py.Group):
             yield from _leaves(item, f"{prefix}{name}.", matlab, seen, left)
         elif isinstance(item, h5py.Dataset):
             fields = list(_leaf(item, f"{prefix}{name}", matlab))
-            if not fields and not _is_empty(item):
+            if not fields:
                 left.append(f"{prefix}{name}: {_describe(item, matlab)}")
             yield from fields
+        else:
+            left.append(f"{prefix}{name}: a type without data")
 
 
 def _open(parent: h5py.Group, key: str | h5py.Reference, path: str) -> h5py.HLObject | None:
@@ -156,6 +166,8 @@ def _is_empty(item: h5py.Dataset) -> bool:
 
 def _describe(item: h5py.Dataset, matlab: bool) -> str:
     """Return what a data set holds that is not read."""
+    if _is_empty(item):
+        return "empty"
     if h5py.check_ref_dtype(item.dtype) is not None:
         what = "an array of structures, or cells that are not all texts" if matlab else "references"
         return f"{what}, {item.shape}"
@@ -163,14 +175,13 @@ def _describe(item: h5py.Dataset, matlab: bool) -> str:
 
 
 def _columns(item: h5py.Dataset, path: str) -> Iterator[Field]:
-    """Read the columns of a table; those of other types are not read."""
+    """Read the columns of a table."""
     table = np.asarray(item)
     for name in item.dtype.names:
         values = table[name]
         if h5py.check_string_dtype(item.dtype[name]) is not None:
             values = np.array([_to_text(one) for one in values.reshape(-1)])
-        if values.dtype.kind in "biufU":
-            yield Field(f"{path}.{name}", np.ascontiguousarray(values))
+        yield Field(f"{path}.{name}", np.ascontiguousarray(values))
 
 
 def _to_text(value: object) -> str:

@@ -14,6 +14,7 @@ from flexsid.importers.formats import hdf5
 from flexsid.importers.source import NOT_READ, Field
 
 DEEPEST = 16
+_OBJECTS = (io.matlab.MatlabOpaque, io.matlab.MatlabObject, io.matlab.MatlabFunction)
 
 _V4_KINDS = {
     1000 * machine + 10 * number + matrix
@@ -66,7 +67,7 @@ def read(path: Path) -> Iterator[Field]:
         _check_length(path)
     else:
         _check_v4_length(path)
-    # MATLAB objects (e.g. an ss system) are listed as unnamed variables; they are skipped.
+    # Functions and data of objects are an unnamed variable; the objects are listed themselves.
     names = [name for name, _, _ in io.whosmat(path) if not name.startswith("__")]
     left: list[str] = []
     for name in names:
@@ -127,6 +128,9 @@ def _leaves(
     path: str, value: object, depth: int, left: list[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the arrays of a variable; what is none is added to ``left`` with its kind."""
+    if isinstance(value, _OBJECTS):
+        left.append(f"{path}: an object of MATLAB, or a function; save its numbers")
+        return
     if sparse.issparse(value):
         left.append(f"{path}: a sparse matrix; save it with full()")
         return
@@ -135,6 +139,8 @@ def _leaves(
         return
     if value.dtype.names is not None:
         elements = value.reshape(-1)
+        if not elements.size:
+            left.append(f"{path}: empty")
         for number, element in enumerate(elements, start=1):
             prefix = path if elements.size == 1 else f"{path}({number})"
             for name in value.dtype.names:
@@ -146,12 +152,12 @@ def _leaves(
         elif any(isinstance(cell, np.ndarray) and cell.dtype.names for cell in cells):
             for number, cell in enumerate(cells, start=1):
                 yield from _leaves(f"{path}({number})", cell, depth + 1, left)
-        elif cells:
-            left.append(f"{path}: cells that are not all texts")
+        else:
+            left.append(f"{path}: {'cells that are not all texts' if cells else 'empty'}")
     elif value.dtype.kind == "c":
         yield f"{path} real", np.real(value).copy()
         yield f"{path} imaginary", np.imag(value).copy()
     elif value.dtype.kind in "biufU":
         yield path, value
-    elif value.size:
+    else:
         left.append(f"{path}: data of type {value.dtype}")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexsid.errors import UnreadableFile
-from flexsid.importers.source import Field
+from flexsid.importers.source import NOT_READ, Field
 
 _FORMULA = {3: 10, 4: 3}
 """Number of the conversion by a formula; a text from a file is not evaluated."""
@@ -42,12 +42,15 @@ def read(path: Path) -> Iterator[Field]:
     with MDF(path, raise_on_multiple_occurrences=False) as file:
         counts = Counter(channel.name for group in file.groups for channel in group.channels)
         version = int(str(file.version)[0])
+        left: list[str] = []
         for number, group in enumerate(file.groups, start=1):
-            yield from _group(file, group, number, version, counts)
+            yield from _group(file, group, number, version, counts, left)
+        if left:
+            yield Field(NOT_READ, np.array(left))
 
 
 def _group(
-    file: Any, group: Any, number: int, version: int, counts: Counter[str]
+    file: Any, group: Any, number: int, version: int, counts: Counter[str], left: list[str]
 ) -> Iterator[Field]:
     master = file.masters_db.get(number - 1)
     n_samples = int(group.channel_group.cycles_nr)
@@ -74,3 +77,15 @@ def _group(
                     f"channel '{name}' holds {samples.size} of {n_samples} samples.", column=name
                 )
             yield Field(name, samples, (signal.unit or "").strip(), clock)
+        else:
+            left.append(f"{name}: {_describe(samples)}")
+
+
+def _describe(samples: np.ndarray) -> str:
+    """Return what the samples of a channel are that is not read."""
+    if samples.dtype.kind in "SU":
+        return "texts, or numbers that a table converts to texts"
+    if samples.dtype.kind == "c":
+        return "complex numbers"
+    each = samples.dtype if samples.ndim < 2 else samples.shape[1:]
+    return f"samples that are arrays or structures, {each}"

@@ -16,9 +16,9 @@ from flexsid.errors import UnreadableFile
 from flexsid.extensions import IMPORTERS, ExtensionFailed, load_extensions, report_errors
 from flexsid.importers import universal
 from flexsid.importers.chapter10 import recording
-from flexsid.importers.formats import csv, dataflash, hdf5, mat, mdf, npz, parquet, ulog
+from flexsid.importers.formats import csv, dataflash, hdf5, mat, mdf, npz, parquet, tdms, ulog
 from flexsid.importers.nastran import bulk, f06, op2, op4, punch
-from flexsid.importers.source import MOST_FIELDS, Field
+from flexsid.importers.source import MOST_FIELDS, NOT_READ, Field
 from flexsid.text import LONGEST_FIELD, check_line, one_line
 
 # --- File formats: suffixes, recognition and reader of each, as one value -------------------------
@@ -87,6 +87,7 @@ _BUILT_IN = (
     _define("HDF5", hdf5, ".h5", ".hdf5", ".nc"),  # NetCDF-4 is HDF5
     _define("Parquet", parquet, ".parquet", needs="pyarrow.parquet", extra="parquet"),
     _define("MDF", mdf, ".mf4", ".mdf", needs="asammdf", extra="mdf"),
+    _define("TDMS", tdms, ".tdms", needs="nptdms", extra="tdms"),
     _define("IRIG 106 Chapter 10", recording, ".ch10", ".c10"),
     _define("ULog", ulog, ".ulg", needs="pyulog", extra="ulog"),
     _define("DataFlash", dataflash, ".bin", needs="pymavlink.DFReader", extra="mavlink"),
@@ -160,12 +161,16 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
             "export it again."
         )
     known: set[str] = set()
+    left: list[str] = []
     try:
         for field in selected.read(path):
-            if len(known) > MOST_FIELDS:
-                raise UnreadableFile(f"it holds more than {MOST_FIELDS} arrays.")
-            if np.asarray(field.samples).dtype.kind in "biufUS":
-                yield _check_field(field, known)
+            if field.path == NOT_READ:
+                left += map(str, field.samples)
+                continue
+            for part in _split_field(field, left):
+                if len(known) > MOST_FIELDS:
+                    raise UnreadableFile(f"it holds more than {MOST_FIELDS} arrays.")
+                yield _check_field(part, known)
     except UnreadableFile as error:
         raise UnreadableFile(
             f"{name}: {error.message}", code=error.code, **error.context
@@ -177,8 +182,35 @@ def read_file(path: Path, name: str) -> Iterator[Field]:
         if selected.package:
             cause += f", in the package {selected.package}, which reads {selected.name} files"
         raise UnreadableFile(f"{name}: the {selected.name} file is damaged ({cause}).") from error
-    if not known:
+    if not known and not left:
         raise UnreadableFile(f"{name}: the file holds no numeric or text array.")
+    if left:
+        yield Field(NOT_READ, np.array([one_line(text) for text in left]))
+
+
+def _split_field(field: Field, left: list[str]) -> Iterator[Field]:
+    """Yield the parts of a field that are numbers or texts; name the others in ``left``.
+
+    A table gives its columns, complex numbers their parts, dates and durations seconds.
+    """
+    values = np.asarray(field.samples)
+    if values.dtype.names is not None:
+        for name in values.dtype.names:
+            column = field._replace(path=f"{field.path}.{name}", samples=values[name].copy())
+            yield from _split_field(column, left)
+    elif values.dtype.kind == "c":
+        for name, part in (("real", np.real(values)), ("imaginary", np.imag(values))):
+            yield field._replace(path=f"{field.path} {name}", samples=part.copy())
+    elif values.dtype.kind in "mM" and np.datetime_data(values.dtype)[0] != "generic":
+        kind = values.dtype.kind
+        whole = values.astype(f"{kind}8[s]")  # of the difference all digits remain
+        rest = (values - whole) / np.timedelta64(1, "s")
+        seconds = whole.astype(np.int64) + rest
+        yield field._replace(samples=np.where(np.isnat(values), np.nan, seconds), unit="s")
+    elif values.dtype.kind in "biufUS":
+        yield field
+    else:
+        left.append(f"{field.path}: data of type {values.dtype}")
 
 
 def load_packages(names: Sequence[str]) -> None:

@@ -9,12 +9,16 @@ import contextlib
 import os
 import struct
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sized
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexsid.importers.source import NOT_READ, Field
+
+if TYPE_CHECKING:
+    from pyulog import ULog
 
 _MAGIC = b"ULog\x01\x12\x35"
 _CLOCKS = ("timestamp_sample", "timestamp")  # of the measurement, of the message
@@ -56,9 +60,23 @@ def read(path: Path) -> Iterator[Field]:
             parts = np.stack([topic.data[key].astype(np.float64) for key in _QUATERNION])
             for angle, samples in _convert_quaternion(parts).items():
                 yield Field(f"{name}.{angle}", samples, "rad", f"{name}.{clock}")
+    left = [f"{what}: {len(held)}" for what, held in _list_others(log).items() if held]
     if _is_cut_off(path):
-        note = "the log ends within a message: what follows is missing"
-        yield Field(NOT_READ, np.array([note]))
+        left.append("the log ends within a message: what follows is missing")
+    if left:
+        yield Field(NOT_READ, np.array(left))
+
+
+def _list_others(log: ULog) -> dict[str, Sized]:
+    """Return what a log has besides topics."""
+    multiple = log.msg_info_multiple_dict
+    return {
+        "parameters of the autopilot": log.initial_parameters,
+        "changes of parameters": log.changed_parameters,
+        "texts of the autopilot": [*log.logged_messages, *log.logged_messages_tagged],
+        "descriptions of the autopilot": [*log.msg_info_dict, *multiple],
+        "gaps of the recorder, in which samples are missing": log.dropouts,
+    }
 
 
 def _convert_quaternion(parts: np.ndarray) -> dict[str, np.ndarray]:

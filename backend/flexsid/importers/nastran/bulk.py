@@ -299,7 +299,8 @@ def build_matrix(matrix: MatrixEntries) -> tuple[MatrixTerms | None, str]:
 _CARD = re.compile(
     rb"^(INIT |SOL |CEND|BEGIN |GRID|DMIG|CORD[12]|GRDSET|INCLUDE |[A-Z][A-Z0-9]+\*? {1,12}\d+ |\$"
     rb"|(C(QUAD|TRIA|BAR|BEAM|ROD|TUBE|ELAS|BUSH|ON[MR]|SHEAR)|PLOTEL|RB|P(SHELL|COMP|BAR|BEAM)"
-    rb"|MAT[1-9]|SPC|MPC|PARAM|CAERO|SPLINE)\w*\*? *,)",
+    rb"|MAT[1-9]|SPC|MPC|PARAM|CAERO|SPLINE)\w*\*? *,"
+    rb"|(MKAERO[12]|FLFACT|AEROS?)\*?( *,| +[-+.\d]*\.\d*([-+]\d+)? ))",
     re.IGNORECASE | re.MULTILINE,
 )
 """Lines with which decks and their parts begin; free format by name, as CSV files have commas."""

@@ -87,6 +87,7 @@ def read(path: Path) -> Iterator[Field]:
     tables: dict[int, EigenvalueTable] = {}
     cases: list[NastranCase] = []
     by_node: dict[int, _NodeShapes] = {}
+    others: list[str] = []
     is_flutter = False
     for block in words.blocks():
         name = block[0][: 2 * words.size].decode("ascii", "replace")
@@ -120,6 +121,8 @@ def read(path: Path) -> Iterator[Field]:
                 refused.append(f"table {name} holds {what}, not the shapes of modes")
             elif "OUG" in name or "PHIG" in name:
                 refused.append(f"table {name} is of a kind that is not read")
+            elif name:  # the first block has the date of the file
+                others.append(f"{name} (a matrix)" if _is_matrix(block, words) else name)
     if is_flutter and any(case.is_complex for case in cases):
         refused.append("complex modes of a flutter analysis, which are not in vacuo")
         cases = [case for case in cases if not case.is_complex]
@@ -133,6 +136,8 @@ def read(path: Path) -> Iterator[Field]:
         elif not _add_case(cases, case):
             refused.append(f"shapes sorted by node of subcase {shapes.subcase}: others are read")
     refused += list_notes(cases)
+    if others:
+        refused.append(f"tables of other content: {', '.join(dict.fromkeys(others))}")
     found |= {one.path: one for one in list_cases(cases, _match_subcases(tables, cases))}
     if not found:
         raise UnreadableFile(
@@ -146,6 +151,12 @@ def read(path: Path) -> Iterator[Field]:
         yield Field("line/nodes", np.unique(np.concatenate(edges), axis=0))
     if refused:
         yield Field("refused", np.array(list(dict.fromkeys(refused)), dtype=np.str_))
+
+
+def _is_matrix(block: list[bytes], words: _Words) -> bool:
+    """Return whether records of a block are columns: their type is 1, that of tables 0."""
+    column = np.array(1, words.integer).tobytes()
+    return any(record[: words.size] == column for record in block[2:])
 
 
 def _add_group(found: dict[str, Field], taken: dict[str, Field], group: str) -> bool:

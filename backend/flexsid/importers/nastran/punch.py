@@ -95,6 +95,8 @@ class _Punched:
             self._end_row()
             if found[2] == "G":
                 self._begin_row(found[1], found[3].split())
+            elif self._is_read:
+                self._note("values at scalar points")
 
     def cases(self) -> list[NastranCase]:
         """Return the shapes of every analysis."""
@@ -115,6 +117,8 @@ class _Punched:
             self._begin_point(line)
         elif title not in _DESCRIPTIONS and not title.startswith(("$EIGENVALUE", "$ ")):
             self._is_read = False  # other results
+            if not title.startswith(("$TITLE", "$ELEMENT TYPE")):
+                self._note(f"{title.removeprefix('$').lower()}")
         if (case := _SUBCASE.search(line)) is not None:
             self._subcase = int(case[1])
         if (named := _LABEL.match(line)) is not None:

@@ -122,6 +122,7 @@ class GuessKind(StrEnum):
     CLOCK = "clock"
     UNIT = "unit"
     ROLE = "role"
+    NAME = "name"
     CONDITION = "condition"
 
 
@@ -197,6 +198,9 @@ def _guess(store: Store, upload: ParsedUpload, guessed: Guessed) -> Guess:
     elif key == "role":
         names = join_names([channel.name for channel in channels])
         kind, consequence = GuessKind.ROLE, f"{names} used as {guessed.value}"
+    elif key == "name":
+        fields = join_names([channel.field for channel in channels])
+        kind, consequence = GuessKind.NAME, f"the name of column {fields}"
     else:
         kind, consequence = GuessKind.UNIT, _describe_unit(channels)
     value = guessed.value

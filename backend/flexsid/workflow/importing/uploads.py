@@ -150,7 +150,11 @@ def open_upload(store: Store, upload_id: str) -> Sources:
     UnknownRecord
         If there is no such upload, or it is of another account.
     """
-    return sandbox.load(find_folder(store, upload_id))
+    folder = find_folder(store, upload_id)
+    try:
+        return sandbox.load(folder)
+    except FileNotFoundError as error:  # deleted meanwhile
+        raise _refuse_upload(upload_id) from error
 
 
 def find_folder(store: Store, upload_id: str) -> Path:
@@ -160,12 +164,16 @@ def find_folder(store: Store, upload_id: str) -> Path:
     if _NAME.fullmatch(upload_id) is not None:
         uploader = _read_uploader(store, folder)
     if uploader is None or (get_access() is not None and uploader != _name_uploader()):
-        raise UnknownRecord(
-            f"There is no upload '{upload_id[:40]}'; uploads are stored for {RETENTION_DAYS} days."
-        )
+        raise _refuse_upload(upload_id)
     if not (folder / _UPLOADER).is_file():
         _copy_here(store, folder)
     return folder
+
+
+def _refuse_upload(upload_id: str) -> UnknownRecord:
+    return UnknownRecord(
+        f"There is no upload '{upload_id[:40]}'; uploads are stored for {RETENTION_DAYS} days."
+    )
 
 
 def _read_uploader(store: Store, folder: Path) -> str | None:

@@ -14,6 +14,7 @@ const TITLES: Record<Guess["kind"], string> = {
   clock: "Clock",
   unit: "Units",
   role: "Roles",
+  name: "Names",
   condition: "Flight condition",
 };
 
