@@ -119,7 +119,7 @@ def test_a_netcdf_file_is_read_as_its_variables(tmp_path: Path) -> None:
         q.attrs["_FillValue"] = np.array([-9999], "i2")
         q.dims[0].attach_scale(time)
     fields = {field.path: field for field in read_file(path, path.name)}
-    assert set(fields) == {"time", "q"}
+    assert set(fields) == {"time", "q", "not_read"}  # the dimension without values
     assert (fields["time"].unit, fields["q"].unit) == ("ns", "deg/s")
     np.testing.assert_allclose(fields["q"].samples, [1.0, 2.0, np.nan, 0.5])
     classic = write(tmp_path / "classic.nc", "CDF\x01 and so on")

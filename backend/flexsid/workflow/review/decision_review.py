@@ -143,7 +143,7 @@ def comment(
         return append(store, decision, EventKind.COMMENTED, author, text, derivative=derivative)
 
 
-class OpenWarnings(Conflict):
+class UnexplainedWarnings(Conflict):
     """The evidence has warnings, and an approval does not state why it is given despite them."""
 
     code = "open-warnings"
@@ -178,7 +178,7 @@ def cast_vote(
     ------
     OwnProposal
         If the rules do not allow votes on own proposals.
-    OpenWarnings
+    UnexplainedWarnings
         If an approval says nothing of the warnings.
     StaleEdit
         If the proposal was revised since it was read.
@@ -208,7 +208,7 @@ def cast_vote(
 def _state_reason(warnings: Sequence[str], despite: str) -> str:
     listed = "\n".join(f"- {warning}" for warning in warnings)
     if not despite.strip():
-        raise OpenWarnings(
+        raise UnexplainedWarnings(
             f"state in `despite` why the proposal is approved despite the open warnings:\n{listed}"
         )
     return f"Despite the open warnings\n{listed}\n\n{despite}"
