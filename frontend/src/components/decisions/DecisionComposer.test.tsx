@@ -78,7 +78,9 @@ it("states the consequence of approval in the button, and offers no approval wit
   await userEvent.type(await screen.findByTestId("comment-text"), "looked at");
   expect(screen.getByTestId("vote-approve")).toHaveTextContent("Approve: supersedes decision 2");
   expect(screen.getByTestId("vote-approve")).toBeEnabled();
-  await show(<DecisionComposer decision={DECISION} revision={1} consequence={undefined} warnings={[]} />);
+  await show(
+    <DecisionComposer decision={DECISION} revision={1} consequence={undefined} warnings={[]} />,
+  );
   for (const button of screen.getAllByText("Approve"))
     expect(button.closest("button")).toBeDisabled();
 });
