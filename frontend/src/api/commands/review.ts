@@ -51,7 +51,7 @@ export function useCommentDecision(id: number) {
 
 export function useVote(id: number) {
   return useMutation({
-    mutationFn: (request: { revision: number; vote: Vote; text: string; despite?: string }) =>
+    mutationFn: (request: { revision: number; vote: Vote; text: string; despite: string }) =>
       body(
         api.POST("/api/v1/decisions/{decision_id}/votes", {
           params: { path: { decision_id: id }, header: named() },
