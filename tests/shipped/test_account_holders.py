@@ -16,11 +16,14 @@ NEW = "another correct horse"
 
 @dataclass(frozen=True, slots=True)
 class Team:
+    """A server, and the member of a test: each has its own."""
+
     server: Server
     database: Path
+    name: str
 
     def log_in(self, password: str = PASSWORD) -> Client:
-        return self.server.log_in("Ann", password)
+        return self.server.log_in(self.name, password)
 
     def set_used_at(self, modifier: str) -> None:
         """Let sessions have been used earlier, as with a clock that is later."""
@@ -33,15 +36,25 @@ class Team:
             connection.commit()
 
 
+_NAMES = iter(("Ann", "Cid", "Dora", "Eve"))
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Server, Path]]:
+    folder = tmp_path_factory.mktemp("team")
+    database = f"sqlite:///{folder / 'team.db'}"
+    ask_command(folder, database, "migrate")
+    with serving(folder, database, FLEXSID_MODE="team") as server:
+        set_password(server, invite(folder, database, "Bea"))
+        yield server, folder
+
+
 @pytest.fixture
-def team(tmp_path: Path) -> Iterator[Team]:
-    database = f"sqlite:///{tmp_path / 'team.db'}"
-    ask_command(tmp_path, database, "migrate")
-    codes = [invite(tmp_path, database, name) for name in ("Ann", "Bea")]
-    with serving(tmp_path, database, FLEXSID_MODE="team") as server:
-        for code in codes:
-            set_password(server, code)
-        yield Team(server, tmp_path / "team.db")
+def team(served: tuple[Server, Path]) -> Team:
+    server, folder = served
+    name = next(_NAMES)
+    set_password(server, invite(folder, f"sqlite:///{folder / 'team.db'}", name))
+    return Team(server, folder / "team.db", name)
 
 
 def find_status(client: Client) -> int:
@@ -53,7 +66,7 @@ def test_a_changed_password_ends_other_sessions(team: Team) -> None:
     for password, new, code in (
         ("a wrong password", NEW, "wrong-password"),
         (PASSWORD, "short", "bad-password"),
-        (PASSWORD, "Ann", "bad-password"),
+        (PASSWORD, team.name, "bad-password"),
     ):
         body = {"password": password, "new_password": new}
         refused = here.request("put", "session/password", body)
@@ -63,7 +76,7 @@ def test_a_changed_password_ends_other_sessions(team: Team) -> None:
     here.send("put", "session/password", {"password": PASSWORD, "new_password": NEW})
     assert (find_status(here), find_status(elsewhere), find_status(bea)) == (200, 401, 200)
     old = team.server.connect(headers={"Sec-Fetch-Site": "same-origin"})
-    sent = {"name": "Ann", "password": PASSWORD}
+    sent = {"name": team.name, "password": PASSWORD}
     assert old.request("post", "session", sent).status_code == 401
     assert find_status(team.log_in(NEW)) == 200
 
@@ -74,14 +87,13 @@ def test_sessions_are_listed_and_ended(team: Team) -> None:
     assert [found["is_current"] for found in listed] == [True, False, False]
     assert {found["address"] for found in listed} == {"127.0.0.1"}
     of_bea = team.server.log_in("Bea").get("sessions")["items"]
-    assert len(of_bea) == 1
     assert one.request("delete", f"sessions/{of_bea[0]['id']}").status_code == 404
     one.send("delete", f"sessions/{listed[1]['id']}")
     assert [find_status(client) for client in (one, two, three)] == [200, 401, 200]
     one.send("delete", "sessions")
     assert [find_status(client) for client in (one, two, three)] == [401, 401, 401]
     assert one.get("session")["name"] is None
-    assert len(team.server.log_in("Bea").get("sessions")["items"]) == 2
+    assert len(team.server.log_in("Bea").get("sessions")["items"]) == len(of_bea) + 1
 
 
 def test_a_session_without_requests_ends(team: Team) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from campaign import draw_flight
 from drawn_columns import DrawnFile, write_drawn_file
-from shipped import serving
+from shipped import Client, serving
 
 PROPOSED = {
     **{"delta_e": "elevator", "delta_a": "aileron", "delta_r_deg": "rudder"},
@@ -19,13 +20,19 @@ PROPOSED = {
 }
 
 
-def test_only_a_whole_prefix_is_removed_from_a_name(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
+    folder = tmp_path_factory.mktemp("names")
+    with serving(folder, f"sqlite:///{folder / 'flexsid.db'}") as server:
+        yield server.connect()
+
+
+def test_only_a_whole_prefix_is_removed_from_a_name(client: Client, tmp_path: Path) -> None:
     names = ["time_s", "q_degs", *PROPOSED]
     rows = [[row / 50, *((row * k) % 7 for k in range(len(names) - 1))] for row in range(100)]
     file = tmp_path / "flight.csv"
     file.write_text("\n".join([",".join(names), *(",".join(map(str, row)) for row in rows)]))
-    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
-        proposal = server.connect().upload(file)["proposal"]["text"]
+    proposal = client.upload(file)["proposal"]["text"]
     channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
     assert {name: channels[name]["name"] for name in PROPOSED} == PROPOSED
     inputs = {name for name in PROPOSED if channels[name]["role"] == "input"}
@@ -45,13 +52,12 @@ LOGGED = {
 """Columns of logs: the name that is proposed, and its unit."""
 
 
-def test_what_a_log_computes_is_no_measurement(tmp_path: Path) -> None:
+def test_what_a_log_computes_is_no_measurement(client: Client, tmp_path: Path) -> None:
     names = ["time_s", *LOGGED]
     rows = [[row / 50, *((row * k) % 7 for k in range(len(names) - 1))] for row in range(100)]
     file = tmp_path / "flight.csv"
     file.write_text("\n".join([",".join(names), *(",".join(map(str, row)) for row in rows)]))
-    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
-        proposal = server.connect().upload(file)["proposal"]["text"]
+    proposal = client.upload(file)["proposal"]["text"]
     channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
     proposed = {name: (channels[name]["name"], channels[name]["unit"]) for name in names[1:]}
     assert proposed == {name: LOGGED[name] for name in names[1:]}
@@ -65,12 +71,13 @@ UNITS = {"ue": 1e-6, "microstrain": 1e-6, "ustrain": 1e-6, "ft/s^2": 0.3048, "ft
 @pytest.mark.parametrize(
     "seed", [4, *(pytest.param(k, marks=pytest.mark.long) for k in range(20) if k != 4)]
 )
-def test_strange_names_are_recognised_by_words_and_motion(seed: int, tmp_path: Path) -> None:
+def test_strange_names_are_recognised_by_words_and_motion(
+    client: Client, seed: int, tmp_path: Path
+) -> None:
     flight = draw_flight(777, seed, rows=6000)
     rng = np.random.default_rng([seed, 7])
     drawn = write_drawn_file(rng, tmp_path, flight.aircraft, flight.record)
-    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
-        proposal = server.connect().upload(drawn.path)["proposal"]["text"]
+    proposal = client.upload(drawn.path)["proposal"]["text"]
     wrong, silent = judge_proposal(drawn, proposal)
     assert not silent  # what is guessed is asked
     assert len(wrong) <= 0.12 * len(drawn.truth), wrong
@@ -97,37 +104,37 @@ def judge_proposal(drawn: DrawnFile, proposal: str) -> tuple[list[str], list[str
     return wrong, silent
 
 
-def test_pulse_widths_are_no_deflections_without_a_calibration(tmp_path: Path) -> None:
+def test_pulse_widths_are_no_deflections_without_a_calibration(
+    client: Client, tmp_path: Path
+) -> None:
     rows = [
         f"{k / 50},{1500 + 400 * np.sin(k / 9):.0f},{1400 + k % 90},{k % 7}" for k in range(200)
     ]
     file = tmp_path / "flight.csv"
     file.write_text("\n".join(["time_s,elevator,servo3,q_degs", *rows]))
-    with serving(tmp_path, f"sqlite:///{tmp_path / 'flexsid.db'}") as server:
-        client = server.connect()
-        found = client.upload(file)
-        proposal = found["proposal"]["text"]
-        channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
-        elevator, servo = channels["elevator"], channels["servo3"]
-        assert (elevator["unit"], elevator["role"]) == ("us", "input")
-        assert {"unit", "role"} <= set(elevator["guessed"])
-        assert (servo["name"], servo["unit"], servo["role"]) == ("servo3", "us", "output")
-        assert proposal.count("needs unit, role and calibration") == 2
+    found = client.upload(file)
+    proposal = found["proposal"]["text"]
+    channels = {one["column"]: one for one in tomllib.loads(proposal)["channels"]}
+    elevator, servo = channels["elevator"], channels["servo3"]
+    assert (elevator["unit"], elevator["role"]) == ("us", "input")
+    assert {"unit", "role"} <= set(elevator["guessed"])
+    assert (servo["name"], servo["unit"], servo["role"]) == ("servo3", "us", "output")
+    assert proposal.count("needs unit, role and calibration") == 2
 
-        def check(mapping: str) -> dict:
-            path = f"uploads/{found['upload']['id']}/check"
-            return client.send("post", path, {"mapping": mapping})
+    def check(mapping: str) -> dict:
+        path = f"uploads/{found['upload']['id']}/check"
+        return client.send("post", path, {"mapping": mapping})
 
-        for unit in ("us", "deg"):
-            part = '"elevator"\nunit = "us"'
-            problem = check(proposal.replace(part, part.replace("us", unit)))["problem"]
-            assert problem["code"] == "needs-calibration"
-            assert "calibration = [[1000, -25]" in problem["message"]
-        table = 'unit = "deg"\ncalibration = [[1000, 25], [1500, 5], [2000, -25]]'
-        mapping = proposal.replace('name = "elevator"\nunit = "us"', f'name = "elevator"\n{table}')
-        channel = next(one for one in check(mapping)["channels"] if one["name"] == "elevator")
-        assert channel["largest"] == pytest.approx(21.0)
-        assert channel["smallest"] == pytest.approx(-19.0)
-        narrow = check(mapping.replace("[2000, -25]", "[1800, -25]"))["problem"]
-        assert narrow["code"] == "outside-calibration"
-        assert "its calibration has 1000 to 1800" in narrow["message"]
+    for unit in ("us", "deg"):
+        part = '"elevator"\nunit = "us"'
+        problem = check(proposal.replace(part, part.replace("us", unit)))["problem"]
+        assert problem["code"] == "needs-calibration"
+        assert "calibration = [[1000, -25]" in problem["message"]
+    table = 'unit = "deg"\ncalibration = [[1000, 25], [1500, 5], [2000, -25]]'
+    mapping = proposal.replace('name = "elevator"\nunit = "us"', f'name = "elevator"\n{table}')
+    channel = next(one for one in check(mapping)["channels"] if one["name"] == "elevator")
+    assert channel["largest"] == pytest.approx(21.0)
+    assert channel["smallest"] == pytest.approx(-19.0)
+    narrow = check(mapping.replace("[2000, -25]", "[1800, -25]"))["problem"]
+    assert narrow["code"] == "outside-calibration"
+    assert "its calibration has 1000 to 1800" in narrow["message"]

@@ -431,6 +431,8 @@ def _fit_band(
                     fit, band, transform, size[:, None] * V.conj().T, scale
                 )
             fit = larger
+        if best is not None and fit.model.poles.size <= best.poles.size:
+            return best  # the fit to more components has lost a mode: it would come and go
         best = _describe_band(fit, band, transform, size[:, None] * V.conj().T, scale)
         poles, shapes = best.poles, best.shapes
     return best
