@@ -456,6 +456,11 @@ def _describe_band(
     poles = fit.model.poles
     spectrum = compute_spectrum(band, fit.model)
     power = np.real(np.einsum("ao,bac,co->bo", back, spectrum, back.conj())) * scale**2
+    # What is outside the components has no part of the modes: its mean level is noise.
+    unit = back / np.linalg.norm(back, axis=1, keepdims=True)
+    relative = transform / scale
+    outside = relative - relative @ unit.conj().T @ unit
+    level = np.mean(np.abs(outside * scale) ** 2)
     # Frequencies near the poles, of which the parameters of the modes take degrees of freedom.
     near = (np.abs(1j * band.lines[:, None] - poles) < _NEAR * -np.real(poles)).any(axis=1)
     n_out = back.shape[0]
@@ -466,7 +471,7 @@ def _describe_band(
         shapes=(fit.model.shapes @ back) * scale,
         theta=band.average(band.lines),
         measured=band.average(np.mean(np.abs(transform) ** 2, axis=1)),
-        fitted=np.mean(power, axis=1),
+        fitted=np.mean(power, axis=1) + level,
     )
 
 
