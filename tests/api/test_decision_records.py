@@ -74,7 +74,12 @@ def test_audit_trail_contains_all_events(act: Act) -> None:
         ("commented", None, "Bo", "# <b>not significant</b>\n| anywhere"),
         ("voted", "request-changes", "Cy", "request-changes it is"),
         ("revised", None, "Ann", "as Bo proposes"),
-        ("voted", "approve", "Cy", events[4]["text"]),
+        (
+            *("voted", "approve", "Cy"),
+            "approve it is\n\nDespite the open warnings\n"
+            "- No attached run estimated the proposed model structure.\n"
+            "- Run 1 estimated another model structure than the proposed one.\n\nflown next",
+        ),
         ("adopted", None, "Cy", "by Cy; quorum 1"),
     ]
     previous = ""

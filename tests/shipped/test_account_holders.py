@@ -87,6 +87,8 @@ def test_sessions_are_listed_and_ended(team: Team) -> None:
     assert [found["is_current"] for found in listed] == [True, False, False]
     assert {found["address"] for found in listed} == {"127.0.0.1"}
     of_bea = team.server.log_in("Bea").get("sessions")["items"]
+    assert not {found["id"] for found in listed} & {found["id"] for found in of_bea}
+    assert [found["is_current"] for found in of_bea].count(True) == 1
     assert one.request("delete", f"sessions/{of_bea[0]['id']}").status_code == 404
     one.send("delete", f"sessions/{listed[1]['id']}")
     assert [find_status(client) for client in (one, two, three)] == [200, 401, 200]

@@ -34,6 +34,7 @@ from flexsid.storage.store import Store
 from flexsid.streams.receivers import load_receivers
 from flexsid.sysid.model.sensor_models import load_sensor_models
 from flexsid.workflow.fits.computation import load_estimators
+from flexsid.workflow.review.condition_sheet import load_simulated
 
 # --- Commands ``flexsid serve`` and ``flexsid demo`` ----------------------------------------------
 
@@ -94,6 +95,7 @@ def _load_extensions() -> None:
     load_formats()
     load_receivers()
     load_estimators()
+    load_simulated()
 
 
 def _serve_on(

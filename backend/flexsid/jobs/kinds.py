@@ -55,7 +55,7 @@ from flexsid.workflow.quality import compatibility, maneuver_quality
 from flexsid.workflow.review.condition_sheet import (
     build_condition_sheet,
     find_condition,
-    find_simulated,
+    load_simulated,
 )
 from flexsid.workflow.runs import estimation
 from flexsid.workflow.runs.run_identity import list_run_contents
@@ -453,6 +453,6 @@ def read_condition_sheet(store: Store, condition_id: int, truth: bool = False) -
         condition_id,
         partial(find_stored_flutter, store),
         partial(find_stored_predictions, store),
-        simulated=find_simulated(find_condition(store, condition_id).aircraft_name),
+        simulated=load_simulated().get(find_condition(store, condition_id).aircraft_name),
         shows_truth=truth,
     )

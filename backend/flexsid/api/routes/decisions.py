@@ -48,6 +48,7 @@ from flexsid.records.decision import (
     ModelProposal,
     ReviewRules,
     StructureReference,
+    Vote,
 )
 from flexsid.storage.list_query import Items
 from flexsid.storage.signatures import SignaturePlace, sign_content
@@ -153,6 +154,7 @@ def vote_on_decision(
 
     An approval despite warnings of the evidence states its reason in `despite`.
     """
+    approves = body.vote is Vote.APPROVE
     stored = decision_review.cast_vote(
         store,
         decision_id,
@@ -160,7 +162,7 @@ def vote_on_decision(
         body.vote,
         body.text,
         analyst,
-        warnings=_collect_evidence(store, decision_id).warnings,
+        warnings=_collect_evidence(store, decision_id).warnings if approves else (),
         despite=body.despite,
     )
     return _build_detail(store, stored)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -202,7 +203,8 @@ def build_condition_sheet(
     reference = methods[0] if methods else None
     predictions = _load_predictions(store, [*methods, *repeats])
     fuel = record.fuel_fraction
-    truth = simulated.compute_derivatives(fuel) if simulated and shows_truth else None
+    known = {} if simulated is None else simulated.compute_derivatives(fuel)
+    truth = known if known and shows_truth else None
     sources, rows = _build_rows(store, methods, repeats, predictions, fuel, truth)
     true = [] if truth is None else [one for row in rows if (one := row.values[-1]) is not None]
     testable = [row for row in rows if row.is_testable]
@@ -243,16 +245,16 @@ def build_condition_sheet(
         data_hash=None if reference is None else reference.run.data_hash,
         input_hash=None if reference is None else reference.run.input_hash,
         versions={} if reference is None else (reference.run.versions or {}),
-        has_truth=simulated is not None,
+        has_truth=any(row.name in known for row in rows),
         n_true=len(true),
         n_inside=sum(abs(one.deviation_sigma or 0.0) <= AGREEMENT_SIGMA for one in true),
     )
 
 
-def find_simulated(aircraft_name: str) -> SimulatedAircraft | None:
-    """Find the aircraft of a name among those of simulations that packages declare."""
-    known = load_extensions(TRUTHS, SimulatedAircraft)
-    return next((one for _, _, one in known if one.name == aircraft_name), None)
+@cache
+def load_simulated() -> Mapping[str, SimulatedAircraft]:
+    """Load the aircraft of simulations that packages declare, once, by name."""
+    return {one.name: one for _, _, one in load_extensions(TRUTHS, SimulatedAircraft)}
 
 
 def _load_runs(store: Store, item: ConditionItem) -> tuple[list[_Finished], tuple[int, ...]]:
